@@ -1,0 +1,129 @@
+"""The medium: speed of sound, density and attenuation of air."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from pacinian.checks import number
+from pacinian.errors import ArgumentError
+
+GAS = 8.314462618  # [J/(mol K)]
+DRY_AIR = 0.0289647  # [kg/mol]
+WATER = 0.01801528  # [kg/mol]
+ATMOSPHERE = 101_325.0  # [Pa]
+POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Air:
+    """Air at rest, with its attenuation a(r) = r^-n exp(-beta r).
+
+    temperature: [degC]; given, it sets the speed of sound and the density (ideal gas).
+    humidity: relative, 0..1. ambient_pressure: [Pa].
+    speed_of_sound: [m/s], 340 by default. density: [kg/m^3], 1.2 by default.
+    attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), a power n, or
+        "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency, with 20 degC and
+        50 % relative humidity where `temperature` and `humidity` are not given).
+    absorption: beta [1/m], given instead of computed.
+    Raises ArgumentError.
+    """
+
+    temperature: float | None = None
+    humidity: float = 0.5
+    ambient_pressure: float = ATMOSPHERE
+    speed_of_sound: float = 0.0
+    density: float = 0.0
+    attenuation: str | float = "spherical"
+    absorption: float | None = None
+    power: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        number("humidity", self.humidity, low=0.0, high=1.0)
+        number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7)
+        c, rho = 340.0, 1.2  # [m/s], [kg/m^3]
+        if self.temperature is not None:
+            number("temperature", self.temperature, low=-80.0, high=100.0)
+            c, rho = _ideal_gas(self.temperature, self.humidity, self.ambient_pressure)
+        for name, value, default in (
+            ("speed_of_sound", self.speed_of_sound, c),
+            ("density", self.density, rho),
+        ):
+            given = number(name, value, low=0.0)
+            object.__setattr__(self, name, given or default)
+        if isinstance(self.attenuation, str):
+            if self.attenuation not in POWERS:
+                known = ", ".join(map(repr, POWERS))
+                raise ArgumentError(
+                    "attenuation", f"must be {known} or a power, not {self.attenuation!r}"
+                )
+            power = POWERS[self.attenuation]
+        else:
+            power = number("attenuation", self.attenuation, low=0.0, high=8.0)
+        object.__setattr__(self, "power", power)
+        if self.absorption is not None:
+            number("absorption", self.absorption, low=0.0, high=1e3)
+
+    def wavenumber(self, frequency: float) -> float:
+        """k = 2 pi f / c [rad/m] at `frequency` [Hz]."""
+        return 2.0 * math.pi * frequency / self.speed_of_sound
+
+    def wavelength(self, frequency: float) -> float:
+        """c / f [m] at `frequency` [Hz]."""
+        return self.speed_of_sound / frequency
+
+    def beta(self, frequency: float) -> float:
+        """Absorption coefficient of the amplitude [1/m] at `frequency` [Hz]."""
+        if self.absorption is not None:
+            return self.absorption
+        if self.attenuation != "absorbing":
+            return 0.0
+        temperature = 20.0 if self.temperature is None else self.temperature
+        decibels = iso_9613_1(frequency, temperature, self.humidity, self.ambient_pressure)
+        return decibels * math.log(10.0) / 20.0
+
+    @property
+    def singular(self) -> bool:
+        """Whether the attenuation is infinite at a transducer."""
+        return self.power > 0.0
+
+
+def iso_9613_1(
+    frequency: float, temperature: float, humidity: float, ambient_pressure: float = ATMOSPHERE
+) -> float:
+    """Attenuation of sound by the atmosphere [dB/m], ISO 9613-1:1993, equations (3) to (5), (B.1) to (B.3).
+
+    frequency: [Hz]. temperature: [degC]. humidity: relative, 0..1. ambient_pressure: [Pa].
+    The standard's table ends at 10 kHz; its formula is used beyond (1.32 dB/m at 40 kHz, 20 degC, 50 %).
+    """
+    kelvin = temperature + 273.15
+    T = kelvin / 293.15  # relative to 20 degC
+    p = ambient_pressure / ATMOSPHERE
+    h = 100.0 * humidity * _saturation(kelvin) / p  # molar concentration of water vapour [%]
+    oxygen = p * (24.0 + 4.04e4 * h * (0.02 + h) / (0.391 + h))  # relaxation frequency [Hz]
+    nitrogen = (
+        p * T**-0.5 * (9.0 + 280.0 * h * math.exp(-4.170 * (T ** (-1.0 / 3.0) - 1.0)))
+    )  # [Hz]
+    f2 = frequency * frequency
+    classical = 1.84e-11 / p * T**0.5
+    relaxation = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f2 / oxygen)
+    relaxation += 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen + f2 / nitrogen)
+    return 20.0 / math.log(10.0) * f2 * (classical + T**-2.5 * relaxation)
+
+
+def _saturation(kelvin: float) -> float:
+    """Saturation vapour pressure of water over one atmosphere, ISO 9613-1 (B.2), (B.3)."""
+    return float(10.0 ** (-6.8346 * (273.16 / kelvin) ** 1.261 + 4.6151))
+
+
+def _ideal_gas(temperature: float, humidity: float, ambient_pressure: float) -> tuple[float, float]:
+    """Speed of sound [m/s] and density [kg/m^3] of moist air as a mixture of ideal gases.
+
+    Molar heat capacities 7/2 R (dry air) and 4 R (water vapour); 343.2 m/s at 20 degC, dry.
+    """
+    kelvin = temperature + 273.15
+    x = humidity * _saturation(kelvin) * ATMOSPHERE / ambient_pressure  # mole fraction of water
+    mass = (1.0 - x) * DRY_AIR + x * WATER  # [kg/mol]
+    capacity = (1.0 - x) * 3.5 + x * 4.0  # Cp / R
+    gamma = capacity / (capacity - 1.0)
+    return math.sqrt(gamma * GAS * kelvin / mass), ambient_pressure * mass / (GAS * kelvin)

@@ -1,0 +1,173 @@
+"""An array of transducers: where they are, where they point, what kind they are."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pose import Pose
+from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
+from pacinian.checks import integer, length, near, numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.types import ArrayLike, Floats
+
+PITCH = 0.01016  # [m], AUTD unit
+UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
+MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
+
+
+class CoincidentTransducers(UserWarning):
+    """Some transducers are at the same place, which no real array can have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Array:
+    """N transducers.
+
+    positions: [m], shape (N, 3). normals: where they point, shape (N, 3), normalised here.
+    transducer: their kind; ideal (omni, 1 Pa at 1 m) unless given.
+    Raises ArgumentError; warns of coincident transducers.
+    """
+
+    positions: Floats
+    normals: Floats
+    transducer: Transducer = IDEAL
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        normals: ArrayLike = (0.0, 0.0, 1.0),
+        transducer: Transducer = IDEAL,
+    ) -> None:
+        r = numbers("positions", positions, (None, 3)).copy()
+        if not len(r):
+            raise ArgumentError("positions", "must hold at least one transducer")
+        near("positions", r, r.mean(axis=0))
+        try:
+            n = numbers(
+                "normals", np.broadcast_to(np.asarray(normals, dtype=np.float64), r.shape), r.shape
+            )
+        except (TypeError, ValueError):
+            raise ArgumentError(
+                "normals", f"must be finite and have shape {r.shape} or (3,)"
+            ) from None
+        size = np.sqrt((n * n).sum(axis=1, keepdims=True))
+        if (size < 1e-12).any():
+            raise ArgumentError("normals", f"has no length at {int(np.argmin(size))}")
+        n = n / size
+        _, first, count = np.unique(r, axis=0, return_index=True, return_counts=True)
+        if (count > 1).any():
+            where = ", ".join(map(str, sorted(first[count > 1].tolist())[:5]))
+            warnings.warn(
+                f"{int((count - 1).sum())} transducers share the place of others (first: {where})",
+                CoincidentTransducers,
+                stacklevel=2,
+            )
+        r.flags.writeable = n.flags.writeable = False
+        object.__setattr__(self, "positions", r)
+        object.__setattr__(self, "normals", n)
+        object.__setattr__(self, "transducer", transducer)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(self.positions, axis=0))
+        return f"<Array of {len(self)} transducers, {size} mm, {self.transducer.frequency / 1e3:g} kHz>"
+
+    def __add__(self, other: Array) -> Array:
+        """Both arrays' transducers, in order; they must be of one kind."""
+        if other.transducer != self.transducer:
+            raise ArgumentError("other", "has another kind of transducer: one array has one kind")
+        return Array(
+            np.concatenate([self.positions, other.positions]),
+            np.concatenate([self.normals, other.normals]),
+            self.transducer,
+        )
+
+    @property
+    def centre(self) -> Floats:
+        """The mean position [m], shape (3,)."""
+        return np.asarray(self.positions.mean(axis=0))
+
+    def moved(self, pose: Pose) -> Array:
+        """This array placed by `pose`."""
+        return Array(pose.points(self.positions), pose.directions(self.normals), self.transducer)
+
+    def without(self, dead: ArrayLike) -> Array:
+        """This array less the transducers `dead` (indices)."""
+        indices = np.asarray(dead, dtype=np.intp).reshape(-1)
+        if indices.size and (indices.min() < -len(self) or indices.max() >= len(self)):
+            raise ArgumentError("dead", f"must be indices below {len(self)}")
+        keep = np.ones(len(self), dtype=bool)
+        keep[indices] = False
+        return Array(self.positions[keep], self.normals[keep], self.transducer)
+
+    def fold(self, hinge: str = "x", angle: float = 45.0) -> Array:
+        """This planar array folded towards +z about its own centre line.
+
+        hinge: "x" or "y", the axis that stays. angle: by how much each half is raised [deg].
+        """
+        if hinge not in ("x", "y"):
+            raise ArgumentError("hinge", f'must be "x" or "y", not {hinge!r}')
+        axis = 1 if hinge == "x" else 0  # the coordinate that is bent
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        r, n = self.positions.copy(), self.normals.copy()
+        u = r[:, axis] - self.centre[axis]  # [m] from the hinge
+        side = np.sign(u)
+        height = r[:, 2] - self.centre[2]
+        r[:, axis] = self.centre[axis] + c * u - s * side * height
+        r[:, 2] = self.centre[2] + s * np.abs(u) + c * height
+        v, z = n[:, axis].copy(), n[:, 2].copy()
+        n[:, axis], n[:, 2] = c * v - s * side * z, s * side * v + np.where(side == 0.0, 1.0, c) * z
+        return Array(r, n, self.transducer)
+
+    def driven_by(self, transducer: Transducer) -> Array:
+        """This array with another kind of transducer."""
+        return replace(self, transducer=transducer)
+
+
+def lattice(
+    width: float, height: float, pitch: float = 0.01, transducer: Transducer = IDEAL
+) -> Array:
+    """A planar lattice on the xy-plane centred on the origin, pointing to +z.
+
+    width, height: its extent in x and y [m], both ends included. pitch: [m].
+    `lattice(0.2, 0.4)` has 21 x 41 transducers. Raises ArgumentError.
+    """
+    pitch = length("pitch", pitch)
+    counts = [
+        1 + round(length(name, extent) / pitch)
+        for name, extent in (("width", width), ("height", height))
+    ]
+    if counts[0] * counts[1] > 1_000_000:
+        raise ArgumentError(
+            "pitch", f"makes {counts[0]} x {counts[1]} transducers: more than a million"
+        )
+    x, y = ((np.arange(n) - (n - 1) / 2.0) * pitch for n in counts)
+    X, Y = np.meshgrid(x, y)
+    return Array(np.stack([X, Y, np.zeros_like(X)], axis=-1).reshape(-1, 3), transducer=transducer)
+
+
+def autd(columns: int = 1, rows: int = 1, transducer: Transducer = T4010A1) -> Array:
+    """A grid of AUTD units side by side, 249 transducers each, centred on the origin, pointing to +z.
+
+    columns, rows: units in x and y; `autd(3, 3)` is the paper's array, 2241 transducers, 57 x 45 cm.
+    Order: unit by unit along x, then y; in a unit row by row. Raises ArgumentError.
+    """
+    columns, rows = integer("columns", columns, low=1), integer("rows", rows, low=1)
+    if columns * rows > 1000:
+        raise ArgumentError("columns", f"x rows is {columns * rows} units: more than 1000")
+    grid = [(i, j) for j in range(14) for i in range(18) if (i, j) not in MISSING]
+    unit = np.array([[(i - 8.5) * PITCH, (j - 6.5) * PITCH, 0.0] for i, j in grid])
+    corners = [
+        ((i - (columns - 1) / 2.0) * UNIT[0], (j - (rows - 1) / 2.0) * UNIT[1], 0.0)
+        for j in range(rows)
+        for i in range(columns)
+    ]
+    return Array(np.concatenate([unit + corner for corner in corners]), transducer=transducer)

@@ -1,0 +1,47 @@
+"""Equation (1): radiation pressure from sound pressure, and back. The only place of that conversion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.checks import number
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.types import ArrayLike, Floats
+
+SKIN = 2.0  # alpha for skin, or any liquid or solid: nearly all of the sound is reflected
+REFERENCE = 20e-6  # [Pa] RMS, 0 dB sound pressure level
+
+
+def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
+    """Radiation pressure P = alpha p_rms^2 / (rho c^2) [Pa], the paper's equation (1).
+
+    p: sound pressure, complex or peak amplitude [Pa], any shape; p_rms = |p| / sqrt(2).
+    medium: gives rho and c. alpha: about 2 on skin. Returns the shape of `p`.
+    Raises ArgumentError.
+    """
+    number("alpha", alpha, low=0.0, above=True)
+    rms2 = np.abs(np.asarray(p)).astype(np.float64) ** 2 / 2.0  # [Pa^2]
+    return np.asarray(alpha * rms2 / (medium.density * medium.speed_of_sound**2))
+
+
+def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
+    """Peak sound pressure amplitude |p| [Pa] that makes a radiation pressure; the inverse of equation (1).
+
+    radiation_pressure: [Pa], not negative, any shape. Returns its shape. Raises ArgumentError.
+    """
+    number("alpha", alpha, low=0.0, above=True)
+    P = np.asarray(radiation_pressure, dtype=np.float64)
+    if not (P >= 0.0).all():
+        raise ArgumentError("radiation_pressure", "must be 0 or more: sound only pushes")
+    return np.asarray(np.sqrt(2.0 * P * medium.density * medium.speed_of_sound**2 / alpha))
+
+
+def sound_pressure_level(p: ArrayLike) -> Floats:
+    """Sound pressure level [dB re 20 uPa RMS] of a complex or peak amplitude [Pa]; -inf where silent."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(20.0 * np.log10(np.abs(np.asarray(p)) / np.sqrt(2.0) / REFERENCE))

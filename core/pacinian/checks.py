@@ -1,0 +1,79 @@
+"""Arguments from outside, checked once at the door: each check names the argument and the fix."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.types import ArrayLike, Floats
+
+FAR = 10.0  # [m]; nothing in mid-air haptics is further from its array
+
+
+def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """Return `value` as float64 of the given shape, None being any length; all finite."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(name, f"must be numbers: {error}") from None
+    if array.size == 0 and shape == (None, 3):
+        array = array.reshape(0, 3)
+    fits = array.ndim == len(shape) and all(
+        want is None or want == have for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise ArgumentError(name, f"must have shape ({wanted}), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ArgumentError(name, "must be finite, without NaN or infinity")
+    return array
+
+
+def number(
+    name: str, value: float, *, low: float = -math.inf, high: float = math.inf, above: bool = False
+) -> float:
+    """Return `value` as a finite float in [low, high]; `above` excludes low itself."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(name, f"must be a number, not {value!r}") from None
+    if not math.isfinite(result):
+        raise ArgumentError(name, f"must be finite, not {result}")
+    if result < low or result > high or (above and result == low):
+        bound = f"more than {low:g}" if above else f"{low:g} or more"
+        upper = "" if high == math.inf else f" and at most {high:g}"
+        raise ArgumentError(name, f"must be {bound}{upper}, not {result:g}")
+    return result
+
+
+def near(name: str, points: Floats, origin: Floats) -> None:
+    """Refuse `points`, shape (M, 3) [m], that must have been meant in millimetres."""
+    if not len(points):
+        return
+    distance = float(np.sqrt(((points - origin) ** 2).sum(axis=1).max()))  # [m]
+    if distance > FAR:
+        raise ArgumentError(
+            name,
+            f"reach {distance:.4g} m from the array's centre, more than {FAR:g} m: "
+            "lengths are in metres (were millimetres given?)",
+        )
+
+
+def length(name: str, value: float) -> float:
+    """Return a positive length [m] that is not meant in millimetres."""
+    result = number(name, value, low=0.0, above=True)
+    if result > FAR:
+        raise ArgumentError(name, f"is {result:g} m: lengths are in metres (millimetres given?)")
+    return result
+
+
+def integer(name: str, value: int, *, low: int) -> int:
+    """Return `value` as an int of at least `low`."""
+    if isinstance(value, bool) or int(value) != value or value < low:
+        raise ArgumentError(name, f"must be a whole number of at least {low}, not {value!r}")
+    return int(value)

@@ -1,0 +1,163 @@
+"""Finds plug-ins by entry point (group `pacinian`), ours like everybody's."""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata
+import inspect
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import pluggy
+
+from pacinian.errors import ArgumentError, PluginError, UnknownPlugin
+from pacinian.plugins import hookspecs
+from pacinian.plugins.backend import Backend
+from pacinian.plugins.solver import Solver
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from importlib.metadata import EntryPoint
+
+GROUP = "pacinian"
+Kind = Literal["solver", "backend"]
+BASES: dict[Kind, type] = {"solver": Solver, "backend": Backend}
+
+
+@dataclass(frozen=True)
+class Offer:
+    """One class that a plug-in offers.
+
+    kind: "solver" or "backend". plugin: the entry point's name. distribution: who ships it.
+    """
+
+    kind: Kind
+    cls: type[Solver] | type[Backend]
+    plugin: str
+    distribution: str
+
+    @property
+    def name(self) -> str:
+        """What users call it."""
+        return self.cls.name
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Its settings and their defaults; `...` where one must be given."""
+        parameters = inspect.signature(self.cls).parameters.values()
+        return {p.name: ... if p.default is p.empty else p.default for p in parameters}
+
+
+class Plugins:
+    """The installed plug-ins.
+
+    entry_points: those of the group `pacinian` unless given. A plug-in is imported when something
+    that it may offer is asked for: an entry point is named like what it offers, or is tried last.
+    One that does not load is kept in `failed` and does not take the rest down.
+    """
+
+    def __init__(self, entry_points: Iterable[EntryPoint] | None = None) -> None:
+        if entry_points is None:
+            entry_points = importlib.metadata.entry_points(group=GROUP)
+        self.offers: dict[tuple[Kind, str], Offer] = {}
+        self.failed: dict[str, PluginError] = {}
+        self._waiting: dict[str, EntryPoint] = {}
+        for point in entry_points:
+            known = self._waiting.setdefault(point.name, point)
+            if known.value != point.value:
+                raise PluginError(
+                    f"two plug-ins are called {point.name!r}: {_origin(known)} and {_origin(point)}; uninstall one"
+                )
+
+    def load(self, name: str | None = None) -> None:
+        """Import the plug-in of that name, or all that are not loaded yet. Never raises for a broken one."""
+        for point in [p for n, p in self._waiting.items() if name in (None, n)]:
+            del self._waiting[point.name]
+            try:
+                offers = self._read(point)
+            except Exception as error:  # noqa: BLE001  (a plug-in may raise anything)
+                self.failed[point.name] = PluginError(
+                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {type(error).__name__}: {error}"
+                )
+                self.failed[point.name].__cause__ = error
+                continue
+            for offer in offers:
+                twin = self.offers.setdefault((offer.kind, offer.name), offer)
+                if twin is not offer:
+                    raise PluginError(
+                        f"two {offer.kind}s are called {offer.name!r}: "
+                        f"{twin.cls.__module__} and {offer.cls.__module__}; uninstall one"
+                    )
+
+    def _read(self, point: EntryPoint) -> list[Offer]:
+        manager = pluggy.PluginManager(GROUP)  # one for each, so that what it offers is its own
+        manager.add_hookspecs(hookspecs)
+        manager.register(point.load(), name=point.name)
+        manager.check_pending()
+        offers: list[Offer] = []
+        for kind, base in BASES.items():
+            hook = getattr(manager.hook, f"register_{kind}s")
+            for cls in (cls for classes in hook() for cls in classes):
+                if not (inspect.isclass(cls) and issubclass(cls, base)):
+                    raise TypeError(
+                        f"register_{kind}s must return classes derived from {base.__name__}, not {cls!r}"
+                    )
+                if inspect.isabstract(cls) or not isinstance(getattr(cls, "name", None), str):
+                    raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
+                offers.append(Offer(kind, cls, point.name, _origin(point)))
+        if not offers:
+            raise TypeError("offers nothing: is its hook decorated with @pacinian.hookimpl?")
+        return offers
+
+    def list(self) -> list[Offer]:
+        """All offers of all plug-ins, by kind and name."""
+        self.load()
+        return [self.offers[key] for key in sorted(self.offers)]
+
+    def find(self, kind: Kind, name: str) -> Offer:
+        """The offer of that name. Raises UnknownPlugin; PluginError if it is there but broken."""
+        if (kind, name) not in self.offers:
+            self.load(name)
+        if (kind, name) not in self.offers:
+            self.load()
+        if (kind, name) not in self.offers:
+            if name in self.failed:
+                raise self.failed[name]
+            known = [o.name for o in self.list() if o.kind == kind]
+            broken = f" ({', '.join(self.failed)} did not load)" if self.failed else ""
+            raise UnknownPlugin(kind, name, known, broken)
+        return self.offers[kind, name]
+
+    def make(self, kind: Kind, name: str, options: dict[str, Any]) -> Solver | Backend:
+        """An object of that name. Raises as `find`; ArgumentError for an option that it does not have."""
+        offer = self.find(kind, name)
+        if unknown := set(options) - set(offer.options):
+            known = ", ".join(offer.options) or "none"
+            raise ArgumentError(
+                min(unknown), f"is no option of {kind} {name!r}; there are: {known}"
+            )
+        try:
+            return cast("Solver | Backend", offer.cls(**options))
+        except TypeError as error:
+            raise ArgumentError("options", f"of {kind} {name!r} do not fit: {error}") from error
+
+
+def _origin(point: EntryPoint) -> str:
+    shipped = f"{point.dist.name} {point.dist.version}" if point.dist else "no distribution"
+    return f"{point.value}, {shipped}"
+
+
+@functools.cache
+def installed() -> Plugins:
+    """The plug-ins of this installation, found once."""
+    return Plugins()
+
+
+def solver(name: str, **options: Any) -> Solver:
+    """A solver by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
+    return cast("Solver", installed().make("solver", name, options))
+
+
+def backend(name: str, **options: Any) -> Backend:
+    """A backend by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
+    return cast("Backend", installed().make("backend", name, options))

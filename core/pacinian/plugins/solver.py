@@ -1,0 +1,63 @@
+"""The solver seam: points and pressures in, gains out."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Budget, Limits, Targets
+    from pacinian.solving.propagator import Propagator
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Gains
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a solver says of its answer; the session measures the rest itself.
+
+    iterations: how many. limited: transducers are held at their limit. late: stopped by the budget.
+    bound, objective: as in `Solution`. note: free text. solver: the name of the solver that it was
+    passed on to.
+    """
+
+    iterations: int = 0
+    limited: bool = False
+    late: bool = False
+    bound: float = float("nan")
+    objective: float = float("nan")
+    note: str = ""
+    solver: str = ""
+
+
+class Solver(ABC):
+    """Finds gains that make given sound pressures at given points.
+
+    A solver is a plain object made once: settings are arguments of its constructor, problems are
+    arguments of `solve`. It holds nothing between calls. Give it to `pacinian.Session`, or register
+    its class (`pacinian.hookimpl`).
+    """
+
+    name: ClassVar[str]
+    """What users call it."""
+    keeps: ClassVar[frozenset[str]] = frozenset()
+    """Limits beyond `gain` that it keeps: "power", "quiet", "exact"."""
+
+    @abstractmethod
+    def solve(
+        self,
+        propagator: Propagator,
+        targets: Targets,
+        limits: Limits,
+        warm: Solution | None,
+        budget: Budget,
+        out: Gains,
+    ) -> Result:
+        """Write gains, shape (N,), to `out`; `out` holds zeros before.
+
+        propagator: B, its Gram matrix, its factors; cached, shared, not to be changed.
+        targets: at least one, at least one of them not 0. warm: the last solution, for as many points.
+        Gains over the limit are scaled down as a whole by the session; gains that are not finite, and
+        exceptions, end in silence. `budget.spent` is to be asked between iterations.
+        """

@@ -1,0 +1,198 @@
+"""From points and pressures to gains: the session that the loop uses, and the one-shot `solve`."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.checks import near, numbers
+from pacinian.errors import ArgumentError, UnsupportedLimit
+from pacinian.plugins import registry
+from pacinian.plugins.solver import Result, Solver
+from pacinian.solving.problem import Budget, Limits, Targets
+from pacinian.solving.propagator import Propagator
+from pacinian.solving.solution import Solution, Status
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.propagation import Precision
+    from pacinian.types import ArrayLike, Gains
+
+TOLERANCE = 1e-3  # relative error up to which targets count as met
+
+
+class Session:
+    """Solves again and again for one array: keeps the propagator's caches and the last solution.
+
+    array, medium (`Air()` unless given). solver: a name or a `Solver`; may be replaced at any time.
+    precision: "single", or "double" for studies of ill-conditioned problems.
+    Raises ArgumentError, UnknownPlugin, PluginError. Not for several threads at once.
+    """
+
+    def __init__(
+        self,
+        array: Array,
+        medium: Air | None = None,
+        solver: str | Solver = "auto",
+        *,
+        precision: Precision = "single",
+    ) -> None:
+        if precision not in ("single", "double"):
+            raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
+        self.array, self.medium = array, medium or Air()
+        self.propagator = Propagator(array, self.medium, precision)
+        self.solver = solver
+        self.last: Solution | None = None
+
+    @property
+    def solver(self) -> Solver:
+        """The solver in use; set it by name or by object, from the next solve on."""
+        return self._solver
+
+    @solver.setter
+    def solver(self, solver: str | Solver) -> None:
+        self._solver = registry.solver(solver) if isinstance(solver, str) else solver
+
+    def solve(
+        self,
+        points: ArrayLike,
+        amplitudes: ArrayLike,
+        phases: ArrayLike | None = None,
+        *,
+        limits: Limits | None = None,
+        scale: str = "exact",
+        deadline: float | None = None,
+        out: Gains | None = None,
+    ) -> Solution:
+        """Find gains that make `amplitudes` at `points`.
+
+        points: [m], shape (M, 3). amplitudes: peak sound pressure [Pa], real, not negative, shape (M,).
+        phases: None where free, else [rad], broadcast to (M,), NaN where free.
+        limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
+        strong as the solver can, in these proportions). deadline: seconds from now; then the best so far.
+        out: complex64, shape (N,), contiguous, to write the gains to.
+
+        The result's evidence (pressures, residual, status) is measured here, on the gains as
+        returned, whatever the solver says. Gains are finite and |g| <= limits.gain, in every case.
+        Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
+        """
+        start = time.perf_counter()
+        limits = limits or Limits()
+        q = numbers("points", points, (None, 3))
+        near("points", q, self.propagator.origin)
+        targets = Targets.checked(len(q), amplitudes, phases, scale)
+        g = self._gains(out)
+        if unkept := limits.asked - self._solver.keeps:
+            raise UnsupportedLimit(self._solver.name, min(unkept))
+        if targets.scale == "max" and limits.gain is None and limits.power is None:
+            raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
+        warm, self.last = self.last, None
+        if warm is not None and len(warm.sound_pressure) != len(q):
+            warm = None
+        self.propagator.place(q)
+        result = Result()
+        if targets.amplitudes.any():
+            budget = Budget.until(deadline)
+            result = self._solver.solve(self.propagator, targets, limits, warm, budget, g)
+        finite = bool(np.isfinite(g).all())
+        if not finite:
+            g[:] = 0.0
+        scaled = keep(g, limits, targets.scale)
+        solution = Solution(
+            gains=g,
+            targets=targets,
+            sound_pressure=self.propagator.apply(g),
+            status=Status.ok if finite else Status.failed,
+            solver=result.solver or self._solver.name,
+            iterations=result.iterations,
+            bound=result.bound,
+            objective=result.objective,
+            note=result.note,
+        )
+        status = self._judge(solution, result, scaled)
+        self.last = replace(solution, status=status, seconds=time.perf_counter() - start)
+        return self.last
+
+    def _gains(self, out: Gains | None) -> Gains:
+        if out is None:
+            return np.zeros(len(self.array), dtype=np.complex64)
+        fits = out.shape == (len(self.array),) and out.dtype == np.complex64
+        if not (fits and out.flags.c_contiguous and out.flags.writeable):
+            raise ArgumentError(
+                "out", f"must be complex64, contiguous, writable, of shape ({len(self.array)},)"
+            )
+        out[:] = 0.0
+        return out
+
+    def _judge(self, solution: Solution, result: Result, scaled: bool) -> Status:
+        """How it ended, from the evidence."""
+        targets = solution.targets
+        if solution.status is Status.failed:
+            return Status.failed
+        if not targets.amplitudes.any():
+            return Status.silent
+        error = solution.error if targets.scale == "exact" else solution.shape_error
+        if error <= TOLERANCE:
+            return Status.ok
+        asked = targets.amplitudes > 0.0
+        if not np.abs(self.propagator.B[asked]).max(axis=1).all():
+            return Status.unreachable
+        if result.late:
+            return Status.deadline
+        if scaled and targets.scale == "exact":
+            return Status.scaled
+        return Status.limited if result.limited else Status.approximate
+
+
+def keep(g: Gains, limits: Limits, scale: str) -> bool:
+    """Scale gains (N,) as a whole, in place, down to the limits, or for "max" up to them too.
+
+    Returns whether they were over. Rounding cannot leave a gain above the limit, in exact arithmetic.
+    """
+    size = np.abs(g)
+    peak = float(size.max())
+    if not peak:
+        return False
+    factor = np.inf if scale == "max" else 1.0
+    if limits.gain is not None:
+        factor = min(factor, limits.gain / peak)
+    if limits.power is not None:
+        factor = min(factor, float(np.sqrt(limits.power / np.vdot(size, size))))
+    over = factor < 1.0 - 1e-5
+    if over or (scale == "max" and factor > 1.0):
+        g *= np.float32(factor)
+        size = np.abs(g)
+    if limits.gain is not None:
+        highest = limits.gain * (1.0 - 2.0**-21)  # what rounding to complex64 cannot push over
+        high = size > highest
+        if high.any():
+            g[high] *= (highest / size[high]).astype(np.float32)
+    return over
+
+
+def solve(
+    array: Array,
+    points: ArrayLike,
+    amplitudes: ArrayLike,
+    phases: ArrayLike | None = None,
+    *,
+    solver: str | Solver = "auto",
+    limits: Limits | None = None,
+    scale: str = "exact",
+    medium: Air | None = None,
+    deadline: float | None = None,
+    out: Gains | None = None,
+    precision: Precision = "single",
+) -> Solution:
+    """Find gains that make `amplitudes` at `points`: a session of one solve, with no state kept.
+
+    Arguments and errors as in `Session` and `Session.solve`.
+    """
+    session = Session(array, medium, solver, precision=precision)
+    return session.solve(
+        points, amplitudes, phases, limits=limits, scale=scale, deadline=deadline, out=out
+    )

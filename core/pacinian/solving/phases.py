@@ -1,0 +1,47 @@
+"""Phases for targets whose phase is free: people feel amplitude, not phase."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Targets
+    from pacinian.solving.propagator import Propagator
+    from pacinian.types import Complexes, Floats
+
+
+def gerchberg_saxton(
+    gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = 20
+) -> Complexes:
+    """Targets [Pa], complex, (M,), with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
+
+    One step sends the targets back to the array and forth again, p <- |t| exp(j arg(G p)), G = B B^H:
+    the classical iteration in M unknowns instead of N (Plasencia et al., GS-PAT, ACM TOG 2020).
+    It climbs towards phases that the array makes with the least power. Fixed phases stay.
+
+    gram: (M, M). start: phases to start from [rad], (M,); quadratic ones unless given.
+    """
+    free = targets.free
+    if start is None:
+        m = np.arange(len(gram))
+        start = np.pi * m * m / max(1, len(gram))  # spread out: equal phases may be a saddle point
+    p = targets.complex(start)
+    if not free.any():
+        return p
+    size, at = targets.amplitudes, slice(None) if free.all() else free
+    for _ in range(steps):
+        q = (gram @ p)[at]
+        length = np.abs(q)
+        if not length.all():  # a point that nothing reaches keeps its phase
+            q, length = np.where(length > 0.0, q, 1.0), np.where(length > 0.0, length, 1.0)
+        p[at] = size[at] * (q / length)
+    return p
+
+
+def choose(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
+    """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
+    if not targets.free.any():
+        return targets.complex(targets.phases)
+    return gerchberg_saxton(propagator.gram, targets, start, 6 if start is not None else 20)

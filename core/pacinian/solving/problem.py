@@ -1,0 +1,120 @@
+"""The problem that a solver is given: targets, limits, budget."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from pacinian.checks import number, numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.types import ArrayLike, Complexes, Floats
+
+Scale = Literal["exact", "max"]
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """What is asked at M points.
+
+    amplitudes: peak sound pressure [Pa], shape (M,), not negative.
+    phases: [rad], shape (M,), NaN where free.
+    scale: "exact" (these pressures) or "max" (as strong as the limits allow in these proportions).
+    """
+
+    amplitudes: Floats
+    phases: Floats
+    scale: Scale = "exact"
+
+    @classmethod
+    def checked(
+        cls, count: int, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str
+    ) -> Targets:
+        """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
+        t = numbers("amplitudes", amplitudes, (count,))
+        if (t < 0.0).any():
+            raise ArgumentError(
+                "amplitudes",
+                f"must be 0 or more: [{int(np.argmin(t))}] is {t.min():g}; a sign is a phase",
+            )
+        if scale not in ("exact", "max"):
+            raise ArgumentError("scale", f'must be "exact" or "max", not {scale!r}')
+        phi = np.full(count, np.nan)
+        if phases is not None:
+            try:
+                phi[:] = np.asarray(phases, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise ArgumentError(
+                    "phases", f"must be None or radians that broadcast to ({count},)"
+                ) from None
+            if np.isinf(phi).any():
+                raise ArgumentError("phases", "must be finite, or NaN where free")
+        return cls(t, phi, "exact" if scale == "exact" else "max")
+
+    @property
+    def free(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Where the phase is free, shape (M,)."""
+        return np.isnan(self.phases)
+
+    def complex(self, phases: Floats) -> Complexes:
+        """The targets [Pa] with `phases` [rad], shape (M,), where free."""
+        return self.amplitudes * np.exp(1j * np.where(self.free, phases, self.phases))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What a solution must keep.
+
+    gain: |g_n| <= gain for every transducer; 1 is full drive; None lifts the limit.
+    power: sum |g_n|^2 <= power; None for no limit.
+    quiet: ((K, 3) points [m], limit [Pa]): |p| <= limit there. exact: indices of the samples to meet exactly.
+    A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it.
+    """
+
+    gain: float | None = 1.0
+    power: float | None = None
+    quiet: tuple[ArrayLike, float] | None = None
+    exact: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if self.gain is not None:
+            number("limits.gain", self.gain, low=0.0, above=True)
+        if self.power is not None:
+            number("limits.power", self.power, low=0.0, above=True)
+
+    @property
+    def asked(self) -> set[str]:
+        """Names of the limits beyond `gain` that are asked."""
+        return {name for name in ("power", "quiet", "exact") if getattr(self, name) is not None}
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How long a solver may go on; asked between iterations.
+
+    due: when to stop, in seconds of `clock`; infinity for no deadline.
+    """
+
+    due: float = math.inf
+    clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
+
+    @classmethod
+    def until(
+        cls, deadline: float | None, clock: Callable[[], float] = time.perf_counter
+    ) -> Budget:
+        """A budget of `deadline` seconds from now; None for no deadline."""
+        if deadline is None:
+            return cls(math.inf, clock)
+        return cls(clock() + number("deadline", deadline, low=0.0), clock)
+
+    @property
+    def spent(self) -> bool:
+        """Whether the time is up."""
+        return self.due < math.inf and self.clock() >= self.due

@@ -1,0 +1,172 @@
+"""The propagator: B and what follows from it, each made when asked for and kept while valid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from scipy.linalg import blas, lapack
+
+from pacinian.acoustics.propagation import Precision, Wave
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.types import Complexes, Floats
+
+
+@dataclass
+class Work:
+    """What was done and what was saved, since the propagator was made."""
+
+    rows_built: int = 0
+    rows_kept: int = 0
+    grams_built: int = 0
+    grams_kept: int = 0
+    factors_built: int = 0
+    factors_kept: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """A Cholesky factor of B B^H + mu I, shape (M, M), complex128.
+
+    reciprocal_condition: LAPACK's estimate; 0 where the matrix is not positive definite.
+    """
+
+    upper: Complexes
+    reciprocal_condition: float
+
+    def solve(self, y: Complexes) -> Complexes:
+        """(B B^H + mu I)^-1 y, for y of shape (M,) or (M, K)."""
+        x, _ = lapack.zpotrs(self.upper, y)
+        return cast("Complexes", x.reshape(y.shape))
+
+
+class Propagator:
+    """Equations (4) to (8) for one array, one medium and points that move.
+
+    All solvers share one propagator and its caches. `place` says where the points are now: only the
+    rows of B and of B B^H whose points moved are made anew.
+    """
+
+    def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
+        self.array, self.medium, self.precision = array, medium, precision
+        self.dtype = np.dtype(np.complex64 if precision == "single" else np.complex128)
+        self.work = Work()
+        self.version = 0
+        self._wave = Wave.prepare(array, medium)
+        self._forget(0)
+
+    def _forget(self, count: int) -> None:
+        self._points = np.full((count, 3), np.nan)
+        self._B = np.empty((count, len(self.array)), dtype=self.dtype)
+        self._gram: Complexes | None = None
+        self._factors: dict[float, Factor] = {}
+        self._stale = np.zeros(count, dtype=bool)  # rows of the Gram matrix
+
+    def place(self, points: Floats) -> int:
+        """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
+
+        Raises PointOnTransducer, and then holds no points.
+        """
+        if len(points) != len(self._points):
+            self._forget(len(points))
+        moved = (points != self._points).any(axis=1)
+        count = int(moved.sum())
+        self.work.rows_built += count
+        self.work.rows_kept += len(points) - count
+        if not count:
+            return 0
+        self.version += 1
+        self._factors.clear()
+        try:
+            if count == len(points):
+                self._wave.matrix(points, self._B)
+                self._gram = None
+            else:
+                rows = np.empty((count, len(self.array)), dtype=self.dtype)
+                self._wave.matrix(points[moved], rows)
+                self._B[moved] = rows
+                self._stale |= moved
+        except BaseException:
+            self._forget(0)
+            raise
+        self._points[moved] = points[moved]
+        return count
+
+    @property
+    def origin(self) -> Floats:
+        """The array's centre [m], shape (3,)."""
+        return self._wave.origin
+
+    @property
+    def points(self) -> Floats:
+        """Where the points are [m], shape (M, 3)."""
+        return self._points
+
+    @property
+    def B(self) -> Complexes:
+        """Sound pressure at each point per unit gain [Pa], shape (M, N)."""
+        return self._B
+
+    @property
+    def gram(self) -> Complexes:
+        """B B^H [Pa^2], shape (M, M), complex128."""
+        if self._gram is not None and not self._stale.any():
+            self.work.grams_kept += 1
+            return self._gram
+        self.work.grams_built += 1
+        if self._gram is None or self._stale.sum() > len(self._stale) / 2:
+            self._gram = gram(self._B)
+        else:
+            rows = self._stale
+            fresh = self._B[rows] @ self._B.conj().T
+            self._gram[rows] = fresh
+            self._gram[:, rows] = fresh.conj().T
+            self._gram[rows, rows] = self._gram[rows, rows].real
+        self._stale[:] = False
+        return self._gram
+
+    @property
+    def power(self) -> float:
+        """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
+        return float(np.trace(self.gram).real) / max(1, len(self._points))
+
+    def factor(self, mu: float) -> Factor:
+        """A Cholesky factor of B B^H + mu I; mu: [Pa^2]."""
+        kept = self._factors.get(mu)
+        if kept is not None:
+            self.work.factors_kept += 1
+            return kept
+        self.work.factors_built += 1
+        factor = self._factors[mu] = cholesky(self.gram, mu)
+        return factor
+
+    def apply(self, g: Complexes) -> Complexes:
+        """p = B g [Pa], shape (M,), for gains of shape (N,)."""
+        return self._B @ g.astype(self.dtype, copy=False)
+
+    def adjoint(self, y: Complexes) -> Complexes:
+        """B^H y, shape (N,), for y of shape (M,)."""
+        return (y.conj().astype(self.dtype, copy=False) @ self._B).conj()
+
+
+def gram(B: Complexes) -> Complexes:
+    """B B^H in complex128 from a Hermitian product in B's own precision, exactly Hermitian."""
+    herk = blas.cherk if B.dtype == np.complex64 else blas.zherk
+    upper = np.asarray(herk(1.0, B.T, trans=2), dtype=np.complex128)  # conj(B B^H), upper triangle
+    return np.asarray(np.triu(upper).conj() + np.triu(upper, 1).T)
+
+
+def cholesky(gram: Complexes, mu: float) -> Factor:
+    """A Cholesky factor of `gram` + mu I, with an estimate of its condition."""
+    shifted = gram.copy()
+    shifted[np.diag_indices(len(gram))] += mu
+    norm = float(np.abs(shifted).sum(axis=0).max()) if len(gram) else 0.0
+    upper, info = lapack.zpotrf(shifted, overwrite_a=1)
+    if info:
+        return Factor(upper, 0.0)
+    reciprocal, _ = lapack.zpocon(upper, norm)
+    return Factor(upper, float(reciprocal))

@@ -1,0 +1,101 @@
+"""What comes back: gains, and the evidence of how good they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Targets
+    from pacinian.types import Complexes, Floats, Gains
+
+
+class Status(Enum):
+    """How a solve ended; the value is advice."""
+
+    ok = "the targets are met"
+    silent = "nothing is asked: all gains are zero"
+    approximate = "not all targets are met, with no limit reached: the points are closer than the array can resolve, or the solver is approximate"
+    limited = "transducers are at their limit: these are the nearest pressures that the limits allow; lower the amplitudes, or add units"
+    scaled = "over the limits, so scaled down as a whole: proportions are kept, strength is not; lower the amplitudes, or use solver 'lagrange'"
+    unreachable = "some points cannot be reached: no sound of any transducer gets there (are they behind the array?)"
+    deadline = "the time was up: the best answer so far"
+    failed = "no usable answer: the gains are zero; try solver 'pseudo-inverse'"
+
+    @property
+    def advice(self) -> str:
+        """What it means and what to do."""
+        return self.value
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Gains, and what they achieve.
+
+    gains: (N,), complex64. targets: what was asked. sound_pressure: achieved [Pa], complex, (M,).
+    status: how it ended. solver: which. iterations: how many.
+    bound: a lower bound of the objective 1/2 ||p - B g||^2 + mu/2 ||g||^2 for the phases found [Pa^2]
+    and objective: its value at these gains; NaN where the solver proves none.
+    seconds: how long it took [s]. note: what the solver has to say, such as why `auto` chose it.
+    """
+
+    gains: Gains
+    targets: Targets
+    sound_pressure: Complexes
+    status: Status
+    solver: str
+    iterations: int = 0
+    bound: float = float("nan")
+    objective: float = float("nan")
+    seconds: float = 0.0
+    note: str = ""
+
+    @property
+    def pressures(self) -> Complexes:
+        """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
+        return self.targets.complex(np.angle(self.sound_pressure))
+
+    @property
+    def residual(self) -> Complexes:
+        """Asked less achieved [Pa], complex, (M,); where the phase was free, with the achieved phase."""
+        return self.pressures - self.sound_pressure
+
+    @property
+    def error(self) -> float:
+        """||residual|| / ||amplitudes||; 0 where nothing was asked."""
+        return _ratio(self.residual, self.targets.amplitudes)
+
+    @property
+    def shape_error(self) -> float:
+        """As `error`, against the best multiple of the targets: whether the proportions are right."""
+        p, t = self.sound_pressure, self.pressures
+        if not p.any() or not t.any():
+            return self.error
+        scale = (t.conj() @ p).real / (t.conj() @ t).real
+        return _ratio(scale * t - p, scale * t) if scale > 0.0 else 1.0
+
+    @property
+    def gap(self) -> float:
+        """objective - bound [Pa^2]: at most this far from the optimum; NaN where nothing is proven."""
+        return self.objective - self.bound
+
+    @property
+    def saturated(self) -> float:
+        """Share of transducers within 0.01 % of the strongest."""
+        size = np.abs(self.gains)
+        return float((size >= 0.9999 * size.max()).mean()) if size.any() else 0.0
+
+    def __repr__(self) -> str:
+        return (
+            f"<Solution by {self.solver}: {self.status.name}, error {self.error:.2g}, "
+            f"{len(self.sound_pressure)} points, {len(self.gains)} gains, "
+            f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
+        )
+
+
+def _ratio(part: Complexes, whole: Complexes | Floats) -> float:
+    size = float(np.linalg.norm(whole))
+    return float(np.linalg.norm(part)) / size if size else 0.0

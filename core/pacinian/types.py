@@ -1,0 +1,23 @@
+"""Array types used throughout, and what they hold."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+"""Real numbers in SI units."""
+Singles: TypeAlias = NDArray[np.float32]
+"""Real numbers for the kernels."""
+Gains: TypeAlias = NDArray[np.complex64]
+"""Transducer gains, shape (N,), dimensionless; 1 is full drive."""
+Complexes: TypeAlias = NDArray[np.complexfloating[Any, Any]]
+"""Complex numbers of either precision."""
+Levels: TypeAlias = NDArray[np.uint16]
+"""Device levels of phase or amplitude."""
+Indices: TypeAlias = NDArray[np.intp]
+"""Indices."""
+
+__all__ = ["ArrayLike", "Complexes", "Floats", "Gains", "Indices", "Levels", "Singles"]

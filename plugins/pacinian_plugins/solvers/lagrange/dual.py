@@ -1,0 +1,125 @@
+"""The Lagrange dual of least squares under |h_n| <= 1, and its semismooth Newton steps.
+
+    minimise  1/2 ||p - B h||^2 + mu/2 ||h||^2   subject to |h_n| <= 1
+
+has the dual, with one complex multiplier y_m per sample and x = B^H y,
+
+    maximise  D(y) = Re(y^H p) - 1/2 ||y||^2 - sum_n c(x_n),
+    c(x) = |x|^2 / (2 mu) where |x| <= mu, else |x| - mu/2,
+
+whose stationarity F(y) = p - y - B h(x) = 0 gives h = x/mu where |x| <= mu, else x/|x|: the limit
+cannot be broken, and y is the residual. F changes in a direction d by -(H d - K conj(d)),
+H = I + B diag(w1) B^H, K = B diag(w2) B^T, with w1 = 1/mu, w2 = 0 for free transducers and
+w1 = 1/(2|x|), w2 = (x/|x|)^2 / (2|x|) for those at their limit, which move only along their phase:
+a 2M x 2M real positive definite system, or an M x M complex one where none is at its limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy import linalg
+
+if TYPE_CHECKING:
+    import pacinian as pc
+    from pacinian.solving.propagator import Factor
+    from pacinian.types import Complexes, Floats
+
+ARMIJO = 1e-4  # share of the promised ascent that a step must bring
+SHORTEST = 1e-6  # of a step
+ENOUGH = {np.dtype(np.complex64): 3e-6, np.dtype(np.complex128): 1e-10}  # ||F|| / ||p|| to stop at
+
+
+class Point(NamedTuple):
+    """The dual at one y."""
+
+    y: Complexes  # (M,) [Pa]
+    x: Complexes  # (N,) B^H y
+    size: Floats  # (N,) |x|
+    h: Complexes  # (N,) gains, |h| <= 1
+    value: float  # D(y) [Pa^2]
+
+
+@dataclass(frozen=True, eq=False)
+class Dual:
+    """The dual for one B, (M, N), its Gram matrix, and the Cholesky factor of B B^H + mu I."""
+
+    B: Complexes
+    gram: Complexes
+    factor: Factor
+    mu: float
+
+    def at(self, y: Complexes, p: Complexes) -> Point:
+        """Evaluate at y."""
+        x = (y.conj().astype(self.B.dtype) @ self.B).conj().astype(np.complex128)
+        size = np.abs(x)
+        h = x / np.maximum(size, self.mu)
+        cost = np.where(size <= self.mu, size * size / (2.0 * self.mu), size - self.mu / 2.0).sum()
+        return Point(y, x, size, h, float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost))
+
+    def made(self, h: Complexes) -> Complexes:
+        """B h, (M,)."""
+        return (self.B @ h.astype(self.B.dtype)).astype(np.complex128)
+
+    def primal(self, h: Complexes, p: Complexes) -> float:
+        """1/2 ||p - B h||^2 + mu/2 ||h||^2 [Pa^2]; not below D anywhere."""
+        rest = p - self.made(h)
+        return float(np.vdot(rest, rest).real + self.mu * np.vdot(h, h).real) / 2.0
+
+    def unlimited(self, p: Complexes) -> Complexes:
+        """The y that solves it if nothing reaches the limit: the regularised pseudo-inverse."""
+        return self.mu * self.factor.solve(p)
+
+    def direction(self, point: Point, F: Complexes) -> Complexes:
+        """The Newton direction d, of H d - K conj(d) = F."""
+        held = point.size > self.mu
+        if not held.any():
+            return self.unlimited(F)
+        M, single = len(F), self.B.real.dtype
+        half = 0.5 / point.size[held]
+        Bs = self.B[:, held]
+        if held.mean() <= 0.5:  # take those at their limit out of B B^H / mu
+            H = self.gram / self.mu - (Bs * (1.0 / self.mu - half).astype(single)) @ Bs.conj().T
+        else:
+            Bf = self.B[:, ~held]
+            H = (Bf @ Bf.conj().T) / self.mu + (Bs * half.astype(single)) @ Bs.conj().T
+        K = (Bs * (point.h[held] ** 2 * half).astype(Bs.dtype)) @ Bs.T
+        A = np.empty((2 * M, 2 * M))
+        A[:M, :M], A[:M, M:] = H.real - K.real, -H.imag - K.imag
+        A[M:, :M], A[M:, M:] = H.imag - K.imag, H.real + K.real
+        A[np.diag_indices(2 * M)] += 1.0
+        b = np.concatenate([F.real, F.imag])
+        try:
+            d = linalg.cho_solve(linalg.cho_factor(A, lower=True), b)
+        except linalg.LinAlgError:  # the products' rounding in single precision
+            d = linalg.lstsq(A, b)[0]
+        return d[:M] + 1j * d[M:]
+
+    def climb(
+        self, point: Point, p: Complexes, steps: int, budget: pc.Budget
+    ) -> tuple[Point, int, bool]:
+        """Newton steps from `point`: the last point, how many, and whether the time ran out."""
+        enough = ENOUGH[self.B.dtype] * float(np.linalg.norm(p))
+        for step in range(steps):
+            F = p - point.y - self.made(point.h)
+            if np.linalg.norm(F) <= enough:
+                return point, step, False
+            if budget.spent:
+                return point, step, True
+            ahead = self._forward(point, p, F)
+            if ahead.value <= point.value:  # the precision is used up
+                return point, step, False
+            point = ahead
+        return point, steps, False
+
+    def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point:
+        d = self.direction(point, F)
+        promise = ARMIJO * float(np.vdot(d, F).real)
+        length = 1.0
+        while True:
+            ahead = self.at(point.y + length * d, p)
+            if ahead.value >= point.value + length * promise or length < SHORTEST:
+                return ahead
+            length /= 2.0

@@ -1,0 +1,57 @@
+"""One point, in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+import pacinian as pc
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True)
+class SingleFocus(pc.Solver):
+    """All transducers in phase at the focus: g = t u* / sum |u| with u = b / |b|, equal strength for all.
+
+    Nothing makes a focus stronger within |g| <= limit. Of several points only the strongest is made.
+    Transducers that do not reach it stay off. A fixed phase is met; a free one is 0.
+    """
+
+    name: ClassVar[str] = "single-focus"
+    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
+
+    def solve(
+        self,
+        propagator: pc.Propagator,
+        targets: pc.Targets,
+        limits: pc.Limits,
+        warm: pc.Solution | None,
+        budget: pc.Budget,
+        out: pc.Gains,
+    ) -> pc.Result:
+        """Write the gains of the strongest target; see `pacinian.Solver.solve`."""
+        m = int(np.argmax(targets.amplitudes))
+        b = propagator.B[m]  # (N,)
+        size = np.abs(b)  # [Pa]
+        reach = float(size.sum(dtype=np.float64))  # [Pa] at full drive
+        if not reach:
+            return pc.Result(note="no transducer reaches the focus")
+        wanted = targets.complex(np.zeros(len(targets.amplitudes)))[m] / reach  # complex gain
+        top = np.inf if limits.gain is None else limits.gain
+        limited = bool(abs(wanted) > top)
+        if limited:
+            wanted *= top / abs(wanted)
+        np.multiply(b.conj(), wanted, out=out, casting="unsafe")
+        out /= np.where(size > 0.0, size, 1.0)
+        left = len(targets.amplitudes) - 1
+        return pc.Result(limited=limited, note=f"{left} weaker points left out" if left else "")
+
+
+@pc.hookimpl
+def register_solvers() -> Iterable[type[pc.Solver]]:
+    """This plug-in's solver."""
+    return [SingleFocus]
