@@ -18,6 +18,8 @@ from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution import Solution, Status
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
     from pacinian.types import ArrayLike, Gains
@@ -29,7 +31,7 @@ class Session:
     """Solves again and again for one array: keeps the propagator's caches and the last solution.
 
     array, medium (`Air()` unless given). solver: a name or a `Solver`; may be replaced at any time.
-    precision: "single", or "double" for studies of ill-conditioned problems.
+    precision: "single", or "double" for studies of ill-conditioned problems. clock: [s], for deadlines.
     Raises ArgumentError, UnknownPlugin, PluginError. Not for several threads at once.
     """
 
@@ -40,12 +42,14 @@ class Session:
         solver: str | Solver = "auto",
         *,
         precision: Precision = "single",
+        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         if precision not in ("single", "double"):
             raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
         self.array, self.medium = array, medium or Air()
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
+        self._clock = clock
         self.last: Solution | None = None
 
     @property
@@ -80,7 +84,7 @@ class Session:
         returned, whatever the solver says. Gains are finite and |g| <= limits.gain, in every case.
         Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
         """
-        start = time.perf_counter()
+        start = self._clock()
         limits = limits or Limits()
         q = numbers("points", points, (None, 3))
         near("points", q, self.propagator.origin)
@@ -96,7 +100,7 @@ class Session:
         self.propagator.place(q)
         result = Result()
         if targets.amplitudes.any():
-            budget = Budget.until(deadline)
+            budget = Budget.until(deadline, self._clock)
             result = self._solver.solve(self.propagator, targets, limits, warm, budget, g)
         finite = bool(np.isfinite(g).all())
         if not finite:
@@ -114,7 +118,7 @@ class Session:
             note=result.note,
         )
         status = self._judge(solution, result, scaled)
-        self.last = replace(solution, status=status, seconds=time.perf_counter() - start)
+        self.last = replace(solution, status=status, seconds=self._clock() - start)
         return self.last
 
     def _gains(self, out: Gains | None) -> Gains:

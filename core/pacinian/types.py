@@ -17,7 +17,9 @@ Complexes: TypeAlias = NDArray[np.complexfloating[Any, Any]]
 """Complex numbers of either precision."""
 Levels: TypeAlias = NDArray[np.uint16]
 """Device levels of phase or amplitude."""
+Flags: TypeAlias = NDArray[np.bool_]
+"""True or false."""
 Indices: TypeAlias = NDArray[np.intp]
 """Indices."""
 
-__all__ = ["ArrayLike", "Complexes", "Floats", "Gains", "Indices", "Levels", "Singles"]
+__all__ = ["ArrayLike", "Complexes", "Flags", "Floats", "Gains", "Indices", "Levels", "Singles"]

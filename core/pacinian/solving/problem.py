@@ -15,7 +15,7 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.types import ArrayLike, Complexes, Floats
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats
 
 Scale = Literal["exact", "max"]
 
@@ -59,7 +59,7 @@ class Targets:
         return cls(t, phi, "exact" if scale == "exact" else "max")
 
     @property
-    def free(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def free(self) -> Flags:
         """Where the phase is free, shape (M,)."""
         return np.isnan(self.phases)
 

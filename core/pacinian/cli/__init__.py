@@ -1,0 +1,1 @@
+"""The command `pacinian`, one file a subcommand."""

@@ -1,0 +1,58 @@
+"""`pacinian demo`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+
+@click.command()
+@click.option(
+    "--seconds", type=click.FloatRange(0.1, 3600), default=10.0, show_default=True, help="How long."
+)
+@click.option(
+    "--units",
+    type=click.IntRange(1, 9),
+    default=3,
+    show_default=True,
+    help="AUTD units along each side.",
+)
+@click.option(
+    "--rate",
+    type=click.FloatRange(1, 20_000),
+    default=1000.0,
+    show_default=True,
+    help="Ticks per second.",
+)
+@click.option("--solver", default="auto", show_default=True, help="See `pacinian plugins`.")
+@click.option("--out", default="demo.png", show_default=True, help="The picture; empty for none.")
+@click.option(
+    "--dummy", is_flag=True, help="Also run a loop that only burns as much time, for comparison."
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
+def demo(
+    seconds: float, units: int, rate: float, solver: str, out: str, dummy: bool, as_json: bool
+) -> None:
+    """Feel a circling ball: the built-in scene on the simulated array, no hardware needed.
+
+    Renders a ball that circles above a button at 1 kHz on 9 AUTD units, then tells how well it went
+    and draws the field of the last tick.
+    """
+    from pacinian.acoustics.array import autd
+    from pacinian.cli.running import picture, progress, summary, tell
+    from pacinian.demo import alternate, circling
+    from pacinian.plugins.registry import backend
+    from pacinian.rendering.renderer import Renderer
+
+    array = autd(units, units)
+    device = backend("simulated", rate=rate)
+    renderer = Renderer(array, circling, solver=solver, backend=device, rate=rate)
+    extra: dict[str, Any] = {"seconds": seconds}
+    with renderer, progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick:
+        if dummy:
+            extra["dummy"] = alternate(renderer, seconds, on_tick).summary()
+        else:
+            renderer.run(seconds, on_tick)
+    extra["picture"] = picture(renderer, out, "A circling ball and a button: radiation pressure")
+    tell(summary(renderer, extra), as_json)

@@ -1,0 +1,58 @@
+"""The command `pacinian`: its subcommands, errors and exit codes."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from typing import TYPE_CHECKING, NoReturn
+
+import click
+
+from pacinian.cli.demo import demo
+from pacinian.cli.paper import paper
+from pacinian.cli.plugins import plugins
+from pacinian.cli.render import render
+from pacinian.cli.replay import replay
+from pacinian.cli.schema import schema
+from pacinian.errors import PacinianError
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+EPILOG = """
+Start with `pacinian demo`: it needs no hardware.
+
+Exit codes: 0 done; 1 the run met a fault; 2 a bad argument, file or plug-in; 130 interrupted.
+"""
+
+
+@click.group(epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="pacinian")
+def cli() -> None:
+    """Mid-air haptics: a scene goes in, gains for an ultrasound transducer array come out."""
+
+
+for command in (demo, render, replay, plugins, paper, schema):
+    cli.add_command(command)
+
+
+def main() -> NoReturn:
+    """Run the command; the entry point."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        cli(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        sys.exit(130)
+    except PacinianError as error:
+        click.echo(f"error: {error}", err=True)
+        sys.exit(2)
+    sys.exit(0)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """SIGTERM ends a run as Ctrl-C does: with silence."""
+    raise KeyboardInterrupt

@@ -1,0 +1,54 @@
+"""`pacinian render`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@click.command()
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0.0),
+    default=5.0,
+    show_default=True,
+    help="How long; 0 until Ctrl-C.",
+)
+@click.option("--solver", default=None, help="Instead of the file's.")
+@click.option("--backend", default=None, help="Instead of the file's.")
+@click.option("--record", default="", help="Record the frames to this file (simulated backend).")
+@click.option("--out", default="", help="Draw the field of the last tick to this PNG.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
+def render(
+    scene: Path,
+    seconds: float,
+    solver: str | None,
+    backend: str | None,
+    record: str,
+    out: str,
+    as_json: bool,
+) -> None:
+    """Render a scene file (TOML or JSON; `pacinian schema` prints its schema)."""
+    from msgspec.structs import replace
+
+    from pacinian.cli.running import picture, progress, summary, tell
+    from pacinian.rendering.starting import renderer_of
+    from pacinian.scene.file import Choice, load
+
+    file = load(scene)
+    if solver:
+        file = replace(file, solver=solver)
+    if backend:
+        file = replace(file, backend=backend)
+    if record:
+        chosen = file.backend if isinstance(file.backend, Choice) else Choice(file.backend)
+        file = replace(file, backend=replace(chosen, options={**chosen.options, "record": record}))
+    renderer = renderer_of(file, scene)
+    extra: dict[str, Any] = {"seconds": seconds, "scene": str(scene), "record": record}
+    with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
+        renderer.run(seconds or None, on_tick)
+    extra["picture"] = picture(renderer, out, scene.name)
+    tell(summary(renderer, extra), as_json)

@@ -1,0 +1,135 @@
+"""What `demo` and `render` share: the progress bar, the summary, the picture."""
+
+from __future__ import annotations
+
+import json
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from pacinian.rendering.renderer import Renderer
+    from pacinian.rendering.report import Report
+
+REFRESH = 0.5  # [s] between two looks of the progress bar
+
+
+@contextmanager
+def progress(what: str, seconds: float, quiet: bool) -> Iterator[Callable[[Report], object] | None]:
+    """A progress bar on standard error, drawn between ticks by the loop's own thread."""
+    if quiet:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[state]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), auto_refresh=False) as bar:
+        task = bar.add_task(what, total=seconds, state="")
+        begin = time.perf_counter()
+        seen = begin
+
+        def on_tick(report: Report) -> None:
+            nonlocal seen
+            now = time.perf_counter()
+            if now - seen > REFRESH:
+                seen = now
+                bar.update(
+                    task,
+                    completed=now - begin,
+                    state=f"{report.ticks} ticks, {report.late_ticks} late",
+                )
+                bar.refresh()
+
+        yield on_tick
+        bar.update(task, completed=seconds)
+        bar.refresh()
+
+
+def picture(renderer: Renderer, path: str, title: str) -> str:
+    """Draw the field of the last gains; return the file, or nothing where Matplotlib is not installed."""
+    import numpy as np
+
+    from pacinian import plot
+    from pacinian.errors import MissingExtra
+
+    if not path:
+        return ""
+    session = renderer.session
+    points = np.array(session.propagator.points)
+    try:
+        page = plot.slices(session.array, renderer.emitted, points, session.medium, title)
+    except MissingExtra as error:
+        click.echo(f"no picture: {error}", err=True)
+        return ""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    plot.save(page, path)
+    return path
+
+
+def summary(renderer: Renderer, extra: dict[str, Any]) -> dict[str, Any]:
+    """All that is told of a run."""
+    session = renderer.session
+    return {
+        "transducers": len(session.array),
+        "samples": len(session.propagator.points),
+        "rate": 1.0 / renderer.period,
+        "solver": session.solver.name,
+        "backend": renderer.backend.name,
+        **renderer.report.summary(),
+        **extra,
+    }
+
+
+def tell(told: dict[str, Any], as_json: bool) -> None:
+    """Print a summary: a table, or one JSON object. Ends with exit code 1 after a fault, 130 after Ctrl-C."""
+    if as_json:
+        click.echo(json.dumps(told))
+    else:
+        _table(told)
+    if told["interrupted"]:
+        raise SystemExit(130)
+    if told["fault_count"]:
+        raise SystemExit(1)
+
+
+def _table(told: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, show_header=False, pad_edge=False)
+    ticks = max(1, told["ticks"])
+    rows = {
+        "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
+        "solver, backend": f"{told['solver']}, {told['backend']}",
+        "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {told['late_ticks']} late ({told['late_ticks'] / ticks:.2%})",
+        "tick time": f"p50 {told['tick_p50_ms']:.3f} ms, p99 {told['tick_p99_ms']:.3f} ms, max {told['tick_max_ms']:.3f} ms",
+        "error, as emitted": f"{told['error']:.3%} of the sound pressures asked",
+        "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
+        "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)
+        or "nothing",
+    }
+    if base := told.get("dummy"):
+        rows["dummy loop"] = (
+            f"{base['late_ticks']} of {base['ticks']} late ({base['late_ticks'] / max(1, base['ticks']):.2%}), "
+            f"p50 {base['tick_p50_ms']:.3f} ms, p99 {base['tick_p99_ms']:.3f} ms"
+        )
+    if told.get("picture"):
+        rows["picture"] = told["picture"]
+    if told.get("record"):
+        rows["recording"] = told["record"]
+    for i, fault in enumerate(told["faults"][:5]):
+        rows[f"fault {i + 1} of {told['fault_count']}"] = fault
+    for name, value in rows.items():
+        table.add_row(name, value)
+    Console().print(table)

@@ -1,0 +1,191 @@
+"""The focus of the AUTD units: its width (the paper's Figure 3) and its force, beside the measured one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.acoustics.array import UNIT
+from pacinian.types import Floats
+
+MEDIUM = pc.Air()
+KIND = pc.T4010A1
+GRAM_FORCE = 9.80665e-3  # [N]
+FIRST_ZERO = 1.22  # of a circular aperture's pattern, in lambda z / diameter
+NONLINEARITY = 1.2  # 1 + B/2A of air
+STEP = 1e-4  # [m], of a profile
+MEASURED = (
+    (1, 0.2, 1.6),
+    (3, 0.6, 7.4),
+)  # units along a side, distance [m] (1 unit: ours), force [gf]
+
+
+@dataclass(frozen=True, eq=False)
+class Focus:
+    """All transducers of `side` x `side` units at full drive, in phase on the axis at `distance` [m].
+
+    aperture: the boards' extent in x and y [m]. gains: (N,).
+    """
+
+    side: int
+    distance: float
+    array: pc.Array
+    aperture: tuple[float, float]
+    gains: pc.Gains
+
+    def radiation_pressure(self, x: Floats, y: Floats) -> Floats:
+        """Radiation pressure on skin [Pa] in the focal plane, at x, y [m] of any one shape."""
+        return pc.radiation_pressure(self.sound_pressure(x, y), MEDIUM)
+
+    def sound_pressure(self, x: Floats, y: Floats) -> pc.Complexes:
+        """Complex sound pressure [Pa] in the focal plane, at x, y [m] of any one shape."""
+        points = np.stack([x, y, np.full_like(x, self.distance)], axis=-1)
+        return pc.field(self.array, self.gains, points, MEDIUM)
+
+    def zero(self, axis: int) -> float:
+        """1.22 lambda z / aperture [m] along x (0) or y (1)."""
+        wavelength = MEDIUM.wavelength(KIND.frequency)
+        return FIRST_ZERO * wavelength * self.distance / self.aperture[axis]
+
+
+@dataclass(frozen=True)
+class Width:
+    """The main lobe of radiation pressure along one axis [m].
+
+    minimum: from the peak to the first minimum. half: full width at half of the peak.
+    *_integral: the same of a uniform aperture, integrated directly. formula: 1.22 lambda z / aperture.
+    """
+
+    axis: str
+    aperture: float
+    minimum: float
+    minimum_integral: float
+    formula: float
+    half: float
+    half_integral: float
+
+
+@dataclass(frozen=True)
+class Force:
+    """The force of a focus, in the linear model and as measured.
+
+    radius: of the disc that is the main lobe, 1.22 lambda z / the aperture's shorter side [m].
+    peak: sound pressure amplitude [Pa]. level: [dB re 20 uPa RMS]. top: radiation pressure [Pa].
+    force, measured: [gf]. shock: how far a plane wave of the peak's strength goes to form a shock [m].
+    """
+
+    units: int
+    distance: float
+    radius: float
+    peak: float
+    level: float
+    top: float
+    force: float
+    measured: float
+    shock: float
+
+
+def focus(side: int, distance: float) -> Focus:
+    """The focus of `side` x `side` units at `distance` [m] on their axis."""
+    array = pc.autd(side, side, KIND)
+    solution = pc.solve(
+        array, [[0.0, 0.0, distance]], [1.0], solver="single-focus", scale="max", medium=MEDIUM
+    )
+    return Focus(side, distance, array, (side * UNIT[0], side * UNIT[1]), solution.gains)
+
+
+def widths(spot: Focus) -> list[Width]:
+    """The main lobe's widths along x and y."""
+    return [_width(spot, axis) for axis in (0, 1)]
+
+
+def _width(spot: Focus, axis: int) -> Width:
+    s = _reach(spot)
+    direction = np.eye(2)[axis]
+    ours = spot.radiation_pressure(s * direction[0], s * direction[1])
+    integral = np.abs(aperture_integral(spot.aperture, spot.distance, s[:, None] * direction)) ** 2
+    return Width(
+        "xy"[axis],
+        spot.aperture[axis],
+        first_minimum(s, ours),
+        first_minimum(s, integral),
+        spot.zero(axis),
+        half_width(s, ours),
+        half_width(s, integral),
+    )
+
+
+def _reach(spot: Focus) -> Floats:
+    return np.arange(0.0, 2.0 * max(spot.zero(0), spot.zero(1)), STEP)
+
+
+def aperture_integral(aperture: tuple[float, float], distance: float, points: Floats) -> Floats:
+    """|p| of a uniform rectangle focused on its axis, any scale, shape (M,): no transducers, no kernel.
+
+        p(q) = int D(theta) exp(-j k (|q - r| - |f - r|)) / |q - r| dr,   f = (0, 0, z)
+
+    by the midpoint rule at half a wavelength. aperture: [m]. distance: z [m]. points: q in the focal
+    plane, x and y [m], shape (M, 2).
+    """
+    half = MEDIUM.wavelength(KIND.frequency) / 2.0
+    k = MEDIUM.wavenumber(KIND.frequency)
+    counts = [math.ceil(side / half) for side in aperture]
+    x, y = (
+        ((np.arange(n) + 0.5) / n - 0.5) * side for n, side in zip(counts, aperture, strict=True)
+    )
+    X, Y = np.meshgrid(x, y)
+    to_focus = np.sqrt(X * X + Y * Y + distance**2)  # [m]
+    p = np.empty(len(points), dtype=np.complex128)
+    for m, (u, v) in enumerate(points.tolist()):
+        d = np.sqrt((X - u) ** 2 + (Y - v) ** 2 + distance**2)  # [m]
+        p[m] = (KIND.directivity(distance / d) * np.exp(-1j * k * (d - to_focus)) / d).sum()
+    return np.abs(p)
+
+
+def first_minimum(s: Floats, P: Floats) -> float:
+    """Where a profile P(s) that falls from s[0] first stops falling, in the unit of s."""
+    rises = np.flatnonzero(np.diff(P) >= 0.0)
+    return float(s[rises[0]]) if len(rises) else math.nan
+
+
+def half_width(s: Floats, P: Floats) -> float:
+    """Twice the s where a profile P(s) that falls from s[0] = 0 first is half of P[0]."""
+    below = int(np.argmax(P < 0.5 * P[0]))
+    part = slice(below - 1, below + 1)
+    return 2.0 * float(np.interp(-0.5 * P[0], -P[part], s[part]))
+
+
+def force(side: int, distance: float, measured: float) -> Force:
+    """The force of `side` x `side` units focused at `distance` [m]; measured: [gf]."""
+    spot = focus(side, distance)
+    radius = max(spot.zero(0), spot.zero(1))
+    step = radius / 50.0
+    x = np.arange(-50, 51) * step
+    X, Y = np.meshgrid(x, x)
+    P = np.where(np.hypot(X, Y) <= radius, spot.radiation_pressure(X, Y), 0.0)  # [Pa]
+    peak = float(np.abs(spot.sound_pressure(np.zeros(1), np.zeros(1)))[0])
+    return Force(
+        units=side * side,
+        distance=distance,
+        radius=radius,
+        peak=peak,
+        level=float(pc.sound_pressure_level(peak)),
+        top=float(P.max()),
+        force=float(P.sum()) * step**2 / GRAM_FORCE,
+        measured=measured,
+        shock=shock_distance(peak),
+    )
+
+
+def shock_distance(p: float) -> float:
+    """rho c^3 / ((1 + B/2A) omega p) [m]: how far a plane wave of amplitude `p` [Pa] goes to form a shock."""
+    omega = 2.0 * math.pi * KIND.frequency  # [rad/s]
+    return MEDIUM.density * MEDIUM.speed_of_sound**3 / (NONLINEARITY * omega * p)
+
+
+def forces() -> list[Force]:
+    """The forces of the paper's two devices, beside the measured ones."""
+    return [force(*row) for row in MEASURED]

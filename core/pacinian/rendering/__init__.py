@@ -1,0 +1,1 @@
+"""The loop: sample, propagate, solve, modulate, quantise, send."""

@@ -1,0 +1,100 @@
+"""What the loop did: counts, times, errors, faults."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.solving.solution import Status
+    from pacinian.types import Floats
+
+REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that silenced the output.
+
+    tick: when. stage: "scene", "sample", "solve", "drive" or "send". message: what was raised.
+    error: the exception itself.
+    """
+
+    tick: int
+    stage: str
+    message: str
+    error: BaseException = field(repr=False, compare=False)
+
+
+@dataclass
+class Report:
+    """Counts since the loop started.
+
+    ticks; late_ticks: those that finished after the next one's due time. skipped: work that was not
+    needed, by reason. statuses: how the solves ended. faults: the last ones. interrupted: by Ctrl-C.
+    """
+
+    ticks: int = 0
+    late_ticks: int = 0
+    frames_sent: int = 0
+    interrupted: bool = False
+    skipped: Counter[str] = field(default_factory=Counter)
+    statuses: Counter[str] = field(default_factory=Counter)
+    faults: deque[Fault] = field(default_factory=lambda: deque(maxlen=100))
+    fault_count: int = 0
+    _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
+    _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
+    _solves: int = 0
+
+    def tick(self, seconds: float, late: bool) -> None:
+        """Count a tick that took `seconds` [s]."""
+        self._times[self.ticks % REMEMBERED] = seconds
+        self.ticks += 1
+        self.late_ticks += late
+
+    def solved(self, status: Status, error: float) -> None:
+        """Count a solve and its error on the gains as emitted, after quantisation."""
+        self._errors[self._solves % REMEMBERED] = error
+        self._solves += 1
+        self.statuses[status.name] += 1
+
+    def fault(self, fault: Fault) -> None:
+        """Count a fault."""
+        self.faults.append(fault)
+        self.fault_count += 1
+
+    def tick_ms(self, percentile: float) -> float:
+        """A percentile of the remembered ticks' times [ms]; 0 before the first."""
+        times = self._times[: self.ticks]
+        return float(np.percentile(times, percentile)) * 1e3 if self.ticks else 0.0
+
+    @property
+    def late_share(self) -> float:
+        """late_ticks / ticks."""
+        return self.late_ticks / max(1, self.ticks)
+
+    @property
+    def error(self) -> float:
+        """Median relative error of the emitted sound pressures; 0 before the first solve."""
+        return float(np.median(self._errors[: self._solves])) if self._solves else 0.0
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain numbers, for JSON."""
+        return {
+            "ticks": self.ticks,
+            "late_ticks": self.late_ticks,
+            "tick_p50_ms": self.tick_ms(50),
+            "tick_p99_ms": self.tick_ms(99),
+            "tick_max_ms": self.tick_ms(100),
+            "error": self.error,
+            "solves": self._solves,
+            "frames_sent": self.frames_sent,
+            "skipped": dict(self.skipped),
+            "statuses": dict(self.statuses),
+            "faults": [f"tick {f.tick}, {f.stage}: {f.message}" for f in self.faults],
+            "fault_count": self.fault_count,
+            "interrupted": self.interrupted,
+        }

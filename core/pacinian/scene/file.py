@@ -1,0 +1,179 @@
+"""Scene files: TOML or JSON, decoded and checked by msgspec; the schema comes from the same classes."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+from msgspec import Struct
+from msgspec.structs import replace
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import autd, lattice
+from pacinian.acoustics.pose import Pose
+from pacinian.checks import length, number
+from pacinian.errors import ArgumentError, SceneFileError
+from pacinian.scene.objects import Object, Scene, Surface, Workspace
+from pacinian.scene.solids import Mesh
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.array import Array
+
+LARGEST = 64 << 20  # [bytes]
+
+
+class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
+    """A grid of AUTD units: columns in x, rows in y."""
+
+    columns: int = 3
+    rows: int = 3
+    pose: Pose = Pose()
+
+    def make(self) -> Array:
+        """The array."""
+        return autd(self.columns, self.rows).moved(self.pose)
+
+
+class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="lattice"):
+    """A planar lattice of ideal transducers [m]; with an angle, folded about an axis [deg]."""
+
+    width: float
+    height: float
+    pitch: float = 0.01
+    hinge: str = "x"
+    angle: float = 0.0
+    pose: Pose = Pose()
+
+    def make(self) -> Array:
+        """The array."""
+        flat = lattice(self.width, self.height, self.pitch)
+        return (flat.fold(self.hinge, self.angle) if self.angle else flat).moved(self.pose)
+
+
+class Medium(Struct, frozen=True, forbid_unknown_fields=True):
+    """Air: as `pacinian.Air`."""
+
+    temperature: float | None = None
+    humidity: float = 0.5
+    speed_of_sound: float = 0.0
+    density: float = 0.0
+    attenuation: str | float = "spherical"
+    absorption: float | None = None
+
+    def make(self) -> Air:
+        """The medium."""
+        return Air(**msgspec.structs.asdict(self))
+
+
+class Choice(Struct, frozen=True, forbid_unknown_fields=True):
+    """A plug-in by name, with settings of its own."""
+
+    name: str
+    options: dict[str, bool | int | float | str] = {}
+
+
+class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
+    """How finely the scene is sampled: at most `budget` samples, `spacing` apart [m]."""
+
+    budget: int = 256
+    spacing: float = 0.0085
+
+    def __post_init__(self) -> None:
+        number("budget", self.budget, low=1)
+        length("spacing", self.spacing)
+
+
+class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
+    """A scene file: what is to be felt, and with which array, medium, solver and backend.
+
+    rate: ticks per second [Hz]. gain: the gain limit, 1 for full drive.
+    """
+
+    array: Units | Lattice = Units()
+    medium: Medium = Medium()
+    solver: str | Choice = "auto"
+    backend: str | Choice = "simulated"
+    rate: float = 1000.0
+    gain: float = 1.0
+    sampling: Sampling = Sampling()
+    workspace: Workspace | None = None
+    objects: tuple[Object, ...] = ()
+
+    def __post_init__(self) -> None:
+        number("rate", self.rate, low=1.0, high=100_000.0)
+        number("gain", self.gain, low=0.0, high=1.0, above=True)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene alone."""
+        return Scene(self.objects, self.workspace)
+
+
+def load(path: str | Path) -> SceneFile:
+    """Read a scene file. Raises SceneFileError, which names the file, the key and the fix."""
+    path = Path(path)
+    if path.suffix not in (".toml", ".json"):
+        raise SceneFileError(path, "", "must end in .toml or .json")
+    try:
+        if path.stat().st_size > LARGEST:
+            raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
+        text = path.read_bytes()
+    except OSError as error:
+        raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
+    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
+    try:
+        file: SceneFile = decode(text, type=SceneFile)
+    except msgspec.ValidationError as error:
+        problem, _, key = str(error).partition(" - at ")
+        raise SceneFileError(path, key.strip("`"), problem + _advice(problem)) from error
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
+    return replace(
+        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
+    )
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of scene files."""
+    made = msgspec.json.schema(SceneFile)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Pacinian scene",
+        **made,
+    }
+
+
+def _found(item: Object, index: int, path: Path) -> Object:
+    """The object with its mesh's file looked for beside the scene file, and read once."""
+    if not (isinstance(item, Surface) and isinstance(item.shape, Mesh)):
+        return item
+    shape = item.shape
+    if shape.file:
+        shape = replace(shape, file=str(path.parent / shape.file))
+    try:
+        _ = shape.area
+    except ArgumentError as error:
+        raise SceneFileError(path, f"$.objects[{index}].shape", str(error)) from error
+    return replace(item, shape=shape)
+
+
+def _advice(problem: str) -> str:
+    """What was probably meant instead of an unknown key or type."""
+    if not (unknown := re.search(r"unknown field `(.*)`|Invalid value '(.*)'", problem)):
+        return ""
+    close = difflib.get_close_matches(unknown[1] or unknown[2], _words(), 1, 0.6)
+    return f": did you mean `{close[0]}`?" if close else ": see `pacinian schema` for what there is"
+
+
+@functools.cache
+def _words() -> list[str]:
+    words: set[str] = set()
+    for definition in schema()["$defs"].values():
+        properties = definition.get("properties", {})
+        words |= properties.keys()
+        words |= set(properties.get("type", {}).get("enum", ()))
+    return sorted(words)

@@ -1,0 +1,154 @@
+"""The simulated array: keeps what was emitted, evaluates its field, records, and fails on request."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.checks import integer, number
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from pacinian.types import ArrayLike, Complexes
+
+
+@dataclass
+class Simulated(pc.Backend):
+    """An array that exists in memory only.
+
+    phases, amplitudes: levels; 256 of each, as AUTD3 (the paper's device has 320 amplitudes).
+    rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. record: a file to
+    write every frame to. wait: what a delayed or stalled frame calls with its seconds.
+
+    To test what is built on it: `drop`, `delay`, `stall` and `disconnect`.
+    """
+
+    name: ClassVar[str] = "simulated"
+
+    phases: int = 256
+    amplitudes: int = 256
+    rate: float = 1000.0
+    keep: int = 256
+    record: str = ""
+    wait: Callable[[float], None] = field(default=time.sleep, repr=False)
+
+    def __post_init__(self) -> None:
+        integer("phases", self.phases, low=2)
+        integer("amplitudes", self.amplitudes, low=2)
+        integer("keep", self.keep, low=1)
+        number("rate", self.rate, low=1.0)
+        if max(self.phases, self.amplitudes) > 65536:
+            raise pc.ArgumentError("phases", "and `amplitudes` are at most 65536")
+        self.frames: deque[pc.Frame] = deque(maxlen=self.keep)
+        """The last frames emitted."""
+        self.array: pc.Array | None = None
+        self.received = self.dropped = 0
+        self.silent = True
+        self._recorder: pc.Recorder | None = None
+        self._drops, self._delays, self._stalled, self._gone = 0, deque[float](), False, False
+
+    @property
+    def capability(self) -> pc.Capability:
+        """As set; it has no watchdog."""
+        return pc.Capability(self.phases, self.amplitudes, self.rate)
+
+    def open(self, array: pc.Array) -> None:
+        """Stand for `array`. Raises BackendError if disconnected; RecordingError for the record's file."""
+        self._require()
+        self.array = array
+        if self.record:
+            self._recorder = pc.Recorder(Path(self.record), array, self.capability)
+
+    def send(self, frame: pc.Frame) -> None:
+        """Emit a frame. Raises BackendError if disconnected or stalled."""
+        self._require()
+        if self._stalled:
+            raise pc.BackendError("the simulated array has stalled: call `resume`")
+        if self._delays:
+            self.wait(self._delays.popleft())
+        if self._drops:
+            self._drops -= 1
+            self.dropped += 1
+            return
+        self.received += 1
+        self.silent = not frame.amplitude.any()
+        kept = replace(frame, phase=frame.phase.copy(), amplitude=frame.amplitude.copy())
+        self.frames.append(kept)
+        if self._recorder is not None:
+            self._recorder.write(kept)
+
+    def silence(self) -> None:
+        """Stop all sound. A disconnected array is silent: it has no drive."""
+        if self.array is None or self.silent:
+            return
+        self.silent = True
+        last = self.frames[-1]
+        quiet = pc.Frame(
+            last.sequence + 1, last.time, np.zeros_like(last.phase), np.zeros_like(last.amplitude)
+        )
+        self.frames.append(quiet)
+        if self._recorder is not None:
+            self._recorder.write(quiet)
+
+    def close(self) -> None:
+        """Silence and end the record."""
+        self.silence()
+        if self._recorder is not None:
+            self._recorder.close()
+            self._recorder = None
+
+    @property
+    def gains(self) -> pc.Gains:
+        """The gains that sound now, (N,). Raises BackendError before `open`."""
+        if self.array is None:
+            raise pc.BackendError("the simulated array is not open")
+        if self.silent:
+            return np.zeros(len(self.array), dtype=np.complex64)
+        return self.frames[-1].gains(self.capability)[-1]
+
+    def field(self, points: ArrayLike, medium: pc.Air | None = None) -> Complexes:
+        """Complex sound pressure [Pa] that sounds now at points [m], (..., 3): see `pacinian.field`."""
+        gains = self.gains
+        assert self.array is not None  # `gains` has asked
+        return pc.field(self.array, gains, points, medium)
+
+    def drop(self, count: int) -> None:
+        """Lose the next `count` frames without a word."""
+        self._drops = integer("count", count, low=0)
+
+    def delay(self, seconds: float, count: int = 1) -> None:
+        """Take `seconds` [s] for each of the next `count` frames."""
+        self._delays.extend([number("seconds", seconds, low=0.0)] * count)
+
+    def stall(self) -> None:
+        """Refuse frames until `resume`."""
+        self._stalled = True
+
+    def resume(self) -> None:
+        """Take frames again."""
+        self._stalled = False
+
+    def disconnect(self) -> None:
+        """Be gone, as if unplugged, until `reconnect`."""
+        self._gone, self.silent = True, True
+
+    def reconnect(self) -> None:
+        """Be there again, silent."""
+        self._gone = False
+
+    def _require(self) -> None:
+        if self._gone:
+            raise pc.BackendError("the simulated array is disconnected: call `reconnect`")
+
+
+@pc.hookimpl
+def register_backends() -> Iterable[type[pc.Backend]]:
+    """This plug-in's backend."""
+    return [Simulated]
