@@ -42,7 +42,7 @@ def slices(
     array, gains: (N,). points: what is to be felt [m], (M, 3). Raises MissingExtra.
     """
     medium = medium or Air()
-    middle = points.mean(axis=0) if len(points) else array.centre + [0.0, 0.0, 0.2]
+    middle = points.mean(axis=0) if len(points) else array.centre + np.array([0.0, 0.0, 0.2])
     reach = 0.03 + (np.abs(points - middle).max() if len(points) else 0.05)  # [m]
     u = np.linspace(-reach, reach, GRID)
     top = middle[2] + reach

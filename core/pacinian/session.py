@@ -109,7 +109,7 @@ class Session:
         solution = Solution(
             gains=g,
             targets=targets,
-            sound_pressure=self.propagator.apply(g),
+            sound_pressure=self.propagator.apply(g).astype(np.complex128),
             status=Status.ok if finite else Status.failed,
             solver=result.solver or self._solver.name,
             iterations=result.iterations,

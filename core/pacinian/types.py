@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 """Real numbers in SI units."""
+Reals: TypeAlias = NDArray[np.floating[Any]]
+"""Real numbers of either precision."""
 Singles: TypeAlias = NDArray[np.float32]
 """Real numbers for the kernels."""
 Gains: TypeAlias = NDArray[np.complex64]
@@ -22,4 +24,14 @@ Flags: TypeAlias = NDArray[np.bool_]
 Indices: TypeAlias = NDArray[np.intp]
 """Indices."""
 
-__all__ = ["ArrayLike", "Complexes", "Flags", "Floats", "Gains", "Indices", "Levels", "Singles"]
+__all__ = [
+    "ArrayLike",
+    "Complexes",
+    "Flags",
+    "Floats",
+    "Gains",
+    "Indices",
+    "Levels",
+    "Reals",
+    "Singles",
+]

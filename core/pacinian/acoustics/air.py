@@ -65,11 +65,11 @@ class Air:
             number("absorption", self.absorption, low=0.0, high=1e3)
 
     def wavenumber(self, frequency: float) -> float:
-        """k = 2 pi f / c [rad/m] at `frequency` [Hz]."""
+        """K = 2 pi f / c [rad/m] at `frequency` [Hz]."""
         return 2.0 * math.pi * frequency / self.speed_of_sound
 
     def wavelength(self, frequency: float) -> float:
-        """c / f [m] at `frequency` [Hz]."""
+        """C / f [m] at `frequency` [Hz]."""
         return self.speed_of_sound / frequency
 
     def beta(self, frequency: float) -> float:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
 from pacinian.checks import integer, length, near, numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.pose import Pose
     from pacinian.types import ArrayLike, Floats
 
 PITCH = 0.01016  # [m], AUTD unit

@@ -58,7 +58,7 @@ class Piston:
 
     def __call__(self, cos_theta: Floats) -> Floats:
         """D, same shape as `cos_theta`."""
-        from scipy.special import j1  # noqa: PLC0415  (keeps `import pacinian` quick)
+        from scipy.special import j1
 
         sine = np.sqrt(np.clip(1.0 - cos_theta**2, 0.0, 1.0))
         x = self.wavenumber * self.radius * sine

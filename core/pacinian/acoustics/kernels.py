@@ -20,7 +20,7 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Gains, Singles
+    from pacinian.types import Gains, Levels, Singles
 
 TILE = 256
 NEAREST = f4(1e-30)  # [m^2]; keeps 1 / r finite on a transducer
@@ -31,7 +31,7 @@ TOUCHING = f4(1e-12)  # [m^2]; a point this near is on the transducer
 def wave(
     x: float, y: float, z: float, r: Singles, n: Singles, first: int, count: int,
     law: Singles, table: Singles, tile: Singles,
-) -> float:  # fmt: skip
+) -> np.float32:  # fmt: skip
     """Sound pressure at (x, y, z) per gain of the transducers first..first + count.
 
     Writes its real part to tile[0], its imaginary part to tile[1], and the inverse distance [1/m] to
@@ -148,7 +148,7 @@ def field(
 
 @compiled("void(c8[::1], i8, i8, f4, u2[::1], u2[::1])")
 def quantise(
-    g: Gains, phases: int, amplitudes: int, ceiling: float, phase: Singles, amplitude: Singles
+    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, phase: Levels, amplitude: Levels
 ) -> None:
     """Round gains to device levels: phase 0..phases - 1, amplitude 0..amplitudes - 1.
 

@@ -84,11 +84,12 @@ class Wave:
             touches = np.empty(len(points), dtype=np.float32)
             q = np.ascontiguousarray(points - self.origin, dtype=np.float32)
             kernels.matrix(q, self.r, self.n, self.law, self.table, out, touches)
-            self._refuse(touches)
+            self.refuse(touches)
         else:
             out[:] = matrix(self.array, points, self.medium)
 
-    def _refuse(self, touches: Singles) -> None:
+    def refuse(self, touches: Singles) -> None:
+        """Raise PointOnTransducer for points that touch one, (M,), where that is singular."""
         if self.medium.singular and touches.any():
             raise PointOnTransducer(np.flatnonzero(touches).tolist())
 
@@ -165,7 +166,7 @@ def _single(wave: Wave, g: Complexes, points: Floats) -> Gains:
         edges = np.linspace(0, len(q), 4 * workers + 1).astype(int).tolist()
         with ThreadPoolExecutor(workers) as pool:
             list(pool.map(part, map(slice, edges[:-1], edges[1:])))
-    wave._refuse(touches)  # noqa: SLF001
+    wave.refuse(touches)
     return p
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Generator
 
     from pacinian.rendering.renderer import Renderer
     from pacinian.rendering.report import Report
@@ -20,7 +20,9 @@ REFRESH = 0.5  # [s] between two looks of the progress bar
 
 
 @contextmanager
-def progress(what: str, seconds: float, quiet: bool) -> Iterator[Callable[[Report], object] | None]:
+def progress(
+    what: str, seconds: float, quiet: bool
+) -> Generator[Callable[[Report], object] | None]:
     """A progress bar on standard error, drawn between ticks by the loop's own thread."""
     if quiet:
         yield None
@@ -108,22 +110,18 @@ def _table(told: dict[str, Any]) -> None:
     from rich.table import Table
 
     table = Table(box=None, show_header=False, pad_edge=False)
-    ticks = max(1, told["ticks"])
     rows = {
         "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
         "solver, backend": f"{told['solver']}, {told['backend']}",
-        "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {told['late_ticks']} late ({told['late_ticks'] / ticks:.2%})",
-        "tick time": f"p50 {told['tick_p50_ms']:.3f} ms, p99 {told['tick_p99_ms']:.3f} ms, max {told['tick_max_ms']:.3f} ms",
+        "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {_late(told)}",
+        "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
         "error, as emitted": f"{told['error']:.3%} of the sound pressures asked",
         "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
         "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)
         or "nothing",
     }
     if base := told.get("dummy"):
-        rows["dummy loop"] = (
-            f"{base['late_ticks']} of {base['ticks']} late ({base['late_ticks'] / max(1, base['ticks']):.2%}), "
-            f"p50 {base['tick_p50_ms']:.3f} ms, p99 {base['tick_p99_ms']:.3f} ms"
-        )
+        rows["dummy loop"] = f"{base['ticks']} ticks, {_late(base)}, {_times(base)}"
     if told.get("picture"):
         rows["picture"] = told["picture"]
     if told.get("record"):
@@ -133,3 +131,11 @@ def _table(told: dict[str, Any]) -> None:
     for name, value in rows.items():
         table.add_row(name, value)
     Console().print(table)
+
+
+def _late(told: dict[str, Any]) -> str:
+    return f"{told['late_ticks']} late ({told['late_ticks'] / max(1, told['ticks']):.2%})"
+
+
+def _times(told: dict[str, Any]) -> str:
+    return f"p50 {told['tick_p50_ms']:.3f} ms, p99 {told['tick_p99_ms']:.3f} ms"

@@ -127,7 +127,8 @@ def spectrum(case: Case) -> Spectrum:
     s = linalg.svdvals(B)
     rank = int((s > CUT * s[0]).sum())
     condition = float(s[0] / s[-1]) if rank == len(s) else math.inf
-    return Spectrum(case.name, *B.shape, rank, condition, float(s[0] / s[rank - 1]))
+    kept = float(s[0] / s[rank - 1])
+    return Spectrum(case.name, len(case.points), len(case.array), rank, condition, kept)
 
 
 def solve(case: Case, name: str, cut: float = CUT) -> Outcome:

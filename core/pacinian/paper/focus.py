@@ -1,26 +1,23 @@
-"""The focus of the AUTD units: its width (the paper's Figure 3) and its force, beside the measured one."""
+"""The focus of the AUTD units and how wide it is (the paper's Figure 3)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 import pacinian as pc
 from pacinian.acoustics.array import UNIT
-from pacinian.types import Floats
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
 
 MEDIUM = pc.Air()
 KIND = pc.T4010A1
-GRAM_FORCE = 9.80665e-3  # [N]
 FIRST_ZERO = 1.22  # of a circular aperture's pattern, in lambda z / diameter
-NONLINEARITY = 1.2  # 1 + B/2A of air
 STEP = 1e-4  # [m], of a profile
-MEASURED = (
-    (1, 0.2, 1.6),
-    (3, 0.6, 7.4),
-)  # units along a side, distance [m] (1 unit: ours), force [gf]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,26 +63,6 @@ class Width:
     formula: float
     half: float
     half_integral: float
-
-
-@dataclass(frozen=True)
-class Force:
-    """The force of a focus, in the linear model and as measured.
-
-    radius: of the disc that is the main lobe, 1.22 lambda z / the aperture's shorter side [m].
-    peak: sound pressure amplitude [Pa]. level: [dB re 20 uPa RMS]. top: radiation pressure [Pa].
-    force, measured: [gf]. shock: how far a plane wave of the peak's strength goes to form a shock [m].
-    """
-
-    units: int
-    distance: float
-    radius: float
-    peak: float
-    level: float
-    top: float
-    force: float
-    measured: float
-    shock: float
 
 
 def focus(side: int, distance: float) -> Focus:
@@ -153,39 +130,7 @@ def first_minimum(s: Floats, P: Floats) -> float:
 
 def half_width(s: Floats, P: Floats) -> float:
     """Twice the s where a profile P(s) that falls from s[0] = 0 first is half of P[0]."""
-    below = int(np.argmax(P < 0.5 * P[0]))
+    half = 0.5 * float(P[0])
+    below = int(np.argmax(half > P))
     part = slice(below - 1, below + 1)
-    return 2.0 * float(np.interp(-0.5 * P[0], -P[part], s[part]))
-
-
-def force(side: int, distance: float, measured: float) -> Force:
-    """The force of `side` x `side` units focused at `distance` [m]; measured: [gf]."""
-    spot = focus(side, distance)
-    radius = max(spot.zero(0), spot.zero(1))
-    step = radius / 50.0
-    x = np.arange(-50, 51) * step
-    X, Y = np.meshgrid(x, x)
-    P = np.where(np.hypot(X, Y) <= radius, spot.radiation_pressure(X, Y), 0.0)  # [Pa]
-    peak = float(np.abs(spot.sound_pressure(np.zeros(1), np.zeros(1)))[0])
-    return Force(
-        units=side * side,
-        distance=distance,
-        radius=radius,
-        peak=peak,
-        level=float(pc.sound_pressure_level(peak)),
-        top=float(P.max()),
-        force=float(P.sum()) * step**2 / GRAM_FORCE,
-        measured=measured,
-        shock=shock_distance(peak),
-    )
-
-
-def shock_distance(p: float) -> float:
-    """rho c^3 / ((1 + B/2A) omega p) [m]: how far a plane wave of amplitude `p` [Pa] goes to form a shock."""
-    omega = 2.0 * math.pi * KIND.frequency  # [rad/s]
-    return MEDIUM.density * MEDIUM.speed_of_sound**3 / (NONLINEARITY * omega * p)
-
-
-def forces() -> list[Force]:
-    """The forces of the paper's two devices, beside the measured ones."""
-    return [force(*row) for row in MEASURED]
+    return 2.0 * float(np.interp(-half, -P[part], s[part]))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 FAR = 0.6  # [m]; there the image repeats every 510 mm, beyond the region's 400 mm
-FAR_CUT = 1e-3  # B is nearly singular there: smaller singular values only make gains above full drive
+FAR_CUT = 1e-3  # B is nearly singular there: smaller singular values only make the gains huge
 PLACES = {  # name: height [m], cut
     "1a": (experiment.DISTANCE, experiment.CUT),
     "1a far": (FAR, FAR_CUT),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 GROUP = "pacinian"
 Kind = Literal["solver", "backend"]
-BASES: dict[Kind, type] = {"solver": Solver, "backend": Backend}
+BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Plugins:
             del self._waiting[point.name]
             try:
                 offers = self._read(point)
-            except Exception as error:  # noqa: BLE001  (a plug-in may raise anything)
+            except Exception as error:
                 self.failed[point.name] = PluginError(
                     f"plug-in {point.name!r} ({_origin(point)}) does not load: {type(error).__name__}: {error}"
                 )
@@ -137,7 +137,7 @@ class Plugins:
                 min(unknown), f"is no option of {kind} {name!r}; there are: {known}"
             )
         try:
-            return cast("Solver | Backend", offer.cls(**options))
+            return offer.cls(**options)
         except TypeError as error:
             raise ArgumentError("options", f"of {kind} {name!r} do not fit: {error}") from error
 

@@ -22,7 +22,7 @@ from pacinian.session import Session
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Generator
     from types import TracebackType
 
     from pacinian.acoustics.air import Air
@@ -98,7 +98,7 @@ class Renderer:
         try:
             self._solve(0.0)
             self._drive(np.ones(len(self._times)), 0.0)
-        except Exception:  # noqa: S110, BLE001  (the first tick meets it again, and reports it)
+        except Exception:
             pass
         self._solved = None
         self.report, self._start = Report(), self.clock.now()
@@ -262,7 +262,7 @@ class Renderer:
         self._stage = stage
         try:
             action()
-        except Exception as error:  # noqa: BLE001  (a plug-in may raise anything)
+        except Exception as error:
             message = f"{type(error).__name__}: {error}"
             fault = Fault(self.report.ticks, self._stage, message, error)
             self.report.fault(fault)
@@ -276,7 +276,7 @@ class Renderer:
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
+def _undisturbed() -> Generator[None]:
     """One thread of linear algebra, and nothing old to search for garbage: both cost milliseconds."""
     gc.collect()
     gc.freeze()

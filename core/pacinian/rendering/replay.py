@@ -23,7 +23,8 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
     if (can.phases, can.amplitudes) != (had.phases, had.amplitudes):
         raise RecordingError(
             recording.path,
-            f"has {had.phases} phases and {had.amplitudes} amplitudes; {backend.name!r} has {can.phases} and {can.amplitudes}",
+            f"has {had.phases} phases and {had.amplitudes} amplitudes; "
+            f"{backend.name!r} has {can.phases} and {can.amplitudes}",
         )
     if len(array) != len(recording.positions):
         raise RecordingError(

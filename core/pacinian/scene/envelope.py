@@ -9,9 +9,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.checks import number
-
-if TYPE_CHECKING:
-    from pacinian.types import Floats
+from pacinian.types import Floats
 
 
 class Constant(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="constant"):

@@ -151,10 +151,14 @@ class Scene(Struct, frozen=True, eq=False, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         force_setattr(self, "objects", tuple(self.objects))
         for i, item in enumerate(self.objects):
-            if not isinstance(item, (Point, Surface, Volume)):
-                raise ArgumentError(
-                    f"objects[{i}]", f"must be a Point, Surface or Volume, not {item!r}"
-                )
+            _require_object(i, item)
+
+
+def _require_object(index: int, item: object) -> None:
+    if not isinstance(item, (Point, Surface, Volume)):
+        raise ArgumentError(
+            f"objects[{index}]", f"must be a Point, Surface or Volume, not {item!r}"
+        )
 
 
 def _check(radiation_pressure: float | None, force: float | None, area: float) -> None:

@@ -202,4 +202,4 @@ def grid(extent: Vector, spacing: float) -> Floats:
 def _centred(extent: float, spacing: float) -> Floats:
     """Equal steps of at least `spacing`, half a step from both ends of a centred interval."""
     K = max(1, math.floor(extent / spacing + EDGE))
-    return (np.arange(K) - (K - 1) / 2.0) * (extent / K)
+    return np.linspace(0.5 - K / 2.0, K / 2.0 - 0.5, K) * (extent / K)

@@ -15,9 +15,10 @@ from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import length
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes import Local, grid
+from pacinian.types import Floats
 
 if TYPE_CHECKING:
-    from pacinian.types import Floats, Indices
+    from pacinian.types import Indices
 
 
 APART = 0.8  # share of the spacing that neighbours keep: then there is one sample per spacing^2

@@ -9,11 +9,11 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes, Reals
 
 
 def gerchberg_saxton(
-    gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = 20
+    gram: Complexes, targets: Targets, start: Reals | None = None, steps: int = 20
 ) -> Complexes:
     """Targets [Pa], complex, (M,), with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
 
@@ -40,7 +40,7 @@ def gerchberg_saxton(
     return p
 
 
-def choose(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
+def choose(propagator: Propagator, targets: Targets, start: Reals | None) -> Complexes:
     """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
     if not targets.free.any():
         return targets.complex(targets.phases)

@@ -15,7 +15,7 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.types import ArrayLike, Complexes, Flags, Floats
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Reals
 
 Scale = Literal["exact", "max"]
 
@@ -63,9 +63,11 @@ class Targets:
         """Where the phase is free, shape (M,)."""
         return np.isnan(self.phases)
 
-    def complex(self, phases: Floats) -> Complexes:
+    def complex(self, phases: Reals) -> Complexes:
         """The targets [Pa] with `phases` [rad], shape (M,), where free."""
-        return self.amplitudes * np.exp(1j * np.where(self.free, phases, self.phases))
+        return np.asarray(
+            self.amplitudes * np.exp(1j * np.where(self.free, phases, self.phases)), np.complex128
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

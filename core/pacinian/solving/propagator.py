@@ -145,7 +145,7 @@ class Propagator:
         return factor
 
     def apply(self, g: Complexes) -> Complexes:
-        """p = B g [Pa], shape (M,), for gains of shape (N,)."""
+        """P = B g [Pa], shape (M,), for gains of shape (N,)."""
         return self._B @ g.astype(self.dtype, copy=False)
 
     def adjoint(self, y: Complexes) -> Complexes:

@@ -18,10 +18,22 @@ class Status(Enum):
 
     ok = "the targets are met"
     silent = "nothing is asked: all gains are zero"
-    approximate = "not all targets are met, with no limit reached: the points are closer than the array can resolve, or the solver is approximate"
-    limited = "transducers are at their limit: these are the nearest pressures that the limits allow; lower the amplitudes, or add units"
-    scaled = "over the limits, so scaled down as a whole: proportions are kept, strength is not; lower the amplitudes, or use solver 'lagrange'"
-    unreachable = "some points cannot be reached: no sound of any transducer gets there (are they behind the array?)"
+    approximate = (
+        "not all targets are met, with no limit reached: "
+        "the points are closer than the array can resolve, or the solver is approximate"
+    )
+    limited = (
+        "transducers are at their limit: these are the nearest pressures that it allows; "
+        "lower the amplitudes, or add units"
+    )
+    scaled = (
+        "over the limits, so scaled down as a whole: proportions are kept, strength is not; "
+        "lower the amplitudes, or use solver 'lagrange'"
+    )
+    unreachable = (
+        "some points cannot be reached: no sound of any transducer gets there "
+        "(are they behind the array?)"
+    )
     deadline = "the time was up: the best answer so far"
     failed = "no usable answer: the gains are zero; try solver 'pseudo-inverse'"
 
@@ -79,7 +91,7 @@ class Solution:
 
     @property
     def gap(self) -> float:
-        """objective - bound [Pa^2]: at most this far from the optimum; NaN where nothing is proven."""
+        """Objective - bound [Pa^2]: at most this far from the optimum; NaN where nothing is proven."""
         return self.objective - self.bound
 
     @property

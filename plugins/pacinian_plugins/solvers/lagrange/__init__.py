@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, cast
 
 import numpy as np
-from scipy import linalg
-
 import pacinian as pc
 from pacinian.checks import integer, number
 from pacinian.solving.phases import choose
 from pacinian.solving.propagator import cholesky, gram
+from scipy import linalg
+
 from pacinian_plugins.solvers.lagrange.dual import Dual, Point
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ GAIN = 0.02  # a round of new phases that lowers the error by less is the last
 class Lagrange(pc.Solver):
     """min 1/2 ||p - B g||^2 + mu/2 ||g||^2 subject to |g_n| <= limit, by semismooth Newton on the dual.
 
-    mu: regularisation, relative to trace(B B^H) / M. steps: Newton steps for one choice of phases.
+    mu: regularisation, relative to trace(B B^H) / M. steps: Newton steps for one choice of phases, before
+    continuation in mu is tried, twice as many for each of its stages.
     rounds: how often free phases are chosen anew where the limit keeps targets from being met.
 
     Where no limit is reached it is the regularised pseudo-inverse, without a Newton step. More samples
@@ -40,7 +41,7 @@ class Lagrange(pc.Solver):
     keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     mu: float = 1e-5
-    steps: int = 30
+    steps: int = 15
     rounds: int = 20
 
     def __post_init__(self) -> None:
@@ -76,7 +77,7 @@ class Lagrange(pc.Solver):
             limited=held > 0.0 and limits.gain is not None,
             late=end.late,
             bound=unit**2 * (end.point.value + end.lost),
-            objective=unit**2 * (problem.dual.primal(end.point.h, problem.down(end.p)) + end.lost),
+            objective=unit**2 * (problem.dual.primal(end.point, problem.down(end.p)) + end.lost),
             note=f"{held:.0%} of the transducers at their limit" if held else "",
         )
 
@@ -95,12 +96,18 @@ class Problem:
         B = propagator.B
         if len(B) <= B.shape[1]:
             return cls(B, None, Dual(B, propagator.gram, propagator.factor(mu), mu))
-        Q, R = linalg.qr(B.astype(np.complex128), mode="economic")
+        Q, R = cast(
+            "tuple[Complexes, Complexes]", linalg.qr(B.astype(np.complex128), mode="economic")
+        )
         return cls(B, Q, Dual(R, gram(R), cholesky(gram(R), mu), mu))
 
     def down(self, p: Complexes) -> Complexes:
         """Targets (M,) in the dual's equations."""
         return p if self.Q is None else self.Q.conj().T @ p
+
+    def whole(self, point: Point) -> Complexes:
+        """The sound pressures that a point makes, (M,) [Pa]."""
+        return point.made if self.Q is None else (self.B @ point.h).astype(np.complex128)
 
     def peak(self, p: Complexes) -> float:
         """The largest gain if there is no limit, with a margin."""
@@ -156,14 +163,19 @@ class Run:
         if y is not None and (start.size > dual.mu).any():
             warm = dual.at(y, q)
             start = warm if warm.value > start.value else start
-        point, steps, late = dual.climb(start, q, self.settings.steps, self.budget)
-        made = (self.problem.B @ point.h.astype(self.problem.B.dtype)).astype(np.complex128)
+        climb = dual.climb(start, q, self.settings.steps, self.budget)
+        steps = climb.steps
+        if not (climb.done or climb.late):
+            climb = dual.descend(q, 2 * self.settings.steps, self.budget)
+            steps += climb.steps
+        point = climb.point
+        made = self.problem.whole(point)
         at = np.where(self.targets.free, np.abs(p) * np.exp(1j * np.angle(made)), p)
         error = float(np.linalg.norm(at - made) / np.linalg.norm(p))
         lost = (
             0.0 if self.problem.Q is None else float(np.vdot(p, p).real - np.vdot(q, q).real) / 2.0
         )
-        return End(point, p, made, error, lost, steps, late)
+        return End(point, p, made, error, lost, steps, climb.late)
 
     def strongest(self, p: Complexes, propagator: pc.Propagator) -> End:
         """The gains for the largest multiple of p whose proportions are kept."""

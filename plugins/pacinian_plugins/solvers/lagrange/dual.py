@@ -16,19 +16,21 @@ a 2M x 2M real positive definite system, or an M x M complex one where none is a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from pacinian.acoustics.compiled import compiled
+from pacinian.solving.propagator import Factor, cholesky
 from scipy import linalg
 
 if TYPE_CHECKING:
     import pacinian as pc
-    from pacinian.solving.propagator import Factor
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes, Reals
 
 ARMIJO = 1e-4  # share of the promised ascent that a step must bring
 SHORTEST = 1e-6  # of a step
+STIFFEST = 1e-2  # mu / power that continuation starts from
 ENOUGH = {np.dtype(np.complex64): 3e-6, np.dtype(np.complex128): 1e-10}  # ||F|| / ||p|| to stop at
 
 
@@ -36,10 +38,33 @@ class Point(NamedTuple):
     """The dual at one y."""
 
     y: Complexes  # (M,) [Pa]
-    x: Complexes  # (N,) B^H y
-    size: Floats  # (N,) |x|
-    h: Complexes  # (N,) gains, |h| <= 1
+    size: Reals  # (N,) |B^H y|
+    h: Complexes  # (N,), |h| <= 1
+    made: Complexes  # (M,) B h [Pa]
     value: float  # D(y) [Pa^2]
+
+
+class Climb(NamedTuple):
+    """Where Newton steps ended."""
+
+    point: Point
+    steps: int
+    done: bool  # F vanished, or the precision is used up
+    late: bool
+
+
+@compiled("f8(c8[::1], f8, f4[::1], c8[::1])", "f8(c16[::1], f8, f8[::1], c16[::1])")
+def saturate(x: Complexes, mu: float, size: Reals, h: Complexes) -> float:
+    """Write |x| and h(x), (N,); return the sum of c(x_n)."""
+    cost = 0.0
+    for n in range(x.size):
+        re, im = np.float64(x[n].real), np.float64(x[n].imag)  # the ascent is measured by c
+        r = np.sqrt(re * re + im * im)
+        top = max(r, mu)
+        h[n] = complex(re / top, im / top)
+        size[n] = r
+        cost += r * r / (2.0 * mu) if r <= mu else r - mu / 2.0
+    return cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,20 +78,17 @@ class Dual:
 
     def at(self, y: Complexes, p: Complexes) -> Point:
         """Evaluate at y."""
-        x = (y.conj().astype(self.B.dtype) @ self.B).conj().astype(np.complex128)
-        size = np.abs(x)
-        h = x / np.maximum(size, self.mu)
-        cost = np.where(size <= self.mu, size * size / (2.0 * self.mu), size - self.mu / 2.0).sum()
-        return Point(y, x, size, h, float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost))
+        x = (y.conj().astype(self.B.dtype) @ self.B).conj()
+        size, h = np.empty(len(x), dtype=x.real.dtype), np.empty_like(x)
+        cost = saturate(x, self.mu, size, h)
+        made = (self.B @ h).astype(np.complex128)
+        return Point(y, size, h, made, float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost))
 
-    def made(self, h: Complexes) -> Complexes:
-        """B h, (M,)."""
-        return (self.B @ h.astype(self.B.dtype)).astype(np.complex128)
-
-    def primal(self, h: Complexes, p: Complexes) -> float:
+    def primal(self, point: Point, p: Complexes) -> float:
         """1/2 ||p - B h||^2 + mu/2 ||h||^2 [Pa^2]; not below D anywhere."""
-        rest = p - self.made(h)
-        return float(np.vdot(rest, rest).real + self.mu * np.vdot(h, h).real) / 2.0
+        rest = p - point.made
+        power = float(np.vdot(point.h, point.h).real)
+        return (float(np.vdot(rest, rest).real) + self.mu * power) / 2.0
 
     def unlimited(self, p: Complexes) -> Complexes:
         """The y that solves it if nothing reaches the limit: the regularised pseudo-inverse."""
@@ -97,22 +119,41 @@ class Dual:
             d = linalg.lstsq(A, b)[0]
         return d[:M] + 1j * d[M:]
 
-    def climb(
-        self, point: Point, p: Complexes, steps: int, budget: pc.Budget
-    ) -> tuple[Point, int, bool]:
-        """Newton steps from `point`: the last point, how many, and whether the time ran out."""
+    def climb(self, point: Point, p: Complexes, steps: int, budget: pc.Budget) -> Climb:
+        """Newton steps from `point`, until F vanishes, the precision is used up, or no more are left."""
         enough = ENOUGH[self.B.dtype] * float(np.linalg.norm(p))
         for step in range(steps):
-            F = p - point.y - self.made(point.h)
+            F = p - point.y - point.made
             if np.linalg.norm(F) <= enough:
-                return point, step, False
+                return Climb(point, step, True, False)
             if budget.spent:
-                return point, step, True
+                return Climb(point, step, False, True)
             ahead = self._forward(point, p, F)
-            if ahead.value <= point.value:  # the precision is used up
-                return point, step, False
+            if ahead.value <= point.value:
+                return Climb(point, step, True, False)
             point = ahead
-        return point, steps, False
+        return Climb(point, steps, False, False)
+
+    def descend(self, p: Complexes, steps: int, budget: pc.Budget) -> Climb:
+        """The same by continuation: from a mu so large that nothing is stiff down to this one.
+
+        Where targets are just out of reach the dual grows without much curvature, and Newton steps from
+        afar overshoot; a larger mu bends it.
+        """
+        y, total, mu = np.zeros_like(p), 0, max(STIFFEST * self.power, self.mu)
+        while True:
+            stage = replace(self, mu=mu, factor=cholesky(self.gram, mu))
+            end = stage.climb(stage.at(y, p), p, steps, budget)
+            total += end.steps
+            y = end.point.y
+            if mu == self.mu or end.late:
+                return end._replace(point=self.at(y, p), steps=total)
+            mu = max(mu / 10.0, self.mu)
+
+    @property
+    def power(self) -> float:
+        """trace(B B^H) / M [Pa^2]."""
+        return float(np.trace(self.gram).real) / len(self.gram)
 
     def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point:
         d = self.direction(point, F)
