@@ -39,7 +39,7 @@ def t4010a1(cos_theta: Floats) -> Floats:
     theta = np.degrees(np.arccos(np.clip(cos_theta, 0.0, 1.0)))  # [deg]
     segment = np.clip(np.ceil(theta / 10.0).astype(np.intp) - 1, 0, 8)
     x = theta - 10.0 * segment
-    A, B, C, D = SEGMENTS[segment].T.reshape(4, *theta.shape)
+    A, B, C, D = np.moveaxis(SEGMENTS[segment], -1, 0)
     return np.where(cos_theta > 0.0, A + x * (B + x * (C + x * D)), 0.0)
 
 

@@ -7,7 +7,7 @@ reduction is one rounding; the error of a phase is that of a float32 distance, a
 
 Arguments shared by all: r, n: positions [m] and normals of the transducers relative to their centre,
 shape (3, N). law: (k / 2 pi [1/m], power, beta [1/m], P0 [Pa m]). table: the directivity at equal
-steps of cos(theta) from 0 to 1; of length 1 for an omnidirectional transducer.
+steps of cos(theta) from 0 to 1, the last twice; of length 1 for an omnidirectional transducer.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def wave(
             n[1, first : first + count],
             n[2, first : first + count],
         )
-        steps = f4(table.size - 1)
+        steps = f4(table.size - 2)
         for i in range(count):
             cosine = ((x - rx[i]) * nx[i] + (y - ry[i]) * ny[i] + (z - rz[i]) * nz[i]) * inverse[i]
             place = abs(cosine) * steps

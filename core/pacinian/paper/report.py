@@ -36,7 +36,7 @@ EXPERIMENT_NOTES = (
     "The paper's patterns cannot be read off its figures to the sample; the shapes here are ours.",
 )
 FOURIER_NOTES = (
-    "At 200 mm the Fourier method fails even in the parallel plane: the angles are not small, and with"
+    "In 1a, at 200 mm, the Fourier method fails even in the parallel plane: the angles are not small, and with"
     " 10 mm between transducers the image repeats every 170 mm within the 400 mm region. At 600 mm it"
     " repeats every 510 mm, and the method does as well as the pseudo-inverse (there with singular values"
     " below 1e-3 of the largest left out: they only make the gains huge).",

@@ -25,7 +25,7 @@ def outcomes(results: Experiment) -> Table:
     rows: list[list[str]] = []
     for name in experiment.PATTERNS:
         found = [results.outcomes[name, case] for case in experiment.CASES]
-        cells = [f"{o.correlation:.2f}  {o.error:.2f}  {o.maximum:.2f}" for o in found]
+        cells = [f"{o.correlation:.2f} {o.error:.2f} {o.maximum:.2f}" for o in found]
         rows.append([name, *cells])
     title = "Experiment, |p| against the target: correlation, relative error, maximum"
     return _table(title, ["pattern", *experiment.CASES], rows)
@@ -49,11 +49,11 @@ def spectra(results: Experiment) -> Table:
 
 def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
     """Pattern by place: correlation and maximum of the Fourier method, and of the pseudo-inverse."""
-    titles = {"1a far": f"1a, {1e3 * fourier.FAR:.0f} mm"}
+    titles = {"1a far": f"{1e3 * fourier.FAR:.0f} mm"}
     head = [
         f"{titles.get(place, place)}\n{method}"
         for place in fourier.PLACES
-        for method in ("Fourier", "p.-inv.")
+        for method in ("Fourier", "ps.-inv.")
     ]
     rows: list[list[str]] = []
     for name in experiment.PATTERNS:
@@ -104,7 +104,7 @@ def _condition(value: float) -> str:
 
 def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
     """A table whose texts are taken as they are: a unit in brackets is no markup."""
-    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, collapse_padding=True)
     for n, name in enumerate(head):
         table.add_column(Text(name), justify="right" if n else "left")
     for row in rows:

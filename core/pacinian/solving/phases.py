@@ -12,8 +12,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Reals
 
 
+COLD, WARM = 20, 3  # steps from scratch, and from the phases of the last solution
+
+
 def gerchberg_saxton(
-    gram: Complexes, targets: Targets, start: Reals | None = None, steps: int = 20
+    gram: Complexes, targets: Targets, start: Reals | None = None, steps: int = COLD
 ) -> Complexes:
     """Targets [Pa], complex, (M,), with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
 
@@ -44,4 +47,4 @@ def choose(propagator: Propagator, targets: Targets, start: Reals | None) -> Com
     """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
     if not targets.free.any():
         return targets.complex(targets.phases)
-    return gerchberg_saxton(propagator.gram, targets, start, 6 if start is not None else 20)
+    return gerchberg_saxton(propagator.gram, targets, start, COLD if start is None else WARM)

@@ -30,13 +30,20 @@ class Work:
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """A Cholesky factor of B B^H + mu I, shape (M, M), complex128.
+    """A Cholesky factor of a matrix, (M, M), complex128; definite: whether the matrix has one."""
 
-    reciprocal_condition: LAPACK's estimate; 0 where the matrix is not positive definite.
-    """
-
+    matrix: Complexes
     upper: Complexes
-    reciprocal_condition: float
+    definite: bool
+
+    @property
+    def reciprocal_condition(self) -> float:
+        """LAPACK's estimate; 0 where the matrix is not positive definite."""
+        if not self.definite:
+            return 0.0
+        norm = float(np.abs(self.matrix).sum(axis=0).max())
+        reciprocal, _ = lapack.zpocon(self.upper, norm)
+        return float(reciprocal)
 
     def solve(self, y: Complexes) -> Complexes:
         """(B B^H + mu I)^-1 y, for y of shape (M,) or (M, K)."""
@@ -118,7 +125,7 @@ class Propagator:
             self.work.grams_kept += 1
             return self._gram
         self.work.grams_built += 1
-        if self._gram is None or self._stale.sum() > len(self._stale) / 2:
+        if self._gram is None or self._stale.sum() > len(self._stale) / 4:
             self._gram = gram(self._B)
         else:
             rows = self._stale
@@ -154,19 +161,22 @@ class Propagator:
 
 
 def gram(B: Complexes) -> Complexes:
-    """B B^H in complex128 from a Hermitian product in B's own precision, exactly Hermitian."""
-    herk = blas.cherk if B.dtype == np.complex64 else blas.zherk
-    upper = np.asarray(herk(1.0, B.T, trans=2), dtype=np.complex128)  # conj(B B^H), upper triangle
+    """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS."""
+    M = len(B)
+    if B.dtype == np.complex64:
+        from pacinian.solving import kernels
+
+        out = np.empty((M, M), dtype=np.complex128)
+        scratch = np.empty((2, M + M % 2, kernels.TILE), dtype=np.float32)
+        kernels.gram(np.ascontiguousarray(B), scratch, out)
+        return out
+    upper = blas.zherk(1.0, B.T, trans=2)  # conj(B B^H), upper triangle
     return np.asarray(np.triu(upper).conj() + np.triu(upper, 1).T)
 
 
 def cholesky(gram: Complexes, mu: float) -> Factor:
-    """A Cholesky factor of `gram` + mu I, with an estimate of its condition."""
+    """A Cholesky factor of `gram` + mu I."""
     shifted = gram.copy()
     shifted[np.diag_indices(len(gram))] += mu
-    norm = float(np.abs(shifted).sum(axis=0).max()) if len(gram) else 0.0
-    upper, info = lapack.zpotrf(shifted, overwrite_a=1)
-    if info:
-        return Factor(upper, 0.0)
-    reciprocal, _ = lapack.zpocon(upper, norm)
-    return Factor(upper, float(reciprocal))
+    upper, info = lapack.zpotrf(shifted, overwrite_a=0)
+    return Factor(shifted, upper, info == 0)

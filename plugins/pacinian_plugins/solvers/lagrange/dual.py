@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Reals
 
 ARMIJO = 1e-4  # share of the promised ascent that a step must bring
-SHORTEST = 1e-6  # of a step
+FLATTER = 0.9  # share of ||F|| that will do instead: near the top D rounds before F does
+SHORTEST = 1e-4  # of a step
 STIFFEST = 1e-2  # mu / power that continuation starts from
 ENOUGH = {np.dtype(np.complex64): 3e-6, np.dtype(np.complex128): 1e-10}  # ||F|| / ||p|| to stop at
 
@@ -129,7 +130,7 @@ class Dual:
             if budget.spent:
                 return Climb(point, step, False, True)
             ahead = self._forward(point, p, F)
-            if ahead.value <= point.value:
+            if ahead is None:
                 return Climb(point, step, True, False)
             point = ahead
         return Climb(point, steps, False, False)
@@ -155,12 +156,17 @@ class Dual:
         """trace(B B^H) / M [Pa^2]."""
         return float(np.trace(self.gram).real) / len(self.gram)
 
-    def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point:
+    def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point | None:
+        """The next point: higher, or with a smaller gradient F; None where the precision is used up."""
         d = self.direction(point, F)
         promise = ARMIJO * float(np.vdot(d, F).real)
+        steep = float(np.linalg.norm(F))
         length = 1.0
-        while True:
+        while length > SHORTEST:
             ahead = self.at(point.y + length * d, p)
-            if ahead.value >= point.value + length * promise or length < SHORTEST:
+            if ahead.value > point.value + length * promise:
+                return ahead
+            if float(np.linalg.norm(p - ahead.y - ahead.made)) < FLATTER * steep:
                 return ahead
             length /= 2.0
+        return None

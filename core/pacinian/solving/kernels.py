@@ -1,0 +1,62 @@
+"""The Gram matrix B B^H of a wide B in single precision."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy import float32 as f4
+
+from pacinian.acoustics.compiled import compiled
+
+if TYPE_CHECKING:
+    from pacinian.types import Gains, Singles
+
+TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
+
+
+@compiled("void(c8[:, ::1], f4[:, :, ::1], c16[:, ::1])")
+def gram(B: Gains, scratch: Singles, out: Gains) -> None:
+    """Write B B^H, (M, M), exactly Hermitian; sums over 512 columns are single, over tiles double.
+
+    scratch: (2, M + M % 2, TILE). Rows are taken two by two, so that each number loaded is used twice:
+    2 times as fast as BLAS for M = 16 to 24, and no slower to M = 128.
+    """
+    M, N = B.shape
+    even = scratch.shape[1]
+    out[:] = 0.0
+    scratch[:] = f4(0.0)
+    re, im = scratch[0], scratch[1]
+    for first in range(0, N, TILE):
+        count = min(TILE, N - first)
+        for m in range(M):
+            row = B[m, first : first + count]
+            for n in range(count):
+                re[m, n] = row[n].real
+                im[m, n] = row[n].imag
+        for i in range(0, even, 2):
+            a0, b0, a1, b1 = re[i, :count], im[i, :count], re[i + 1, :count], im[i + 1, :count]
+            for j in range(0, i + 2, 2):
+                c0, d0, c1, d1 = re[j, :count], im[j, :count], re[j + 1, :count], im[j + 1, :count]
+                r00, i00, r01, i01 = f4(0.0), f4(0.0), f4(0.0), f4(0.0)
+                r10, i10, r11, i11 = f4(0.0), f4(0.0), f4(0.0), f4(0.0)
+                for n in range(count):
+                    r00 += a0[n] * c0[n] + b0[n] * d0[n]
+                    i00 += b0[n] * c0[n] - a0[n] * d0[n]
+                    r01 += a0[n] * c1[n] + b0[n] * d1[n]
+                    i01 += b0[n] * c1[n] - a0[n] * d1[n]
+                    r10 += a1[n] * c0[n] + b1[n] * d0[n]
+                    i10 += b1[n] * c0[n] - a1[n] * d0[n]
+                    r11 += a1[n] * c1[n] + b1[n] * d1[n]
+                    i11 += b1[n] * c1[n] - a1[n] * d1[n]
+                out[i, j] += complex(r00, i00)
+                if i + 1 < M:
+                    out[i + 1, j] += complex(r10, i10)
+                if j + 1 < M:
+                    out[i, j + 1] += complex(r01, i01)
+                if i + 1 < M and j + 1 < M:
+                    out[i + 1, j + 1] += complex(r11, i11)
+    for i in range(M):
+        out[i, i] = complex(out[i, i].real, 0.0)
+        for j in range(i):
+            out[j, i] = np.conj(out[i, j])
