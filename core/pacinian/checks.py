@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,10 +19,15 @@ FAR = 10.0  # [m]; nothing in mid-air haptics is further from its array
 def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
     """Return `value` as float64 of the given shape, None being any length; all finite."""
     try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        array = np.asarray(value)
+        if array.dtype.kind == "c":
+            raise ArgumentError(name, "must be real, not complex")
+        array = array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, ArgumentError):
+            raise
         raise ArgumentError(name, f"must be numbers: {error}") from None
-    if array.size == 0 and shape == (None, 3):
+    if array.shape == (0,) and shape == (None, 3):
         array = array.reshape(0, 3)
     fits = array.ndim == len(shape) and all(
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
@@ -40,7 +46,7 @@ def number(
     """Return `value` as a finite float in [low, high]; `above` excludes low itself."""
     try:
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(name, f"must be a number, not {value!r}") from None
     if not math.isfinite(result):
         raise ArgumentError(name, f"must be finite, not {result}")
@@ -74,6 +80,13 @@ def length(name: str, value: float) -> float:
 
 def integer(name: str, value: int, *, low: int) -> int:
     """Return `value` as an int of at least `low`."""
-    if isinstance(value, bool) or int(value) != value or value < low:
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        whole = isinstance(value, float) and value.is_integer()
+        result = int(value) if whole else operator.index(value)
+    except TypeError:
+        result = low - 1
+    if result < low:
         raise ArgumentError(name, f"must be a whole number of at least {low}, not {value!r}")
-    return int(value)
+    return result

@@ -16,7 +16,7 @@ Inside the loop nothing is raised: a tick's outcome is a value (`pacinian.Status
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +24,19 @@ if TYPE_CHECKING:
 
 
 class PacinianError(Exception):
-    """The root of all errors raised by Pacinian."""
+    """The root of all errors raised by Pacinian. They travel between processes with their evidence."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (type(self), self.args, self.__dict__)
+
+
+def _rebuilt(
+    kind: type[PacinianError], args: tuple[Any, ...], evidence: dict[str, Any]
+) -> PacinianError:
+    error = kind.__new__(kind)
+    error.args = args
+    error.__dict__.update(evidence)
+    return error
 
 
 class ArgumentError(PacinianError, ValueError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, field
 
@@ -39,30 +40,29 @@ class Air:
     power: float = field(init=False)
 
     def __post_init__(self) -> None:
-        number("humidity", self.humidity, low=0.0, high=1.0)
-        number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7)
+        set_ = functools.partial(object.__setattr__, self)
+        set_("humidity", number("humidity", self.humidity, low=0.0, high=1.0))
+        set_(
+            "ambient_pressure", number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7)
+        )
         c, rho = 340.0, 1.2  # [m/s], [kg/m^3]
         if self.temperature is not None:
-            number("temperature", self.temperature, low=-80.0, high=100.0)
+            set_("temperature", number("temperature", self.temperature, low=-80.0, high=100.0))
             c, rho = _ideal_gas(self.temperature, self.humidity, self.ambient_pressure)
-        for name, value, default in (
-            ("speed_of_sound", self.speed_of_sound, c),
-            ("density", self.density, rho),
-        ):
-            given = number(name, value, low=0.0)
-            object.__setattr__(self, name, given or default)
-        if isinstance(self.attenuation, str):
-            if self.attenuation not in POWERS:
-                known = ", ".join(map(repr, POWERS))
-                raise ArgumentError(
-                    "attenuation", f"must be {known} or a power, not {self.attenuation!r}"
-                )
+        set_("speed_of_sound", number("speed_of_sound", self.speed_of_sound, low=0.0) or c)
+        set_("density", number("density", self.density, low=0.0) or rho)
+        if self.absorption is not None:
+            set_("absorption", number("absorption", self.absorption, low=0.0, high=1e3))
+        if not isinstance(self.attenuation, str):
+            power = number("attenuation", self.attenuation, low=0.0, high=8.0)
+        elif self.attenuation in POWERS:
             power = POWERS[self.attenuation]
         else:
-            power = number("attenuation", self.attenuation, low=0.0, high=8.0)
-        object.__setattr__(self, "power", power)
-        if self.absorption is not None:
-            number("absorption", self.absorption, low=0.0, high=1e3)
+            known = ", ".join(map(repr, POWERS))
+            raise ArgumentError(
+                "attenuation", f"must be {known} or a power, not {self.attenuation!r}"
+            )
+        set_("power", power)
 
     def wavenumber(self, frequency: float) -> float:
         """K = 2 pi f / c [rad/m] at `frequency` [Hz]."""
@@ -123,6 +123,10 @@ def _ideal_gas(temperature: float, humidity: float, ambient_pressure: float) -> 
     """
     kelvin = temperature + 273.15
     x = humidity * _saturation(kelvin) * ATMOSPHERE / ambient_pressure  # mole fraction of water
+    if x >= 1.0:
+        raise ArgumentError(
+            "humidity", f"of {humidity:g} at {temperature:g} degC boils at {ambient_pressure:g} Pa"
+        )
     mass = (1.0 - x) * DRY_AIR + x * WATER  # [kg/mol]
     capacity = (1.0 - x) * 3.5 + x * 4.0  # Cp / R
     gamma = capacity / (capacity - 1.0)

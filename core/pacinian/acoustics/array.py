@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
-from pacinian.checks import integer, length, near, numbers
+from pacinian.checks import integer, length, near, number, numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
+HINGE = 1e-9  # [m]; a transducer this near is on the hinge
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
 
 
@@ -56,10 +57,11 @@ class Array:
             raise ArgumentError(
                 "normals", f"must be finite and have shape {r.shape} or (3,)"
             ) from None
-        size = np.sqrt((n * n).sum(axis=1, keepdims=True))
-        if (size < 1e-12).any():
-            raise ArgumentError("normals", f"has no length at {int(np.argmin(size))}")
-        n = n / size
+        largest = np.abs(n).max(axis=1, keepdims=True)
+        if not (largest > 1e-12).all():
+            raise ArgumentError("normals", f"has no length at {int(np.argmin(largest))}")
+        n = n / largest
+        n /= np.sqrt((n * n).sum(axis=1, keepdims=True))
         _, first, count = np.unique(r, axis=0, return_index=True, return_counts=True)
         if (count > 1).any():
             where = ", ".join(map(str, sorted(first[count > 1].tolist())[:5]))
@@ -80,8 +82,10 @@ class Array:
         size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(self.positions, axis=0))
         return f"<Array of {len(self)} transducers, {size} mm, {self.transducer.frequency / 1e3:g} kHz>"
 
-    def __add__(self, other: Array) -> Array:
+    def __add__(self, other: object) -> Array:
         """Both arrays' transducers, in order; they must be of one kind."""
+        if not isinstance(other, Array):
+            return NotImplemented
         if other.transducer != self.transducer:
             raise ArgumentError("other", "has another kind of transducer: one array has one kind")
         return Array(
@@ -100,31 +104,37 @@ class Array:
         return Array(pose.points(self.positions), pose.directions(self.normals), self.transducer)
 
     def without(self, dead: ArrayLike) -> Array:
-        """This array less the transducers `dead` (indices)."""
-        indices = np.asarray(dead, dtype=np.intp).reshape(-1)
-        if indices.size and (indices.min() < -len(self) or indices.max() >= len(self)):
-            raise ArgumentError("dead", f"must be indices below {len(self)}")
-        keep = np.ones(len(self), dtype=bool)
-        keep[indices] = False
+        """This array less the transducers `dead`: indices, or a flag for each. Raises ArgumentError."""
+        N, given = len(self), np.asarray(dead)
+        keep = np.ones(N, dtype=np.bool_)
+        if given.dtype.kind == "b" and given.shape == (N,):
+            keep = ~given
+        elif not given.size or (given.dtype.kind in "iu" and given.min() >= -N and given.max() < N):
+            keep[given.astype(np.intp)] = False
+        else:
+            raise ArgumentError("dead", f"must be indices below {N}, or {N} flags")
+        if not keep.any():
+            raise ArgumentError("dead", "leaves no transducer")
         return Array(self.positions[keep], self.normals[keep], self.transducer)
 
     def fold(self, hinge: str = "x", angle: float = 45.0) -> Array:
-        """This planar array folded towards +z about its own centre line.
+        """This planar array folded towards +z about the middle line of its bounding box.
 
         hinge: "x" or "y", the axis that stays. angle: by how much each half is raised [deg].
+        Transducers on the hinge keep their normals. Raises ArgumentError.
         """
         if hinge not in ("x", "y"):
             raise ArgumentError("hinge", f'must be "x" or "y", not {hinge!r}')
-        axis = 1 if hinge == "x" else 0  # the coordinate that is bent
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        bent = 1 if hinge == "x" else 0  # the coordinate that is bent
+        radians = np.radians(number("angle", angle, low=-180.0, high=180.0))
         r, n = self.positions.copy(), self.normals.copy()
-        u = r[:, axis] - self.centre[axis]  # [m] from the hinge
-        side = np.sign(u)
-        height = r[:, 2] - self.centre[2]
-        r[:, axis] = self.centre[axis] + c * u - s * side * height
-        r[:, 2] = self.centre[2] + s * np.abs(u) + c * height
-        v, z = n[:, axis].copy(), n[:, 2].copy()
-        n[:, axis], n[:, 2] = c * v - s * side * z, s * side * v + np.where(side == 0.0, 1.0, c) * z
+        low, high = r.min(axis=0), r.max(axis=0)
+        line = (low + high) / 2.0
+        u, w = r[:, bent] - line[bent], r[:, 2] - line[2]  # [m] from the hinge
+        side = np.where(np.abs(u) < HINGE, 0.0, np.sign(u))
+        c, s = np.cos(side * radians), np.sin(side * radians)
+        r[:, bent], r[:, 2] = line[bent] + c * u - s * w, line[2] + s * u + c * w
+        n[:, bent], n[:, 2] = c * n[:, bent] - s * n[:, 2], s * n[:, bent] + c * n[:, 2]
         return Array(r, n, self.transducer)
 
     def driven_by(self, transducer: Transducer) -> Array:
@@ -141,6 +151,10 @@ def lattice(
     `lattice(0.2, 0.4)` has 21 x 41 transducers. Raises ArgumentError.
     """
     pitch = length("pitch", pitch)
+    if pitch < 1e-4:
+        raise ArgumentError(
+            "pitch", f"is {pitch:g} m: lengths are in metres, and transducers are larger"
+        )
     counts = [
         1 + round(length(name, extent) / pitch)
         for name, extent in (("width", width), ("height", height))

@@ -12,16 +12,24 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound="Callable[..., Any]")
 
-# NaN and infinity keep their meaning except where a kernel says otherwise; sums may be reordered.
-FAST = {"nsz", "arcp", "contract", "afn", "reassoc", "nnan", "ninf"}
+# What the compiler may assume: sums may be reordered, and numbers are finite unless a kernel says otherwise.
+FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+FINITE = {"nnan", "ninf"}
 announced = False
 
 
-def compiled(*signatures: str) -> Callable[[F], F]:
-    """Compile a kernel for `signatures`; inside it the interpreter lock is released."""
+def compiled(*signatures: str, finite: bool = True) -> Callable[[F], F]:
+    """Compile a kernel for `signatures`; inside it the interpreter lock is released.
+
+    finite: whether its numbers always are, so that it may be compiled without regard to NaN.
+    """
 
     def decorate(function: F) -> F:
-        options: dict[str, Any] = {"fastmath": FAST, "nogil": True, "error_model": "numpy"}
+        options: dict[str, Any] = {
+            "fastmath": FAST | FINITE if finite else FAST,
+            "nogil": True,
+            "error_model": "numpy",
+        }
         try:
             kernel = numba.njit(list(signatures), cache=True, **options)(function)
         except RuntimeError:  # no folder for the cache can be written: compile at every start

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import length
+from pacinian.checks import length, number
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -55,6 +55,7 @@ class Piston:
 
     def __post_init__(self) -> None:
         length("radius", self.radius)
+        number("wavenumber", self.wavenumber, low=0.0)
 
     def __call__(self, cos_theta: Floats) -> Floats:
         """D, same shape as `cos_theta`."""

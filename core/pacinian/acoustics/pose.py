@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import numbers
+from pacinian.checks import number, numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -69,6 +69,6 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         """A pose turned about "x", "y" or "z" by `angle` [deg], then placed at `position` [m]."""
         if axis not in ("x", "y", "z"):
             raise ArgumentError("axis", f'must be "x", "y" or "z", not {axis!r}')
-        half = np.radians(angle) / 2.0
+        half = np.radians(number("angle", angle)) / 2.0
         xyz = [float(np.sin(half)) if name == axis else 0.0 for name in "xyz"]
         return cls(vector("position", position), (xyz[0], xyz[1], xyz[2], float(np.cos(half))))

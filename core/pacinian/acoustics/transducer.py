@@ -30,8 +30,9 @@ class Transducer:
     directivity: Callable[[Floats], Floats] = omni
 
     def __post_init__(self) -> None:
-        number("frequency", self.frequency, low=1.0, high=1e9)
-        number("pressure", self.pressure, low=0.0, above=True)
+        frequency = number("frequency", self.frequency, low=1.0, high=1e9)
+        object.__setattr__(self, "frequency", frequency)
+        object.__setattr__(self, "pressure", number("pressure", self.pressure, low=0.0, above=True))
 
 
 IDEAL = Transducer()

@@ -10,13 +10,13 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Gains, Singles
+    from pacinian.types import Complexes, Singles
 
 TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
 
 
 @compiled("void(c8[:, ::1], f4[:, :, ::1], c16[:, ::1])")
-def gram(B: Gains, scratch: Singles, out: Gains) -> None:
+def gram(B: Complexes, scratch: Singles, out: Complexes) -> None:
     """Write B B^H, (M, M), exactly Hermitian; sums over 512 columns are single, over tiles double.
 
     scratch: (2, M + M % 2, TILE). Rows are taken two by two, so that each number loaded is used twice:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+
 import pacinian as pc
 from pacinian.checks import integer, number
 

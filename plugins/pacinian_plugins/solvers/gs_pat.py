@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+
 import pacinian as pc
 from pacinian.checks import integer
 from pacinian.solving.phases import gerchberg_saxton

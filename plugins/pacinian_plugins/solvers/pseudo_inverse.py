@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy import linalg
+
 import pacinian as pc
 from pacinian.checks import number
 from pacinian.solving.phases import choose
 from pacinian.solving.propagator import cholesky, gram
-from scipy import linalg
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

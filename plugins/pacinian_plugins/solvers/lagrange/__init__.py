@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, cast
 
 import numpy as np
+from scipy import linalg
+
 import pacinian as pc
 from pacinian.checks import integer, number
 from pacinian.solving.phases import choose
 from pacinian.solving.propagator import cholesky, gram
-from scipy import linalg
-
 from pacinian_plugins.solvers.lagrange.dual import Dual, Point
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ GAIN = 0.02  # a round of new phases that lowers the error by less is the last
 class Lagrange(pc.Solver):
     """min 1/2 ||p - B g||^2 + mu/2 ||g||^2 subject to |g_n| <= limit, by semismooth Newton on the dual.
 
-    mu: regularisation, relative to trace(B B^H) / M. steps: Newton steps for one choice of phases, before
-    continuation in mu is tried, twice as many for each of its stages.
+    mu: regularisation, relative to trace(B B^H) / M. steps: Newton steps for one choice of phases,
+    before gradient steps on the primal bring it near and as many more are tried.
     rounds: how often free phases are chosen anew where the limit keeps targets from being met.
 
     Where no limit is reached it is the regularised pseudo-inverse, without a Newton step. More samples
@@ -41,7 +41,7 @@ class Lagrange(pc.Solver):
     keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     mu: float = 1e-5
-    steps: int = 15
+    steps: int = 10
     rounds: int = 20
 
     def __post_init__(self) -> None:
@@ -166,7 +166,8 @@ class Run:
         climb = dual.climb(start, q, self.settings.steps, self.budget)
         steps = climb.steps
         if not (climb.done or climb.late):
-            climb = dual.descend(q, 2 * self.settings.steps, self.budget)
+            near = dual.approach(climb.point.h, q, self.budget)
+            climb = dual.climb(dual.at(near, q), q, self.settings.steps, self.budget)
             steps += climb.steps
         point = climb.point
         made = self.problem.whole(point)

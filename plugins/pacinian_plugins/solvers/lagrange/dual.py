@@ -16,22 +16,26 @@ a 2M x 2M real positive definite system, or an M x M complex one where none is a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from pacinian.acoustics.compiled import compiled
-from pacinian.solving.propagator import Factor, cholesky
 from scipy import linalg
+
+from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
     import pacinian as pc
+    from pacinian.solving.propagator import Factor
     from pacinian.types import Complexes, Reals
 
 ARMIJO = 1e-4  # share of the promised ascent that a step must bring
 FLATTER = 0.9  # share of ||F|| that will do instead: near the top D rounds before F does
+CLOSE = 1e-4  # relative gap at which a step that finds nothing better means the top
 SHORTEST = 1e-4  # of a step
-STIFFEST = 1e-2  # mu / power that continuation starts from
+FIRST_ORDER, LOOK = 4000, 25  # gradient steps at most, and between two looks at the gap
+NEAR = 1e-3  # relative gap at which Newton steps take over
 ENOUGH = {np.dtype(np.complex64): 3e-6, np.dtype(np.complex128): 1e-10}  # ||F|| / ||p|| to stop at
 
 
@@ -50,7 +54,7 @@ class Climb(NamedTuple):
 
     point: Point
     steps: int
-    done: bool  # F vanished, or the precision is used up
+    done: bool  # at the top, as far as the precision goes
     late: bool
 
 
@@ -131,30 +135,34 @@ class Dual:
                 return Climb(point, step, False, True)
             ahead = self._forward(point, p, F)
             if ahead is None:
-                return Climb(point, step, True, False)
+                best = self.primal(point, p)
+                return Climb(point, step, best - point.value <= CLOSE * best, False)
             point = ahead
         return Climb(point, steps, False, False)
 
-    def descend(self, p: Complexes, steps: int, budget: pc.Budget) -> Climb:
-        """The same by continuation: from a mu so large that nothing is stiff down to this one.
+    def approach(self, h: Complexes, p: Complexes, budget: pc.Budget) -> Complexes:
+        """A y from which Newton steps arrive: accelerated projected gradient steps on the primal from h.
 
-        Where targets are just out of reach the dual grows without much curvature, and Newton steps from
-        afar overshoot; a larger mu bends it.
+        Where targets are out of reach Newton steps from afar overshoot, but which transducers end at
+        their limit is soon found this way (FISTA with restarts: Beck and Teboulle 2009, O'Donoghue
+        and Candes 2015). Steps until the duality gap is `NEAR` of the objective.
         """
-        y, total, mu = np.zeros_like(p), 0, max(STIFFEST * self.power, self.mu)
-        while True:
-            stage = replace(self, mu=mu, factor=cholesky(self.gram, mu))
-            end = stage.climb(stage.at(y, p), p, steps, budget)
-            total += end.steps
-            y = end.point.y
-            if mu == self.mu or end.late:
-                return end._replace(point=self.at(y, p), steps=total)
-            mu = max(mu / 10.0, self.mu)
-
-    @property
-    def power(self) -> float:
-        """trace(B B^H) / M [Pa^2]."""
-        return float(np.trace(self.gram).real) / len(self.gram)
+        steepest = float(np.linalg.eigvalsh(self.gram)[-1]) + self.mu  # Lipschitz constant
+        ahead, t = h, 1.0
+        for step in range(1, FIRST_ORDER + 1):
+            rest = (p - self.B @ ahead).astype(self.B.dtype)
+            new = ahead + ((rest.conj() @ self.B).conj() - self.mu * ahead) / steepest
+            new = (new / np.maximum(np.abs(new), 1.0)).astype(self.B.dtype)
+            if np.vdot(ahead - new, new - h).real > 0.0:  # past the bottom: start anew
+                t = 1.0
+            following = (1.0 + math.sqrt(1.0 + 4.0 * t * t)) / 2.0
+            ahead, h, t = new + (t - 1.0) / following * (new - h), new, following
+            if step % LOOK == 0:
+                point = self.at(p - self.B @ h, p)
+                best = self.primal(point._replace(h=h, made=p - point.y), p)
+                if best - point.value <= NEAR * best or budget.spent:
+                    break
+        return p - self.B @ h
 
     def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point | None:
         """The next point: higher, or with a smaller gradient F; None where the precision is used up."""

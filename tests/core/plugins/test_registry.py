@@ -1,0 +1,139 @@
+"""Finding plug-ins: lazily, by name, with errors that name the culprit."""
+
+import re
+import sys
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import pacinian as pc
+from pacinian.plugins import hookspecs
+
+ROOT = Path(__file__).parents[3]
+GOOD = '''
+import pacinian as pc
+
+class Plane(pc.Solver):
+    """All in phase."""
+    name = "{name}"
+    def __init__(self, tilt: float = 0.0) -> None:
+        self.tilt = tilt
+    def solve(self, propagator, targets, limits, warm, budget, out):
+        out[:] = 1.0
+        return pc.Result()
+
+@pc.hookimpl
+def register_solvers():
+    return [Plane]
+'''
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Write a plug-in module; returns its entry point."""
+    monkeypatch.syspath_prepend(tmp_path)
+    made: list[str] = []
+
+    def make(name: str, source: str, module: str = "") -> EntryPoint:
+        module = module or f"plugin_{name.replace('-', '_')}"
+        (tmp_path / f"{module}.py").write_text(source)
+        made.append(module)
+        return EntryPoint(name, module, "pacinian")
+
+    yield make
+    for module in made:
+        sys.modules.pop(module, None)
+
+
+def test_a_plugin_is_found_and_made_with_its_options(write: Any) -> None:
+    plugins = pc.Plugins([write("plane", GOOD.format(name="plane"))])
+    solver: Any = plugins.make("solver", "plane", {"tilt": 2.0})
+    assert solver.tilt == 2.0
+    (offer,) = plugins.list()
+    assert (offer.kind, offer.name, offer.plugin) == ("solver", "plane", "plane")
+    assert offer.options == {"tilt": 0.0}
+    assert "plugin_plane" in offer.distribution
+
+
+def test_only_the_plugin_that_is_asked_for_is_imported(write: Any) -> None:
+    plugins = pc.Plugins(
+        [write("plane", GOOD.format(name="plane")), write("heavy", "raise RuntimeError")]
+    )
+    plugins.find("solver", "plane")
+    assert "plugin_heavy" not in sys.modules
+    assert not plugins.failed
+
+
+def test_an_offer_named_unlike_its_entry_point_is_found_too(write: Any) -> None:
+    plugins = pc.Plugins([write("bundle", GOOD.format(name="plane"))])
+    assert plugins.find("solver", "plane").plugin == "bundle"
+
+
+@pytest.mark.parametrize(
+    ("source", "why"),
+    [
+        ("import not_there", "not_there"),
+        ("raise RuntimeError('boom')", "boom"),
+        ("def (", "SyntaxError"),
+        ("", "offers nothing"),
+        (GOOD.format(name="plane").replace("register_solvers", "register_solver"), "unknown hook"),
+        (GOOD.format(name="plane").replace("[Plane]", "[int]"), "derived from Solver"),
+        (GOOD.format(name="plane").replace("[Plane]", "[Plane()]"), "derived from Solver"),
+        (GOOD.format(name="plane").replace("def solve", "def solver"), "lacks a name or a method"),
+        (GOOD.format(name="plane").replace('name = "plane"', ""), "lacks a name or a method"),
+        (GOOD.format(name="plane").replace("return [Plane]", "1 / 0"), "ZeroDivisionError"),
+    ],
+)
+def test_a_broken_plugin_is_named_and_takes_nothing_down(write: Any, source: str, why: str) -> None:
+    plugins = pc.Plugins([write("broken", source), write("plane", GOOD.format(name="plane"))])
+    assert [offer.name for offer in plugins.list()] == ["plane"]
+    assert re.search(f"'broken'.*{why}", str(plugins.failed["broken"]))
+    with pytest.raises(pc.PluginError, match="broken"):
+        plugins.find("solver", "broken")
+    with pytest.raises(pc.UnknownPlugin, match="plane.*broken did not load"):
+        plugins.find("solver", "other")
+
+
+def test_two_offers_of_one_name_are_an_error(write: Any) -> None:
+    plugins = pc.Plugins(
+        [write("one", GOOD.format(name="plane")), write("two", GOOD.format(name="plane"))]
+    )
+    with pytest.raises(
+        pc.PluginError, match="two solvers are called 'plane'.*plugin_one.*plugin_two"
+    ):
+        plugins.list()
+
+
+def test_two_plugins_of_one_name_are_an_error(write: Any) -> None:
+    points = [write("one", ""), write("one", "", module="elsewhere")]
+    with pytest.raises(pc.PluginError, match="two plug-ins are called 'one'"):
+        pc.Plugins(points)
+
+
+def test_an_option_that_does_not_exist_is_refused_with_those_that_do() -> None:
+    with pytest.raises(pc.ArgumentError, match=r"`stepz`.*mu, steps, rounds"):
+        pc.solver("lagrange", stepz=3)
+
+
+def test_a_bad_value_of_an_option_is_named() -> None:
+    with pytest.raises(pc.ArgumentError, match="`mu`"):
+        pc.solver("lagrange", mu=-1.0)
+
+
+def test_every_file_of_ours_is_an_entry_point() -> None:
+    ours = {p.value for p in pc.Plugins()._waiting.values() if "pacinian_plugins" in p.value}
+    root = ROOT / "plugins"
+    kinds = [root / "pacinian_plugins" / kind for kind in ("solvers", "backends")]
+    files = [f for kind in kinds for f in kind.iterdir() if not f.name.startswith("__")]
+    assert {".".join(f.relative_to(root).with_suffix("").parts) for f in files} == ours
+
+
+def test_every_hook_is_documented() -> None:
+    hooks = [name for name in vars(hookspecs) if name.startswith("register_")]
+    assert hooks
+    for name in hooks:
+        assert vars(hookspecs)[name].__doc__
+        assert name in (ROOT / "docs" / "plugins.md").read_text()

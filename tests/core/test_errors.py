@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+import inspect
+import pickle
+import re
+
+import pytest
+
+import pacinian as pc
+from pacinian import errors
+
+CLASSES = {
+    name: kind
+    for name, kind in inspect.getmembers(errors, inspect.isclass)
+    if kind.__module__ == errors.__name__
+}
+BUILT_IN = {"ValueError": ValueError, "ImportError": ImportError}
+SAMPLES = {
+    "PacinianError": errors.PacinianError("it broke"),
+    "ArgumentError": errors.ArgumentError("points", "must be finite"),
+    "PointOnTransducer": errors.PointOnTransducer([3, 5]),
+    "SceneFileError": errors.SceneFileError("a.json", "$.objects[0]", "has no shape"),
+    "PluginError": errors.PluginError("it does not load"),
+    "UnknownPlugin": errors.UnknownPlugin("solver", "x", ["auto", "gs-pat"]),
+    "UnsupportedLimit": errors.UnsupportedLimit("gs-pat", "gain"),
+    "BackendError": errors.BackendError("it is gone"),
+    "RecordingError": errors.RecordingError("a.rec", "is cut short"),
+    "MissingExtra": errors.MissingExtra("matplotlib", "plot"),
+}
+
+
+def tree() -> list[tuple[str, str | None, str | None]]:
+    """Name, parent and built-in base of each class that the module's docstring draws."""
+    found: list[tuple[str, str | None, str | None]] = []
+    above: dict[int, str] = {}
+    for line in (errors.__doc__ or "").splitlines():
+        match = re.match(r"^ {4}([│├└─ ]*)([A-Z]\w+)(?: \((\w+)\))?(?: {2}|$)", line)
+        if match:
+            depth = len(match[1]) // 4
+            above[depth] = match[2]
+            found.append((match[2], above[depth - 1] if depth else None, match[3]))
+    return found
+
+
+def test_the_tree_in_the_docstring_lists_every_class_once() -> None:
+    names = [name for name, _, _ in tree()]
+    assert sorted(names) == sorted(CLASSES)
+
+
+@pytest.mark.parametrize(("name", "parent", "built_in"), tree())
+def test_a_class_descends_as_the_tree_says(
+    name: str, parent: str | None, built_in: str | None
+) -> None:
+    bases = CLASSES[name].__bases__
+    expected = [CLASSES[parent]] if parent else [Exception]
+    assert list(bases) == expected + ([BUILT_IN[built_in]] if built_in else [])
+
+
+@pytest.mark.parametrize("kind", list(CLASSES.values()), ids=list(CLASSES))
+def test_every_error_is_a_pacinian_error_in_the_table_of_contents(kind: type) -> None:
+    assert issubclass(kind, pc.PacinianError)
+    assert getattr(pc, kind.__name__) is kind
+    assert kind.__doc__
+
+
+def test_every_error_has_a_sample_here() -> None:
+    assert set(SAMPLES) == set(CLASSES)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("ArgumentError", ["`points`", "must be finite"]),
+        ("PointOnTransducer", ["`points`", "3, 5", 'attenuation="none"']),
+        ("SceneFileError", ["a.json", "$.objects[0]", "has no shape"]),
+        ("UnknownPlugin", ["solver", "'x'", "auto, gs-pat", "pacinian plugins"]),
+        ("UnsupportedLimit", ["'gs-pat'", "limits.gain"]),
+        ("RecordingError", ["a.rec", "is cut short"]),
+        ("MissingExtra", ["matplotlib", "pip install 'pacinian[plot]'"]),
+    ],
+)
+def test_the_message_says_what_is_wrong_and_where(name: str, words: list[str]) -> None:
+    assert all(word in str(SAMPLES[name]) for word in words)
+
+
+def test_a_point_on_a_transducer_carries_every_index_but_shows_five() -> None:
+    error = errors.PointOnTransducer(range(100))
+    assert error.indices == tuple(range(100))
+    assert error.argument == "points"
+    assert "0, 1, 2, 3, 4, ..." in str(error)
+    assert ", ..." not in str(errors.PointOnTransducer(range(5)))
+
+
+def test_a_whole_scene_file_is_meant_where_no_key_is_given() -> None:
+    assert str(errors.SceneFileError("a.json", "", "is empty")) == "a.json: is empty"
+
+
+def test_no_plugins_at_all_are_called_none() -> None:
+    assert "there are: none" in str(errors.UnknownPlugin("backend", "x", []))
+
+
+@pytest.mark.parametrize("name", list(SAMPLES))
+def test_an_error_survives_the_way_between_processes(name: str) -> None:
+    error = SAMPLES[name]
+    copy = pickle.loads(pickle.dumps(error))
+    assert type(copy) is type(error)
+    assert str(copy) == str(error)
+    assert vars(copy) == vars(error)

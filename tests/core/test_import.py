@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import pacinian
+
+STUB = Path(pacinian.__file__).with_suffix(".pyi")
+
+
+def promised() -> list[str]:
+    """The names of the table of contents."""
+    return [
+        alias.asname or alias.name
+        for node in ast.parse(STUB.read_text("utf-8")).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+
+
+def fresh(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=100
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_importing_pacinian_loads_no_heavy_library() -> None:
+    heavy = {"numpy", "scipy", "numba", "matplotlib", "trimesh", "msgspec", "zmq", "rich", "click"}
+    code = f"import sys, pacinian; print(sorted({heavy!r} & set(sys.modules)))"
+    assert fresh(code) == "[]"
+
+
+def test_importing_pacinian_loads_none_of_its_own_modules() -> None:
+    code = "import sys, pacinian; print([m for m in sys.modules if m.startswith('pacinian.')])"
+    assert fresh(code) == "[]"
+
+
+def test_a_name_of_the_table_of_contents_is_written_once() -> None:
+    names = promised()
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("name", promised())
+def test_every_name_of_the_table_of_contents_is_there(name: str) -> None:
+    assert getattr(pacinian, name) is not None
+
+
+def test_every_name_is_there_in_a_fresh_interpreter_in_any_order() -> None:
+    names = promised()
+    code = f"import pacinian\nfor name in {names[::-1]!r}: getattr(pacinian, name)\n"
+    for name in names:  # none is a module that an import of another one left behind
+        code += f"assert type(pacinian.{name}).__name__ != 'module', {name!r}\n"
+    fresh(code)
+
+
+def test_all_is_the_table_of_contents() -> None:
+    assert sorted(pacinian.__all__) == sorted(promised())
+    assert set(promised()) <= set(dir(pacinian))
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="nonsense"):
+        pacinian.nonsense  # noqa: B018

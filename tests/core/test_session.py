@@ -1,0 +1,190 @@
+"""The session: arguments, state, and what it guarantees whatever a solver does."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.session import keep
+from pacinian.testing import ManualClock
+
+ARRAY = pc.lattice(0.05, 0.05)
+POINT = [[0.0, 0.0, 0.1]]
+
+
+@dataclass(frozen=True)
+class Writes(pc.Solver):
+    """A solver that writes what it is told, or raises it."""
+
+    name: ClassVar[str] = "writes"
+    gains: Any = 0.0
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        if isinstance(self.gains, Exception):
+            raise self.gains
+        out[:] = self.gains
+        return pc.Result()
+
+
+@pytest.mark.parametrize(
+    ("argument", "call"),
+    [
+        ("points", {"points": [[0, 0]]}),
+        ("points", {"points": [0, 0, 0.1]}),
+        ("points", {"points": [[0, 0, np.nan]]}),
+        ("points", {"points": [[0, 0, np.inf]]}),
+        ("points", {"points": [[0, 0, 100.0]]}),  # millimetres
+        ("points", {"points": [[0, 0, 1000.0]]}),  # a kilometre away
+        ("points", {"points": "here"}),
+        ("amplitudes", {"amplitudes": [1.0, 2.0]}),
+        ("amplitudes", {"amplitudes": 1.0}),
+        ("amplitudes", {"amplitudes": [-1.0]}),
+        ("amplitudes", {"amplitudes": [np.nan]}),
+        ("amplitudes", {"amplitudes": [1j]}),
+        ("phases", {"phases": [0.0, 1.0]}),
+        ("phases", {"phases": "free"}),
+        ("phases", {"phases": np.inf}),
+        ("scale", {"scale": "most"}),
+        ("deadline", {"deadline": -1.0}),
+        ("deadline", {"deadline": np.nan}),
+        ("out", {"out": np.zeros(36)}),
+        ("out", {"out": np.zeros(35, dtype=np.complex64)}),
+        ("out", {"out": np.zeros(72, dtype=np.complex64)[::2]}),
+        ("precision", {"precision": "half"}),
+    ],
+)
+def test_a_bad_argument_is_named(argument: str, call: dict[str, Any]) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"`{argument}`") as caught:
+        pc.solve(ARRAY, **({"points": POINT, "amplitudes": [1.0]} | call))
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("limit", [{"gain": 0.0}, {"gain": -1.0}, {"gain": np.nan}, {"power": 0.0}])
+def test_a_bad_limit_is_named(limit: dict[str, float]) -> None:
+    with pytest.raises(pc.ArgumentError, match=next(iter(limit))):
+        pc.Limits(**limit)
+
+
+def test_no_limit_and_as_strong_as_possible_contradict() -> None:
+    with pytest.raises(pc.ArgumentError, match="scale"):
+        pc.solve(ARRAY, POINT, [1.0], scale="max", limits=pc.Limits(gain=None))
+
+
+def test_an_unknown_solver_is_named_with_those_there_are() -> None:
+    with pytest.raises(pc.UnknownPlugin, match="lagrange"):
+        pc.solve(ARRAY, POINT, [1.0], solver="magic")
+
+
+def test_a_point_on_a_transducer_is_an_error_only_where_that_is_singular() -> None:
+    on = [[0.0, 0.0, 0.1], ARRAY.positions[5]]
+    with pytest.raises(pc.PointOnTransducer) as caught:
+        pc.solve(ARRAY, on, [1.0, 1.0])
+    assert caught.value.indices == (1,)
+    solution = pc.solve(ARRAY, on, [1.0, 1.0], medium=pc.Air(attenuation="none"))
+    assert solution.status is pc.Status.ok
+
+
+def test_an_array_far_from_the_origin_loses_nothing() -> None:
+    pose = pc.Pose((1000.0, -2000.0, 500.0))
+    q = np.array([[0.01, 0.0, 0.1], [-0.01, 0.01, 0.1]])
+    here = pc.solve(ARRAY, q, [50.0, 80.0], 0.0)
+    there = pc.solve(ARRAY.moved(pose), pose.points(q), [50.0, 80.0], 0.0)
+    np.testing.assert_allclose(there.gains, here.gains, atol=2e-5)
+
+
+@pytest.mark.parametrize("gains", [np.nan, np.inf, complex(0, np.nan)])
+def test_gains_that_are_not_finite_end_in_silence(gains: complex) -> None:
+    with np.errstate(invalid="ignore"):
+        solution = pc.solve(ARRAY, POINT, [1.0], solver=Writes(gains))
+    assert solution.status is pc.Status.failed
+    assert not solution.gains.any()
+
+
+@pytest.mark.parametrize("gains", [1.0000001, 2.0, 1e30, 1e-3 + 5j])
+def test_a_solver_that_ignores_the_limit_is_scaled_down(gains: complex) -> None:
+    solution = pc.solve(ARRAY, POINT, [1.0], solver=Writes(gains))
+    exact = solution.gains.astype(np.complex128)
+    assert (exact.real**2 + exact.imag**2 <= 1.0).all()
+
+
+def test_the_limit_is_kept_in_exact_arithmetic() -> None:
+    rng = np.random.default_rng(0)
+    for limit in (1.0, 0.3, 0.7071):
+        angle = rng.uniform(0, 2 * np.pi, 100_000)
+        g = (limit * np.exp(1j * angle)).astype(np.complex64)
+        assert (np.abs(g.astype(np.complex128)) > limit).any()  # rounding alone breaks it
+        assert not keep(g, pc.Limits(gain=limit), "exact")
+        exact = g.astype(np.complex128)
+        assert (exact.real**2 + exact.imag**2 <= limit**2).all()
+
+
+def test_what_a_solver_raises_comes_out_and_leaves_the_session_usable() -> None:
+    session = pc.Session(ARRAY, solver=Writes(RuntimeError("broken")))
+    with pytest.raises(RuntimeError, match="broken"):
+        session.solve(POINT, [1.0])
+    session.solver = "single-focus"
+    assert session.solve(POINT, [1.0]).status is pc.Status.ok
+
+
+def test_gains_are_written_to_out() -> None:
+    out = np.full(36, 7, dtype=np.complex64)
+    solution = pc.solve(ARRAY, POINT, [5.0], out=out)
+    assert solution.gains is out
+    assert np.abs(out).max() < 1.0
+
+
+def test_a_warm_session_gives_what_a_cold_one_gives() -> None:
+    rng = np.random.default_rng(3)
+    session = pc.Session(ARRAY, solver="lagrange")
+    q = rng.uniform(-0.04, 0.04, (5, 3)) + [0, 0, 0.1]
+    for _ in range(5):
+        q += rng.uniform(-0.001, 0.001, q.shape)
+        warm = session.solve(q, np.full(5, 12.0), 0.0)
+        cold = pc.solve(ARRAY, q, np.full(5, 12.0), 0.0, solver="lagrange")
+        assert warm.error == pytest.approx(cold.error, abs=1e-4)
+        np.testing.assert_allclose(warm.gains, cold.gains, atol=2e-3)
+
+
+def test_solve_keeps_no_state() -> None:
+    first = pc.solve(ARRAY, POINT, [5.0])
+    pc.solve(ARRAY, [[0.02, 0.0, 0.1]], [9.0])
+    np.testing.assert_array_equal(pc.solve(ARRAY, POINT, [5.0]).gains, first.gains)
+
+
+def test_a_deadline_is_measured_by_the_sessions_clock() -> None:
+    clock = ManualClock()
+    spent: list[bool] = []
+
+    class Slow(pc.Solver):
+        name = "slow"
+
+        def solve(
+            self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+        ) -> pc.Result:
+            spent.append(budget.spent)
+            clock.advance(0.002)
+            spent.append(budget.spent)
+            return pc.Result(late=True)
+
+    solution = pc.Session(ARRAY, solver=Slow(), clock=clock.now).solve(POINT, [1.0], deadline=0.001)
+    assert spent == [False, True]
+    assert solution.status is pc.Status.deadline
+    assert solution.seconds == pytest.approx(0.002)
+
+
+def test_phases_may_be_partly_free() -> None:
+    q = [[0.03, 0.0, 0.1], [-0.03, 0.0, 0.1], [0.0, 0.03, 0.1]]
+    solution = pc.solve(ARRAY, q, [20.0, 20.0, 20.0], [0.5, np.nan, -0.5], solver="lagrange")
+    assert solution.status is pc.Status.ok
+    np.testing.assert_allclose(np.angle(solution.sound_pressure)[[0, 2]], [0.5, -0.5], atol=1e-3)
+
+
+def test_a_solution_describes_itself() -> None:
+    solution = pc.solve(ARRAY, POINT, [5.0])
+    assert "single-focus" in repr(solution)
+    assert "ok" in repr(solution)
+    assert solution.status.advice == solution.status.value
