@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
+MOST = 20e6  # samples of one object
 FAR = 10.0  # [m]; nothing in mid-air haptics is further from its array
 
 
@@ -78,15 +79,36 @@ def length(name: str, value: float) -> float:
     return result
 
 
-def integer(name: str, value: int, *, low: int) -> int:
+def integer(name: str, value: float, *, low: int) -> int:
     """Return `value` as an int of at least `low`."""
     try:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError
         whole = isinstance(value, float) and value.is_integer()
-        result = int(value) if whole else operator.index(value)
+        result = int(value) if whole else operator.index(cast("int", value))
     except TypeError:
         result = low - 1
     if result < low:
         raise ArgumentError(name, f"must be a whole number of at least {low}, not {value!r}")
     return result
+
+
+def kind(name: str, value: object, *kinds: type) -> None:
+    """Refuse a `value` that is none of `kinds`."""
+    if not isinstance(value, kinds):
+        *most, last = (k.__name__ for k in kinds)
+        wanted = f"{', '.join(most)} or {last}" if most else last
+        raise ArgumentError(name, f"must be a {wanted}, not {value!r}")
+
+
+def count(measure: float, spacing: float, dimension: int) -> float:
+    """Samples that cover `measure` [m^dimension], `spacing` [m] apart. Refuses more than 20 million."""
+    try:
+        samples = measure / spacing**dimension
+    except (ZeroDivisionError, OverflowError):
+        samples = math.inf
+    if not samples <= MOST:
+        raise ArgumentError(
+            "spacing", f"of {spacing:g} m makes {samples:g} samples: choose a larger one"
+        )
+    return samples

@@ -140,7 +140,7 @@ def test_gains_are_written_to_out() -> None:
 def test_a_warm_session_gives_what_a_cold_one_gives() -> None:
     rng = np.random.default_rng(3)
     session = pc.Session(ARRAY, solver="lagrange")
-    q = rng.uniform(-0.04, 0.04, (5, 3)) + [0, 0, 0.1]
+    q = rng.uniform(-0.04, 0.04, (5, 3)) + np.array([0, 0, 0.1])
     for _ in range(5):
         q += rng.uniform(-0.001, 0.001, q.shape)
         warm = session.solve(q, np.full(5, 12.0), 0.0)

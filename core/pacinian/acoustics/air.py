@@ -108,7 +108,7 @@ def iso_9613_1(
     classical = 1.84e-11 / p * T**0.5
     relaxation = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f2 / oxygen)
     relaxation += 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen + f2 / nitrogen)
-    return 20.0 / math.log(10.0) * f2 * (classical + T**-2.5 * relaxation)
+    return float(20.0 / math.log(10.0) * f2 * (classical + T**-2.5 * relaxation))
 
 
 def _saturation(kelvin: float) -> float:

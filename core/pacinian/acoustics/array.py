@@ -147,7 +147,8 @@ def lattice(
 ) -> Array:
     """A planar lattice on the xy-plane centred on the origin, pointing to +z.
 
-    width, height: its extent in x and y [m], both ends included. pitch: [m].
+    width, height: its extent in x and y [m], both ends included, rounded to whole steps. pitch: [m].
+    transducer: their kind, ideal unless given.
     `lattice(0.2, 0.4)` has 21 x 41 transducers. Raises ArgumentError.
     """
     pitch = length("pitch", pitch)
@@ -172,6 +173,7 @@ def autd(columns: int = 1, rows: int = 1, transducer: Transducer = T4010A1) -> A
     """A grid of AUTD units side by side, 249 transducers each, centred on the origin, pointing to +z.
 
     columns, rows: units in x and y; `autd(3, 3)` is the paper's array, 2241 transducers, 57 x 45 cm.
+    transducer: their kind. Positions [m] are those of the AUTD3 board, 10.16 mm apart.
     Order: unit by unit along x, then y; in a unit row by row. Raises ArgumentError.
     """
     columns, rows = integer("columns", columns, low=1), integer("rows", rows, low=1)

@@ -30,12 +30,12 @@ SEGMENTS = np.array(
 
 
 def omni(cos_theta: Floats) -> Floats:
-    """1 in every direction, also behind (the paper's experiment)."""
+    """1 in every direction, also behind (the paper's experiment). cos_theta: any shape (M, N)."""
     return np.ones_like(cos_theta)
 
 
 def t4010a1(cos_theta: Floats) -> Floats:
-    """The T4010A1 of the AUTD units; zero behind it."""
+    """The T4010A1 of the AUTD units; zero behind it. cos_theta: any shape (M, N)."""
     theta = np.degrees(np.arccos(np.clip(cos_theta, 0.0, 1.0)))  # [deg]
     segment = np.clip(np.ceil(theta / 10.0).astype(np.intp) - 1, 0, 8)
     x = theta - 10.0 * segment

@@ -132,7 +132,7 @@ def field(
     tile = np.empty((3, TILE), np.float32)
     for m in range(q.shape[0]):
         touching = f4(0.0)
-        re, im = 0.0, 0.0
+        re, im = np.float64(0.0), np.float64(0.0)
         for first in range(0, N, TILE):
             count = min(TILE, N - first)
             touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile)

@@ -58,11 +58,11 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
 
     def points(self, local: Floats) -> Floats:
         """World positions [m] of local points, shape (M, 3)."""
-        return local @ self.matrix.T + np.array(self.position)
+        return self.directions(local) + np.array(self.position)
 
     def directions(self, local: Floats) -> Floats:
         """World directions of local ones, shape (M, 3)."""
-        return local @ self.matrix.T
+        return np.asarray(local @ self.matrix.T)
 
     @classmethod
     def turned(cls, axis: str, angle: float, position: ArrayLike = (0.0, 0.0, 0.0)) -> Pose:

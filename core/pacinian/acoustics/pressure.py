@@ -32,7 +32,8 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
 def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
     """Peak sound pressure amplitude |p| [Pa] that makes a radiation pressure; the inverse of equation (1).
 
-    radiation_pressure: [Pa], not negative, any shape. Returns its shape. Raises ArgumentError.
+    radiation_pressure: [Pa], not negative, any shape. medium: gives rho and c. alpha: about 2 on skin.
+    Returns the shape of `radiation_pressure`. Raises ArgumentError.
     """
     number("alpha", alpha, low=0.0, above=True)
     P = np.asarray(radiation_pressure, dtype=np.float64)
@@ -42,6 +43,6 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
 
 
 def sound_pressure_level(p: ArrayLike) -> Floats:
-    """Sound pressure level [dB re 20 uPa RMS] of a complex or peak amplitude [Pa]; -inf where silent."""
+    """Sound pressure level [dB re 20 uPa RMS]; -inf where silent. p: complex or peak amplitude [Pa]."""
     with np.errstate(divide="ignore"):
         return np.asarray(20.0 * np.log10(np.abs(np.asarray(p)) / np.sqrt(2.0) / REFERENCE))

@@ -97,7 +97,7 @@ class Wave:
 def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Complexes:
     """B [Pa], shape (M, N), complex128, in double precision: the reference for the kernels.
 
-    points: [m], shape (M, 3). medium: `Air()` unless given.
+    array: N transducers. points: [m], shape (M, 3). medium: `Air()` unless given.
     Raises ArgumentError; PointOnTransducer where the attenuation is singular.
     """
     medium = medium or Air()
@@ -107,7 +107,7 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
     distance = np.sqrt((d * d).sum(axis=2))  # (M, N) [m]
     if medium.singular and (distance < TOUCHING).any():
         raise PointOnTransducer(np.flatnonzero((distance < TOUCHING).any(axis=1)).tolist())
-    B = kind.pressure * np.exp(-1j * medium.wavenumber(kind.frequency) * distance)
+    B: Complexes = kind.pressure * np.exp(-1j * medium.wavenumber(kind.frequency) * distance)
     if medium.power:
         B *= distance**-medium.power
     if beta := medium.beta(kind.frequency):
@@ -128,7 +128,7 @@ def field(
 ) -> Complexes:
     """Complex sound pressure p = B g [Pa] at any number of points, without building B.
 
-    gains: (N,). points: [m], shape (..., 3). medium: `Air()` unless given.
+    array: N transducers. gains: (N,). points: [m], shape (..., 3). medium: `Air()` unless given.
     precision: "single" (fused kernel on all cores; phases to 6e-8 k r rad; beyond 10 m of the array
     double is used) or "double", which takes 100 times as long.
     Returns shape (...). Raises ArgumentError; PointOnTransducer.

@@ -44,7 +44,7 @@ class Quantiser:
     def emitted(self, gains: Gains, ceiling: float) -> Gains:
         """What the device makes of gains (N,)."""
         self._round(gains[None], ceiling)
-        return self._size[self._amplitude[0]] * self._unit[self._phase[0]]
+        return np.asarray(self._size[self._amplitude[0]] * self._unit[self._phase[0]])
 
     def _round(self, gains: Gains, ceiling: float) -> None:
         from pacinian.acoustics import kernels

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import force_setattr
 
 from pacinian.checks import number
 from pacinian.types import Floats
@@ -18,11 +19,11 @@ class Constant(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"
     level: float = 1.0
 
     def __post_init__(self) -> None:
-        number("level", self.level, low=0.0, high=1.0)
+        force_setattr(self, "level", number("level", self.level, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
-        return np.full_like(t, self.level)
+        return np.full(np.shape(t), self.level)
 
 
 class Sine(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="sine"):
@@ -33,7 +34,7 @@ class Sine(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     high: float = 1.0
 
     def __post_init__(self) -> None:
-        _check(self.frequency, self.low, self.high)
+        _check(self)
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
@@ -50,8 +51,8 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     duty: float = 0.5
 
     def __post_init__(self) -> None:
-        _check(self.frequency, self.low, self.high)
-        number("duty", self.duty, low=0.0, high=1.0)
+        _check(self)
+        force_setattr(self, "duty", number("duty", self.duty, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
@@ -77,7 +78,10 @@ else:  # what a scene file may hold
 STEADY = Constant()
 
 
-def _check(frequency: float, low: float, high: float) -> None:
-    number("frequency", frequency, low=0.0)
-    number("low", low, low=0.0, high=1.0)
-    number("high", high, low=low, high=1.0)
+FASTEST = 100_000.0  # [Hz], more than any device can follow
+
+
+def _check(wave: Sine | Square) -> None:
+    force_setattr(wave, "frequency", number("frequency", wave.frequency, low=0.0, high=FASTEST))
+    force_setattr(wave, "low", number("low", wave.low, low=0.0, high=1.0))
+    force_setattr(wave, "high", number("high", wave.high, low=wave.low, high=1.0))

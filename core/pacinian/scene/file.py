@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import difflib
 import functools
+import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,12 +14,13 @@ import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
-from pacinian.acoustics.air import Air
+from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import length, number
+from pacinian.checks import number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.objects import Object, Scene, Surface, Workspace
+from pacinian.scene.sampling import Sampler
 from pacinian.scene.solids import Mesh
 
 if TYPE_CHECKING:
@@ -63,6 +66,7 @@ class Medium(Struct, frozen=True, forbid_unknown_fields=True):
     density: float = 0.0
     attenuation: str | float = "spherical"
     absorption: float | None = None
+    ambient_pressure: float = ATMOSPHERE
 
     def make(self) -> Air:
         """The medium."""
@@ -83,8 +87,7 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
     spacing: float = 0.0085
 
     def __post_init__(self) -> None:
-        number("budget", self.budget, low=1)
-        length("spacing", self.spacing)
+        Sampler(self.budget, self.spacing)  # which checks both
 
 
 class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
@@ -114,27 +117,43 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load(path: str | Path) -> SceneFile:
-    """Read a scene file. Raises SceneFileError, which names the file, the key and the fix."""
+    """Read a scene file.
+
+    path: a file that ends in .toml or .json; all numbers in SI units ([m], [Pa], [N], [Hz]).
+    Raises SceneFileError, which names the file, the key and the fix.
+    """
     path = Path(path)
+    text = _read(path)
+    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
+    try:
+        file: SceneFile = decode(text, type=SceneFile)
+    except msgspec.ValidationError as error:
+        problem, _, key = str(error).rpartition(" - at `$")
+        problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
+        raise SceneFileError(path, key, problem + _advice(problem, key)) from error
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
+    for key, made in (("$.array", file.array.make), ("$.medium", file.medium.make)):
+        try:
+            made()
+        except ArgumentError as error:
+            raise SceneFileError(path, key, str(error)) from error
+    return replace(
+        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
+    )
+
+
+def _read(path: Path) -> bytes:
     if path.suffix not in (".toml", ".json"):
         raise SceneFileError(path, "", "must end in .toml or .json")
     try:
         if path.stat().st_size > LARGEST:
             raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
-        text = path.read_bytes()
+        return path.read_bytes().removeprefix(codecs.BOM_UTF8)
     except OSError as error:
         raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
-    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
-    try:
-        file: SceneFile = decode(text, type=SceneFile)
-    except msgspec.ValidationError as error:
-        problem, _, key = str(error).partition(" - at ")
-        raise SceneFileError(path, key.strip("`"), problem + _advice(problem)) from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
-    return replace(
-        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
-    )
+    except ValueError as error:
+        raise SceneFileError(path, "", f"cannot be a path: {error}") from error
 
 
 def schema() -> dict[str, Any]:
@@ -161,19 +180,33 @@ def _found(item: Object, index: int, path: Path) -> Object:
     return replace(item, shape=shape)
 
 
-def _advice(problem: str) -> str:
-    """What was probably meant instead of an unknown key or type."""
-    if not (unknown := re.search(r"unknown field `(.*)`|Invalid value '(.*)'", problem)):
+def _advice(problem: str, key: str) -> str:
+    """What was probably meant instead of an unknown key, type or word."""
+    unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
+    if not unknown:
         return ""
-    close = difflib.get_close_matches(unknown[1] or unknown[2], _words(), 1, 0.6)
+    word = next(group for group in unknown.groups() if group is not None)
+    close = difflib.get_close_matches(word, _words(re.split(r"[.\[]", key + ".")[1]), 1, 0.6)
     return f": did you mean `{close[0]}`?" if close else ": see `pacinian schema` for what there is"
 
 
 @functools.cache
-def _words() -> list[str]:
+def _words(part: str) -> list[str]:
+    """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
+    definitions = schema()["$defs"]
+    root = definitions["SceneFile"]["properties"]
+    if part not in root:
+        return sorted(root)
     words: set[str] = set()
-    for definition in schema()["$defs"].values():
-        properties = definition.get("properties", {})
-        words |= properties.keys()
-        words |= set(properties.get("type", {}).get("enum", ()))
+    seen: set[str] = set()
+    waiting = [json.dumps(root[part])]
+    while waiting:
+        text = waiting.pop()
+        for name in set(re.findall(r"#/\$defs/(\w+)", text)) - seen:
+            seen.add(name)
+            properties = definitions[name].get("properties", {})
+            words |= properties.keys()
+            for values in properties.values():
+                words |= {word for word in values.get("enum", ()) if isinstance(word, str)}
+            waiting.append(json.dumps(properties))
     return sorted(words)

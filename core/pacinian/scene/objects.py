@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose, Vector, vector
-from pacinian.checks import number
+from pacinian.checks import kind, number
 from pacinian.errors import ArgumentError
 from pacinian.scene.envelope import STEADY, Envelope
 from pacinian.scene.shapes import Box, Capsule, Disc, Local, Rectangle, Sphere
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 else:  # what a scene file may hold
     SolidShape = Box | Sphere | Capsule
 
+SMALLEST = 1e-12  # [m^2]
 SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across: a focus is about that wide
 
 
@@ -46,7 +47,8 @@ class Point(
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
-        _check(self.radiation_pressure, self.force, self.area)
+        force_setattr(self, "area", number("area", self.area, low=SMALLEST))
+        _check(self)
 
     @property
     def pressure(self) -> float:
@@ -71,7 +73,9 @@ class Surface(
     name: str = ""
 
     def __post_init__(self) -> None:
-        _check(self.radiation_pressure, self.force, 1.0)
+        kind("shape", self.shape, Rectangle, Disc, Sphere, Mesh)
+        kind("pose", self.pose, Pose)
+        _check(self)
 
     @property
     def pressure(self) -> float:
@@ -102,11 +106,13 @@ class Volume(
     name: str = ""
 
     def __post_init__(self) -> None:
+        kind("shape", self.shape, Box, Sphere, Capsule, SDF)
+        kind("pose", self.pose, Pose)
         if self.felt not in ("shell", "interior"):
             raise ArgumentError("felt", f'must be "shell" or "interior", not {self.felt!r}')
         if self.force is not None and (self.felt == "interior" or isinstance(self.shape, SDF)):
             raise ArgumentError("force", "needs a shell of known area: give radiation_pressure")
-        _check(self.radiation_pressure, self.force, 1.0)
+        _check(self)
 
     @property
     def pressure(self) -> float:
@@ -149,27 +155,26 @@ class Scene(Struct, frozen=True, eq=False, forbid_unknown_fields=True):
     workspace: Workspace | None = None
 
     def __post_init__(self) -> None:
+        kind("objects", self.objects, tuple, list)
         force_setattr(self, "objects", tuple(self.objects))
+        if self.workspace is not None:
+            kind("workspace", self.workspace, Workspace)
         for i, item in enumerate(self.objects):
-            _require_object(i, item)
+            kind(f"objects[{i}]", item, Point, Surface, Volume)
 
 
-def _require_object(index: int, item: object) -> None:
-    if not isinstance(item, (Point, Surface, Volume)):
-        raise ArgumentError(
-            f"objects[{index}]", f"must be a Point, Surface or Volume, not {item!r}"
-        )
-
-
-def _check(radiation_pressure: float | None, force: float | None, area: float) -> None:
-    if (radiation_pressure is None) == (force is None):
+def _check(item: Point | Surface | Volume) -> None:
+    if (item.radiation_pressure is None) == (item.force is None):
         raise ArgumentError("radiation_pressure", "or `force` must be given, and not both")
-    if radiation_pressure is not None:
-        number("radiation_pressure", radiation_pressure, low=0.0)
-    if force is not None:
-        number("force", force, low=0.0)
-    number("area", area, low=0.0, above=True)
+    for name in ("radiation_pressure", "force"):
+        if (value := getattr(item, name)) is not None:
+            force_setattr(item, name, number(name, value, low=0.0))
+    if not callable(getattr(item.envelope, "at", None)):
+        raise ArgumentError("envelope", f"must be an envelope, not {item.envelope!r}")
 
 
 def _pressure(radiation_pressure: float | None, force: float | None, area: float) -> float:
-    return (force or 0.0) / area if radiation_pressure is None else radiation_pressure
+    """[Pa]."""
+    if radiation_pressure is not None:
+        return radiation_pressure
+    return (force or 0.0) / max(area, SMALLEST)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import integer, length
-from pacinian.scene.objects import Point
+from pacinian.checks import integer, length, number
+from pacinian.scene.objects import Point, Volume
 from pacinian.scene.shapes import Local
+from pacinian.scene.solids import SDF
 
 if TYPE_CHECKING:
-    from pacinian.scene.objects import Object, Scene, Surface, Volume
+    from pacinian.scene.objects import Object, Scene, Surface, Workspace
     from pacinian.types import Flags, Floats, Indices
 
 COARSER = 2.0**0.25  # step of the spacing while a scene has more samples than the budget
-KEPT = 512  # coverings in their own frames that are kept
+KEPT = 1024  # coverings in their own frames that are kept
+FINEST = 1e-4  # [m], a hundredth of a wavelength
+NOTHING = Local(np.empty((0, 3)), np.empty((0, 3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +29,8 @@ class Samples:
 
     positions: (M, 3) [m]. radiation_pressure: at full envelope, (M,) [Pa]. normals: (M, 3), zero for
     points. objects: index of each sample's object, (M,). spacing: [m]. culled: how many more lay
-    outside of the workspace. dropped: how many more there was no budget for.
+    outside of the workspace (an object that is wholly outside counts as one). dropped:
+    how many more there was no budget for.
     """
 
     positions: Floats
@@ -65,23 +70,28 @@ class Sampler:
     _covers: dict[tuple[int, str, float], tuple[object, Local]] = field(
         default_factory=dict, repr=False
     )
-    _last: tuple[Scene, Samples] | None = field(default=None, repr=False)
+    _last: tuple[tuple[Scene, int, float], Samples] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        integer("budget", self.budget, low=1)
-        length("spacing", self.spacing)
+        self.budget = integer("budget", self.budget, low=1)
+        self.spacing = number("spacing", length("spacing", self.spacing), low=FINEST)
 
     def sample(self, scene: Scene) -> Samples:
         """Samples of `scene`; the same object as before for the same scene."""
-        if self._last is None or self._last[0] is not scene:
-            self._last = scene, self._sample(scene)
+        key = scene, self.budget, self.spacing
+        if self._last is None or self._last[0] != key:
+            self._last = key, self._sample(scene)
         return self._last[1]
 
     def _sample(self, scene: Scene) -> Samples:
+        near = [item for item in scene.objects if _touches(item, scene.workspace)]
         spacing = self.spacing
+        reaches = [item.shape.reach for item in near if not isinstance(item, Point)]
+        largest = max(reaches, default=0.0)
+        while _estimate(near, spacing) > 2.0 * self.budget and spacing < 2.0 * largest:
+            spacing *= COARSER
         whole = self._whole(scene, spacing)
-        spread = any(not isinstance(item, Point) for item in scene.objects)
-        while spread and len(whole) > self.budget and spacing < 1.0:
+        while len(whole) > self.budget and spacing < 2.0 * largest:
             spacing *= COARSER
             whole = self._whole(scene, spacing)
         over = len(whole) - self.budget
@@ -92,14 +102,20 @@ class Sampler:
 
     def _whole(self, scene: Scene, spacing: float) -> Samples:
         """All samples of a scene inside of its workspace."""
-        parts = [self._part(item, spacing) for item in scene.objects]
+        parts = [
+            self._part(item, spacing) if _touches(item, scene.workspace) else NOTHING
+            for item in scene.objects
+        ]
         counts = [len(part.points) for part in parts]
         samples = Samples(
-            np.concatenate([np.empty((0, 3)), *(part.points for part in parts)]),
-            np.repeat(np.array([item.pressure for item in scene.objects]), counts),
-            np.concatenate([np.empty((0, 3)), *(part.normals for part in parts)]),
+            np.concatenate([NOTHING.points, *(part.points for part in parts)]),
+            np.repeat(
+                np.array([item.pressure for item in scene.objects], dtype=np.float64), counts
+            ),
+            np.concatenate([NOTHING.normals, *(part.normals for part in parts)]),
             np.repeat(np.arange(len(parts)), counts),
             spacing,
+            culled=sum(part is NOTHING for part in parts),
         )
         if scene.workspace is None:
             return samples
@@ -114,11 +130,42 @@ class Sampler:
 
     def _cover(self, item: Surface | Volume, spacing: float) -> Local:
         key = (id(item.shape), getattr(item, "felt", ""), spacing)
-        if key not in self._covers:
-            while len(self._covers) >= KEPT:
+        kept = self._covers.pop(key, None)
+        if kept is None:
+            while len(self._covers) >= KEPT:  # the one that was not used for longest
                 del self._covers[next(iter(self._covers))]
-            self._covers[key] = item.shape, item.cover(spacing)  # the shape too: its id stays taken
-        return self._covers[key][1]
+            kept = item.shape, item.cover(spacing)  # the shape too: its id stays taken
+        self._covers[key] = kept
+        return kept[1]
+
+
+def _touches(item: Object, workspace: Workspace | None) -> bool:
+    """Whether any of an object may be inside of a workspace, by its bounding sphere."""
+    if workspace is None or isinstance(item, Point):
+        return True
+    away = 0.0  # [m^2] from the box to the sphere's centre
+    for x, low, high in zip(item.pose.position, workspace.lower, workspace.upper, strict=True):
+        away += max(low - x, x - high, 0.0) ** 2
+    return away <= item.shape.reach**2
+
+
+def _estimate(items: list[Object], spacing: float) -> float:
+    """About how many samples objects have, `spacing` [m] apart."""
+    total = 0.0
+    for item in items:
+        if isinstance(item, Point):
+            total += 1.0
+        elif isinstance(item, Volume) and item.felt == "interior":
+            total += max(1.0, 8.0 * math.prod(item.shape.extent) / spacing**3)
+        else:
+            area = _box_area(item.shape) if isinstance(item.shape, SDF) else item.shape.area
+            total += max(1.0, area / spacing**2)
+    return total
+
+
+def _box_area(shape: SDF) -> float:
+    x, y, z = shape.extent
+    return 8.0 * (x * y + y * z + z * x)
 
 
 def envelopes(objects: tuple[Object, ...], t: Floats) -> Floats:

@@ -10,8 +10,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import length
-from pacinian.errors import ArgumentError
+from pacinian.checks import count, length
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -34,16 +33,22 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
     height: float
 
     def __post_init__(self) -> None:
-        length("width", self.width)
-        length("height", self.height)
+        force_setattr(self, "width", length("width", self.width))
+        force_setattr(self, "height", length("height", self.height))
 
     @property
     def area(self) -> float:
         """[m^2]."""
         return self.width * self.height
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return math.hypot(self.width, self.height) / 2.0
+
     def cover(self, spacing: float) -> Local:
         """A centred grid, `spacing` [m] apart or a little more."""
+        count(self.area, spacing, 2)
         x, y = (_centred(extent, spacing) for extent in (self.width, self.height))
         X, Y = np.meshgrid(x, y)
         points = np.stack([X, Y, np.zeros_like(X)], axis=-1).reshape(-1, 3)
@@ -56,16 +61,21 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     radius: float
 
     def __post_init__(self) -> None:
-        length("radius", self.radius)
+        force_setattr(self, "radius", length("radius", self.radius))
 
     @property
     def area(self) -> float:
         """[m^2]."""
         return math.pi * self.radius**2
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.radius
+
     def cover(self, spacing: float) -> Local:
         """A sunflower: equal areas, about `spacing` [m] apart."""
-        K = max(1, round(self.area / spacing**2))
+        K = max(1, round(count(self.area, spacing, 2)))
         i = np.arange(K)
         r, phi = self.radius * np.sqrt((i + 0.5) / K) if K > 1 else np.zeros(1), i * GOLDEN
         points = np.stack([r * np.cos(phi), r * np.sin(phi), np.zeros(K)], axis=-1)
@@ -78,7 +88,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     radius: float
 
     def __post_init__(self) -> None:
-        length("radius", self.radius)
+        force_setattr(self, "radius", length("radius", self.radius))
 
     @property
     def area(self) -> float:
@@ -94,9 +104,14 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
         return np.asarray(np.sqrt((points * points).sum(axis=1)) - self.radius)
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.radius
+
     def cover(self, spacing: float) -> Local:
         """A Fibonacci lattice: equal areas, about `spacing` [m] apart."""
-        K = max(4, round(self.area / spacing**2))
+        K = max(4, round(count(self.area, spacing, 2)))
         i = np.arange(K)
         z, phi = 1.0 - (2.0 * i + 1.0) / K, i * GOLDEN
         r = np.sqrt(1.0 - z * z)
@@ -132,6 +147,11 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
         outside = np.sqrt((np.maximum(d, 0.0) ** 2).sum(axis=1))
         return np.asarray(outside + np.minimum(d.max(axis=1), 0.0))
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return math.hypot(*self.extent)
+
     def cover(self, spacing: float) -> Local:
         """A centred grid on each of the six faces, none on an edge."""
         x, y, z = self.size
@@ -155,8 +175,8 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
     length: float
 
     def __post_init__(self) -> None:
-        length("radius", self.radius)
-        length("length", self.length)
+        force_setattr(self, "radius", length("radius", self.radius))
+        force_setattr(self, "length", length("length", self.length))
 
     @property
     def area(self) -> float:
@@ -175,9 +195,14 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
         d = points - np.stack([np.zeros_like(axis), np.zeros_like(axis), axis], axis=-1)
         return np.asarray(np.sqrt((d * d).sum(axis=1)) - self.radius)
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.radius + self.length / 2.0
+
     def cover(self, spacing: float) -> Local:
         """A spiral: equal areas (Archimedes' theorem, for caps and mantle alike), about `spacing` [m] apart."""
-        K = max(4, round(self.area / spacing**2))
+        K = max(4, round(count(self.area, spacing, 2)))
         i = np.arange(K)
         a, half = self.radius, self.length / 2.0
         height = (a + half) * (1.0 - (2.0 * i + 1.0) / K)  # of the enclosing cylinder's mantle
@@ -190,12 +215,8 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
 
 def grid(extent: Vector, spacing: float) -> Floats:
     """A centred grid in the box of half size `extent` [m], (K, 3)."""
+    count(8.0 * math.prod(extent), spacing, 3)
     axes = [_centred(2.0 * half, spacing) for half in extent]
-    count = math.prod(len(axis) for axis in axes)
-    if count > 20_000_000:
-        raise ArgumentError(
-            "spacing", f"of {spacing:g} m makes {count} samples: choose a larger one"
-        )
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 

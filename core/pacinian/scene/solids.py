@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -12,7 +13,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import length
+from pacinian.checks import count, length, numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes import Local, grid
 from pacinian.types import Floats
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 APART = 0.8  # share of the spacing that neighbours keep: then there is one sample per spacing^2
 TRIES = 12  # random candidates for each sample
+FEW, STEPS = 6, 5
+ON = 0.01  # share of the spacing within which a projected point is on the shell
 
 
 class Solid(Protocol):
@@ -55,21 +58,37 @@ class Mesh(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     faces: tuple[tuple[int, int, int], ...] = ()
 
     def __post_init__(self) -> None:
-        length("scale", self.scale)
-        if bool(self.file) == bool(self.faces):
+        force_setattr(self, "scale", length("scale", self.scale))
+        vertices, faces = np.shape(self.vertices), np.shape(self.faces)
+        if self.file:
+            if vertices[0] or faces[0]:
+                raise ArgumentError("mesh", "needs either a file or vertices and faces, not both")
+            return
+        points = numbers("vertices", self.vertices, (None, 3))
+        corners = numbers("faces", self.faces, (None, 3)).astype(np.intp)
+        if not len(corners):
             raise ArgumentError("mesh", "needs either a file or vertices and faces")
+        if corners.min() < 0 or corners.max() >= len(points):
+            raise ArgumentError("faces", f"must be indices of the {len(points)} vertices")
+        force_setattr(self, "vertices", tuple(map(tuple, points.tolist())))
+        force_setattr(self, "faces", tuple(map(tuple, corners.tolist())))
 
     @property
     def area(self) -> float:
         """[m^2]."""
         return float(_triangles(self).area)
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return float(np.sqrt((_triangles(self).vertices ** 2).sum(axis=1).max()))
+
     def cover(self, spacing: float) -> Local:
         """Random samples (always the same), thinned to about `spacing` [m]."""
         from trimesh.sample import sample_surface
 
         mesh = _triangles(self)
-        tries = TRIES * max(1, round(self.area / spacing**2))
+        tries = TRIES * max(1, round(count(TRIES * self.area, spacing, 2) / TRIES))
         points, face = sample_surface(mesh, tries, seed=0)[:2]
         kept = thin(points, APART * spacing)
         normals = np.asarray(mesh.face_normals[face[kept]], dtype=np.float64)
@@ -101,13 +120,21 @@ class SDF(Struct, frozen=True, eq=False):
             )
         return d
 
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m], at most."""
+        return math.hypot(*self.extent)
+
     def cover(self, spacing: float) -> Local:
         """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
         fine = spacing / 3.0
         points = grid(self.extent, fine)
         points = points[np.abs(self.distance(points)) < fine]
-        for _ in range(3):  # Newton steps along the gradient
+        if len(points) < FEW:  # smaller than the spacing: from outside along the axes
+            points = np.concatenate([np.diag(self.extent), -np.diag(self.extent)])
+        for _ in range(STEPS):  # Newton steps along the gradient
             points = points - self.distance(points)[:, None] * gradient(self, points)
+        points = points[np.abs(self.distance(points)) < ON * spacing]
         points = points[thin(points, APART * spacing)]
         return Local(points, gradient(self, points))
 
@@ -145,21 +172,22 @@ def _triangles(mesh: Mesh) -> Any:
     """The mesh as trimesh has it, in metres."""
     import trimesh
 
+    name = mesh.file or "given here"
     try:
         if mesh.file:
             loaded: Any = trimesh.load_mesh(Path(mesh.file))
         else:
             loaded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+        if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
+            raise ArgumentError("mesh", f"{name} has no triangles")
+        if not np.isfinite(loaded.vertices).all():
+            raise ArgumentError("mesh", f"{name} has vertices that are not finite")
+        length("mesh", 1e-30 + mesh.scale * float(np.abs(loaded.vertices).max()))
+        loaded.vertices = loaded.vertices * mesh.scale
+        if not loaded.area > 0.0:
+            raise ArgumentError("mesh", f"{name} has no area")
+    except ArgumentError:
+        raise
     except Exception as error:
-        raise ArgumentError(
-            "mesh", f"{mesh.file or 'given here'} does not load: {error}"
-        ) from error
-    if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
-        raise ArgumentError("mesh", f"{mesh.file or 'given here'} has no triangles")
-    loaded.apply_scale(mesh.scale)
-    if not (np.isfinite(loaded.vertices).all() and loaded.area > 0.0):
-        raise ArgumentError(
-            "mesh", f"{mesh.file or 'given here'} has no area, or vertices that are not finite"
-        )
-    length("mesh", float(np.abs(loaded.vertices).max()))
+        raise ArgumentError("mesh", f"{name} does not load: {error}") from error
     return loaded

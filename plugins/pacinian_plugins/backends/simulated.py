@@ -111,7 +111,7 @@ class Simulated(pc.Backend):
             raise pc.BackendError("the simulated array is not open")
         if self.silent:
             return np.zeros(len(self.array), dtype=np.complex64)
-        return self.frames[-1].gains(self.capability)[-1]
+        return np.asarray(self.frames[-1].gains(self.capability)[-1])
 
     def field(self, points: ArrayLike, medium: pc.Air | None = None) -> Complexes:
         """Complex sound pressure [Pa] that sounds now at points [m], (..., 3): see `pacinian.field`."""

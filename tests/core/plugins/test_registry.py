@@ -93,7 +93,7 @@ def test_a_broken_plugin_is_named_and_takes_nothing_down(write: Any, source: str
     assert re.search(f"'broken'.*{why}", str(plugins.failed["broken"]))
     with pytest.raises(pc.PluginError, match="broken"):
         plugins.find("solver", "broken")
-    with pytest.raises(pc.UnknownPlugin, match="plane.*broken did not load"):
+    with pytest.raises(pc.UnknownPlugin, match=r"plane.*broken did not load"):
         plugins.find("solver", "other")
 
 
@@ -102,7 +102,7 @@ def test_two_offers_of_one_name_are_an_error(write: Any) -> None:
         [write("one", GOOD.format(name="plane")), write("two", GOOD.format(name="plane"))]
     )
     with pytest.raises(
-        pc.PluginError, match="two solvers are called 'plane'.*plugin_one.*plugin_two"
+        pc.PluginError, match=r"two solvers are called 'plane'.*plugin_one.*plugin_two"
     ):
         plugins.list()
 

@@ -32,7 +32,7 @@ class Kind(NamedTuple):
     # signed distance of points [m], negative inside; of a flat shape, unsigned
     distance: Callable[[Floats, Size], Floats]
     area: Callable[[Size], float]
-    count: tuple[float, float]  # bounds of samples / (area / spacing^2)
+    number: tuple[float, float]  # bounds of samples / (area / spacing^2)
     apart: tuple[float, float]  # bounds of the distance to the nearest neighbour / spacing
     off: float  # bound of the mean's distance from the middle / spacing
     exact: float = 1e-12  # how far samples may lie from the shape [m]
@@ -121,7 +121,7 @@ KINDS = (
         lambda s: pc.Rectangle(s[0], s[1]),
         rectangle_distance,
         lambda s: s[0] * s[1],
-        count=(9 / 16, 1.0 + 1e-6),  # a grid leaves out less than one row of at least four
+        number=(9 / 16, 1.0 + 1e-6),  # a grid leaves out less than one row of at least four
         apart=(1.0 - 1e-6, 4 / 3),
         off=1e-9,
         flat=True,
@@ -131,7 +131,7 @@ KINDS = (
         lambda s: pc.Disc(s[0] / 2),
         disc_distance,
         lambda s: math.pi * s[0] ** 2 / 4,
-        count=(0.9, 1.1),
+        number=(0.9, 1.1),
         apart=(0.8, 1.15),
         off=0.15,
         flat=True,
@@ -141,7 +141,7 @@ KINDS = (
         lambda s: pc.Sphere(s[0] / 2),
         lambda p, s: np.linalg.norm(p, axis=1) - s[0] / 2,
         lambda s: math.pi * s[0] ** 2,
-        count=(0.95, 1.05),
+        number=(0.95, 1.05),
         apart=(0.8, 1.1),
         off=0.1,
     ),
@@ -150,7 +150,7 @@ KINDS = (
         pc.Box,
         box_distance,
         lambda s: 2 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]),
-        count=(9 / 16, 1.0 + 1e-6),
+        number=(9 / 16, 1.0 + 1e-6),
         apart=(math.sqrt(0.5), 4 / 3),  # the nearest may be round an edge, half a step from it
         off=1e-9,
     ),
@@ -159,7 +159,7 @@ KINDS = (
         lambda s: pc.Capsule(s[0] / 2, s[1]),
         lambda p, s: segment_distance(p, s[0] / 2, s[1]),
         lambda s: math.pi * s[0] ** 2 + math.pi * s[0] * s[1],
-        count=(0.95, 1.05),
+        number=(0.95, 1.05),
         apart=(0.8, 1.1),
         off=0.1,
     ),
@@ -168,7 +168,7 @@ KINDS = (
         bracelet_mesh,
         lambda p, s: mesh_distance(bracelet(s), p),
         lambda s: float(bracelet(s).area),
-        count=(0.75, 1.1),
+        number=(0.75, 1.1),
         apart=(0.8, 2.0),
         off=0.5,
     ),
@@ -177,7 +177,7 @@ KINDS = (
         torus_sdf,
         torus_distance,
         lambda s: 4 * math.pi**2 * math.prod(torus(s)),
-        count=(0.75, 1.1),
+        number=(0.75, 1.1),
         apart=(0.8, 2.0),
         off=0.5,
         exact=1e-8,
@@ -221,8 +221,10 @@ def test_normals_are_unit_and_point_outward(kind: Kind, case: tuple[Size, float]
         step = 1e-4 * spacing
         outside = kind.distance(points + step * normals, size)
         inside = kind.distance(points - step * normals, size)
-        assert outside == pytest.approx(np.full(len(points), step), rel=0.02)
-        assert inside == pytest.approx(np.full(len(points), -step), rel=0.02)
+        for out in (outside, -inside):  # less than a step only where an edge is nearer still
+            assert out.min() > 0.0
+            assert out.max() < 1.001 * step
+            assert np.median(out) == pytest.approx(step, rel=1e-3)
 
 
 @each_kind
@@ -233,7 +235,7 @@ def test_there_is_about_one_sample_per_spacing_squared(
 ) -> None:
     size, spacing = case
     expected = kind.area(size) / spacing**2
-    low, high = kind.count
+    low, high = kind.number
     # half a sample for rounding
     assert low * expected - 0.5 <= len(kind.make(size).cover(spacing).points)
     assert len(kind.make(size).cover(spacing).points) <= high * expected + 0.5
@@ -293,9 +295,6 @@ def test_a_shape_smaller_than_the_spacing_has_at_least_one_sample(
     assert np.abs(kind.distance(points, size)).max() < kind.exact
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the only grid point is the centre, where the gradient vanishes"
-)
 def test_a_signed_distance_smaller_than_the_spacing_is_sampled_on_its_shell() -> None:
     ball = pc.SDF(lambda p: np.linalg.norm(p, axis=1) - 0.001, (0.001, 0.001, 0.001))
     points, normals = ball.cover(0.0085)
@@ -475,7 +474,6 @@ def test_a_size_beyond_floats_is_refused() -> None:
         pc.Sphere(10**400)
 
 
-@pytest.mark.xfail(strict=True, raises=TypeError, reason="checked, but kept as text")
 def test_a_size_given_as_text_is_refused_or_made_a_number() -> None:
     try:
         area = pc.Sphere("0.1").area  # type: ignore[arg-type]
@@ -610,33 +608,28 @@ def test_a_mesh_needs_a_file_or_faces_and_not_both(given_as: Any) -> None:
         pc.Mesh(**given_as)
 
 
-@pytest.mark.xfail(strict=True, reason="the vertices are silently ignored")
 def test_a_mesh_with_a_file_and_vertices_is_refused() -> None:
     with pytest.raises(pc.ArgumentError, match="either a file or vertices and faces"):
         pc.Mesh(file="hand.obj", vertices=TRIANGLE)
 
 
-@pytest.mark.xfail(strict=True, raises=IndexError, reason="only construction is guarded")
 @pytest.mark.parametrize("face", [(0, 1, 3), (0, 1, -4)])
 def test_faces_of_vertices_that_are_not_there_are_refused(face: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match="mesh"):
+    with pytest.raises(pc.ArgumentError, match="faces"):
         _ = pc.Mesh(vertices=TRIANGLE, faces=(face,)).area
 
 
-@pytest.mark.xfail(strict=True, reason="-1 is taken as the last vertex")
 def test_faces_of_negative_vertices_are_refused() -> None:
-    with pytest.raises(pc.ArgumentError, match="mesh"):
+    with pytest.raises(pc.ArgumentError, match="faces"):
         _ = pc.Mesh(vertices=TRIANGLE, faces=((0, 1, -1),)).area
 
 
-@pytest.mark.xfail(strict=True, raises=(TypeError, ValueError), reason="only tuples can be hashed")
 @pytest.mark.parametrize("kind", [list, np.array], ids=["lists", "arrays"])
 def test_vertices_and_faces_may_be_lists_or_arrays(kind: Any) -> None:
     mesh = pc.Mesh(vertices=kind([list(v) for v in TRIANGLE]), faces=kind([[0, 1, 2]]))
     assert mesh.area == 0.5
 
 
-@pytest.mark.xfail(strict=True, raises=RuntimeWarning, reason="the area overflows with a warning")
 def test_huge_vertices_are_refused_without_a_warning() -> None:
     with pytest.raises(pc.ArgumentError, match="mesh"):
         _ = pc.Mesh(

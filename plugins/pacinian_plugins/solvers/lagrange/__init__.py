@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes
 
+AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as held
 MET = 1e-4  # relative error at which free phases need not be chosen anew
 IN_PROPORTION = 1e-3  # relative error up to which `scale="max"` counts proportions as kept
 GAIN = 0.02  # a round of new phases that lowers the error by less is the last
@@ -71,7 +72,7 @@ class Lagrange(pc.Solver):
         else:
             end = run.nearest(p / unit, None if warm is None else warm.residual / unit)
         out[:] = end.point.h * unit
-        held = float((end.point.size > mu).mean())
+        held = float((np.abs(end.point.h) > AT_LIMIT).mean())
         return pc.Result(
             iterations=end.steps,
             limited=held > 0.0 and limits.gain is not None,
@@ -163,12 +164,7 @@ class Run:
         if y is not None and (start.size > dual.mu).any():
             warm = dual.at(y, q)
             start = warm if warm.value > start.value else start
-        climb = dual.climb(start, q, self.settings.steps, self.budget)
-        steps = climb.steps
-        if not (climb.done or climb.late):
-            near = dual.approach(climb.point.h, q, self.budget)
-            climb = dual.climb(dual.at(near, q), q, self.settings.steps, self.budget)
-            steps += climb.steps
+        climb = dual.top(start, q, self.settings.steps, self.budget)
         point = climb.point
         made = self.problem.whole(point)
         at = np.where(self.targets.free, np.abs(p) * np.exp(1j * np.angle(made)), p)
@@ -176,7 +172,7 @@ class Run:
         lost = (
             0.0 if self.problem.Q is None else float(np.vdot(p, p).real - np.vdot(q, q).real) / 2.0
         )
-        return End(point, p, made, error, lost, steps, climb.late)
+        return End(point, p, made, error, lost, climb.steps, climb.late)
 
     def strongest(self, p: Complexes, propagator: pc.Propagator) -> End:
         """The gains for the largest multiple of p whose proportions are kept."""

@@ -35,7 +35,7 @@ FLATTER = 0.9  # share of ||F|| that will do instead: near the top D rounds befo
 CLOSE = 1e-4  # relative gap at which a step that finds nothing better means the top
 SHORTEST = 1e-4  # of a step
 FIRST_ORDER, LOOK = 4000, 25  # gradient steps at most, and between two looks at the gap
-NEAR = 1e-3  # relative gap at which Newton steps take over
+NEAR = (1e-3, 1e-5)  # relative gaps at which Newton steps take over
 ENOUGH = {np.dtype(np.complex64): 3e-6, np.dtype(np.complex128): 1e-10}  # ||F|| / ||p|| to stop at
 
 
@@ -124,6 +124,19 @@ class Dual:
             d = linalg.lstsq(A, b)[0]
         return d[:M] + 1j * d[M:]
 
+    def top(self, start: Point, p: Complexes, steps: int, budget: pc.Budget) -> Climb:
+        """The optimum from `start`: Newton steps, and where they overshoot, gradient steps between."""
+        best = self.climb(start, p, steps, budget)
+        total = best.steps
+        for near in NEAR:
+            if best.done or best.late:
+                break
+            found = self.approach(best.point.h, p, near, budget)
+            end = self.climb(self.at(found.y, p), p, steps, budget)
+            total += end.steps
+            best = end._replace(point=self.better(found, end.point, p))
+        return best._replace(steps=total)
+
     def climb(self, point: Point, p: Complexes, steps: int, budget: pc.Budget) -> Climb:
         """Newton steps from `point`, until F vanishes, the precision is used up, or no more are left."""
         enough = ENOUGH[self.B.dtype] * float(np.linalg.norm(p))
@@ -140,16 +153,17 @@ class Dual:
             point = ahead
         return Climb(point, steps, False, False)
 
-    def approach(self, h: Complexes, p: Complexes, budget: pc.Budget) -> Complexes:
-        """A y from which Newton steps arrive: accelerated projected gradient steps on the primal from h.
+    def approach(self, h: Complexes, p: Complexes, near: float, budget: pc.Budget) -> Point:
+        """Accelerated projected gradient steps on the primal from h, to a relative gap of `near`.
 
         Where targets are out of reach Newton steps from afar overshoot, but which transducers end at
         their limit is soon found this way (FISTA with restarts: Beck and Teboulle 2009, O'Donoghue
-        and Candes 2015). Steps until the duality gap is `NEAR` of the objective.
+        and Candes 2015). The point has the gains found, and the y and D that they prove.
         """
         steepest = float(np.linalg.eigvalsh(self.gram)[-1]) + self.mu  # Lipschitz constant
-        ahead, t = h, 1.0
-        for step in range(1, FIRST_ORDER + 1):
+        ahead, t, step = h, 1.0, 0
+        while True:
+            step += 1
             rest = (p - self.B @ ahead).astype(self.B.dtype)
             new = ahead + ((rest.conj() @ self.B).conj() - self.mu * ahead) / steepest
             new = (new / np.maximum(np.abs(new), 1.0)).astype(self.B.dtype)
@@ -158,11 +172,16 @@ class Dual:
             following = (1.0 + math.sqrt(1.0 + 4.0 * t * t)) / 2.0
             ahead, h, t = new + (t - 1.0) / following * (new - h), new, following
             if step % LOOK == 0:
-                point = self.at(p - self.B @ h, p)
-                best = self.primal(point._replace(h=h, made=p - point.y), p)
-                if best - point.value <= NEAR * best or budget.spent:
-                    break
-        return p - self.B @ h
+                made = (self.B @ h).astype(np.complex128)
+                point = self.at(p - made, p)._replace(h=h, made=made)
+                best = self.primal(point, p)
+                if best - point.value <= near * best or budget.spent or step >= FIRST_ORDER:
+                    return point
+
+    def better(self, a: Point, b: Point, p: Complexes) -> Point:
+        """The gains of the lower objective, with the higher of both bounds."""
+        point = a if self.primal(a, p) < self.primal(b, p) else b
+        return point._replace(value=max(a.value, b.value))
 
     def _forward(self, point: Point, p: Complexes, F: Complexes) -> Point | None:
         """The next point: higher, or with a smaller gradient F; None where the precision is used up."""

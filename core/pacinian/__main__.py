@@ -1,0 +1,5 @@
+"""`python -m pacinian`."""
+
+from pacinian.cli.main import main
+
+main()

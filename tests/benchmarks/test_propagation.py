@@ -1,0 +1,85 @@
+"""Ratios within one run: `pytest tests/benchmarks --benchmark-enable --benchmark-only`.
+
+Each result's `extra_info` holds the ratio to plain NumPy and the nanoseconds an element of B.
+"""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.acoustics.propagation import Wave
+
+
+def median(function: Callable[[], object], repeats: int) -> float:
+    function()
+    times = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - begin)
+    return float(np.median(times))
+
+
+@pytest.mark.parametrize("directivity", [pc.omni, pc.t4010a1], ids=["omni", "table"])
+@pytest.mark.parametrize("M", [8, 64])
+def test_building_b(benchmark: Any, M: int, directivity: Any) -> None:
+    array = pc.autd(3, 3, pc.Transducer(pressure=4.386, directivity=directivity))
+    rng = np.random.default_rng(0)
+    q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
+    out = np.empty((M, len(array)), dtype=np.complex64)
+    wave = Wave.prepare(array, pc.Air())
+    k = pc.Air().wavenumber(40_000.0)
+
+    def numpy_omni() -> Any:
+        r = np.sqrt(((q[:, None] - array.positions) ** 2).sum(axis=2))
+        return 4.386 / r * np.exp(-1j * k * r)
+
+    plain = median(numpy_omni, 5)
+    benchmark(wave.matrix, q, out)
+    fused = benchmark.stats.stats.median
+    benchmark.extra_info["times_faster_than_numpy_omni"] = round(plain / fused, 1)
+    benchmark.extra_info["ns_per_element"] = round(1e9 * fused / out.size, 2)
+
+
+@pytest.mark.parametrize("M", [4, 16, 24, 64, 256])
+def test_the_gram_matrix(benchmark: Any, M: int) -> None:
+    from scipy.linalg import blas
+    from threadpoolctl import threadpool_limits
+
+    from pacinian.solving.propagator import gram
+
+    rng = np.random.default_rng(0)
+    B = (rng.normal(size=(M, 2241)) + 1j * rng.normal(size=(M, 2241))).astype(np.complex64)
+    with threadpool_limits(1):
+        library = median(lambda: blas.cherk(1.0, B.T, trans=2), 20)
+        benchmark(gram, B)
+    benchmark.extra_info["times_faster_than_blas"] = round(
+        library / benchmark.stats.stats.median, 2
+    )
+
+
+def test_the_field_of_a_plane(benchmark: Any) -> None:
+    array = pc.autd(3, 3, pc.Transducer(pressure=4.386))
+    x, y = np.meshgrid(np.linspace(-0.1, 0.1, 200), np.linspace(-0.1, 0.1, 200))
+    q = np.stack([x, y, np.full_like(x, 0.2)], axis=-1)
+    g = np.exp(1j * np.random.default_rng(0).uniform(0, 6, len(array)))
+    benchmark(pc.field, array, g, q)
+    benchmark.extra_info["ns_per_element"] = round(
+        1e9 * benchmark.stats.stats.median / (40_000 * len(array)), 2
+    )
+
+
+@pytest.mark.parametrize("M", [4, 16, 64])
+@pytest.mark.parametrize("units", [1, 3])
+def test_solving(benchmark: Any, units: int, M: int) -> None:
+    array = pc.autd(units, units, pc.Transducer(pressure=4.386))
+    rng = np.random.default_rng(1)
+    q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
+    t = rng.uniform(0.3, 1.0, M)
+    t *= 0.5 * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
+    solution = benchmark(pc.solve, array, q, t)
+    benchmark.extra_info["error"] = solution.error

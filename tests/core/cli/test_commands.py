@@ -1,0 +1,181 @@
+"""The command, as a process and through click."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import pacinian as pc
+from pacinian.cli.main import cli
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "ball.toml"
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(cli, list(arguments))
+
+
+def told(*arguments: str, code: int = 0) -> Any:
+    """The one JSON object on standard output."""
+    result = run(*arguments, "--json")
+    assert result.exit_code == code, result.output
+    return json.loads(result.stdout)
+
+
+def process(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "pacinian", *arguments],
+        capture_output=True, text=True, timeout=100, check=False, **options,
+    )  # fmt: skip
+
+
+def test_demo_tells_one_json_object(tmp_path: Path) -> None:
+    picture = tmp_path / "demo.png"
+    seen = told("demo", "--seconds", "0.3", "--out", str(picture))
+    assert seen["ticks"] == 300
+    assert seen["transducers"] == 2241
+    assert seen["samples"] >= 16
+    assert seen["error"] < 0.01
+    assert seen["fault_count"] == 0
+    assert {"late_ticks", "tick_p50_ms", "tick_p99_ms"} <= seen.keys()
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_demo_beside_a_dummy_loop_tells_both() -> None:
+    seen = told("demo", "--seconds", "0.3", "--dummy", "--out", "")
+    assert seen["ticks"] == seen["dummy"]["ticks"] == 300
+    assert seen["dummy"]["tick_p50_ms"] >= 0.5 * seen["tick_p50_ms"]
+
+
+def test_demo_without_json_is_a_table_and_a_bar() -> None:
+    result = run("demo", "--seconds", "0.2", "--out", "", "--units", "1")
+    assert result.exit_code == 0
+    for word in ("ticks", "late", "p99", "error"):
+        assert word in result.stdout
+
+
+def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
+    record, picture = tmp_path / "run.pac", tmp_path / "deep" / "run.png"
+    seen = told(
+        "render", str(EXAMPLE), "--seconds", "0.1", "--record", str(record), "--out", str(picture)
+    )
+    assert (seen["ticks"], seen["statuses"]) == (100, {"ok": seen["solves"]})
+    assert picture.exists()
+    again = told("replay", str(record))
+    assert again["frames"] == 101  # and silence
+
+
+def test_render_lets_the_solver_be_chosen() -> None:
+    seen = told("render", str(EXAMPLE), "--seconds", "0.05", "--solver", "gs-pat")
+    assert seen["solver"] == "gs-pat"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (None, "cannot be read"),
+        ("solver = ", "is not TOML"),
+        ("colour = 1", "colour"),
+        ('solver = "magic"', r"\$.solver.*magic.*lagrange"),
+        ('solver = { name = "lagrange", options = { mew = 1 } }', r"\$.solver.*mew.*mu"),
+        ('backend = "magic"', r"\$.backend.*simulated"),
+        ("rate = 100000", "rate"),
+        ('[[objects]]\ntype = "point"\nposition = [0, 0, 0.2]', "radiation_pressure"),
+    ],
+)
+def test_a_bad_scene_file_is_an_error_with_the_key(
+    tmp_path: Path, text: str | None, says: str
+) -> None:
+    path = tmp_path / "scene.toml"
+    if text is not None:
+        path.write_text(text)
+    result = run("render", str(path))
+    assert isinstance(result.exception, pc.SceneFileError)
+    with pytest.raises(pc.SceneFileError, match=says):
+        raise result.exception
+    assert str(path) in str(result.exception)
+
+
+def test_errors_are_one_line_and_exit_code_2(tmp_path: Path) -> None:
+    for arguments in (
+        ("render", str(tmp_path / "none.toml")),
+        ("demo", "--solver", "magic"),
+        ("replay", str(tmp_path / "none")),
+        ("demo", "--seconds", "-1"),
+        ("nonsense",),
+    ):
+        done = process(*arguments)
+        assert done.returncode == 2, done.stderr
+        assert "Traceback" not in done.stderr
+        assert done.stderr.strip()
+
+
+def test_plugins_lists_ours_with_options_and_origin() -> None:
+    seen = told("plugins")
+    ours = {(p["kind"], p["name"]): p for p in seen["plugins"]}
+    assert ours["solver", "lagrange"]["options"]["mu"] == 1e-5
+    assert "pacinian" in ours["backend", "simulated"]["from"]
+    assert not seen["failed"]
+    table = run("plugins")
+    assert "lagrange" in table.stdout
+
+
+def test_schema_is_the_one_in_the_docs() -> None:
+    published = Path(__file__).parents[3] / "docs" / "scene.schema.json"
+    assert run("schema").stdout.rstrip() == published.read_text().rstrip(), "run `pacinian schema`"
+
+
+def test_every_command_explains_itself() -> None:
+    assert isinstance(cli, click.Group)
+    for name, command in cli.commands.items():
+        result = run(name, "--help")
+        assert result.exit_code == 0
+        assert command.help
+        for parameter in command.params:
+            if isinstance(parameter, click.Option):
+                assert parameter.help, (name, parameter.name)
+    assert "Exit codes" in run("--help").stdout
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_ends_in_silence_with_its_summary(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    record = tmp_path / "run.pac"
+    child = subprocess.Popen(
+        [sys.executable, "-m", "pacinian", "render", str(EXAMPLE), "--seconds", "60", "--json",
+         "--record", str(record)],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    limit = time.monotonic() + 60
+    while not (record.exists() and record.stat().st_size > 500_000) and time.monotonic() < limit:
+        time.sleep(0.02)  # for another process, which has no clock of ours
+    child.send_signal(number)
+    out, _ = child.communicate(timeout=30)
+    assert child.returncode == 130
+    seen = json.loads(out)
+    assert seen["interrupted"]
+    frames = list(pc.Recording(record))
+    assert len(frames) - seen["frames_sent"] in (1, 2)  # silence, and one that was under way
+    assert not frames[-1].amplitude.any()
+
+
+def test_it_works_without_display_home_or_matplotlib(tmp_path: Path) -> None:
+    block = tmp_path / "matplotlib.py"
+    block.write_text("raise ImportError('no matplotlib')")
+    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "HOME")}
+    done = process(
+        "demo", "--seconds", "0.1", "--units", "1", "--json",
+        env={**environment, "PYTHONPATH": str(tmp_path)}, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["picture"] == ""
+    assert "pacinian[plot]" in done.stderr

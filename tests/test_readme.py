@@ -1,0 +1,71 @@
+"""What the README shows works as shown."""
+
+import json
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import pacinian as pc
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=range(len(BLOCKS)))
+def test_its_python_runs(block: str, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(block, "README.md", "exec"), {"__name__": "readme"})
+    if "print" in block:
+        assert capsys.readouterr().out
+
+
+def test_its_first_example_makes_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    namespace: dict[str, object] = {}
+    exec(compile(BLOCKS[0], "README.md", "exec"), namespace)
+    P = pc.radiation_pressure(namespace["p"], namespace["air"])  # type: ignore[arg-type]
+    assert pytest.approx([20.0, 10.0], rel=1e-2) == P
+    assert capsys.readouterr().out
+
+
+def test_its_links_lead_somewhere() -> None:
+    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+        for link in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text()):
+            assert (page.parent / link).exists(), f"{page.name}: {link}"
+
+
+def test_its_solver_is_short() -> None:
+    (solver,) = (block for block in BLOCKS if "register_solvers" in block)
+    assert len([line for line in solver.splitlines() if line.strip()]) <= 15
+
+
+def test_the_focus_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(ROOT / "examples" / "focus.py"))
+    assert "ok" in capsys.readouterr().out
+
+
+def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:
+    """Installed for real, into a folder of its own."""
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+         "--disable-pip-version-check", "--target", str(tmp_path), str(ROOT / "examples/plane_wave")],
+        check=True, capture_output=True, timeout=100,
+    )  # fmt: skip
+    code = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "import pacinian as pc, json\n"
+        "s = pc.solve(pc.autd(), [[0, 0, .2]], [100.0], solver='plane-wave')\n"
+        "o = pc.Plugins().find('solver', 'plane-wave')\n"
+        "print(json.dumps([s.solver, o.distribution, float(abs(s.gains).min())]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)],
+        check=True, capture_output=True, text=True, timeout=100,
+    )  # fmt: skip
+    name, distribution, drive = json.loads(done.stdout)
+    assert name == "plane-wave"
+    assert "pacinian-plane-wave 0.1" in distribution
+    assert drive == pytest.approx(1.0, abs=1e-5)
