@@ -58,7 +58,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
 
     def points(self, local: Floats) -> Floats:
         """World positions [m] of local points, shape (M, 3)."""
-        return self.directions(local) + np.array(self.position)
+        return np.asarray(self.directions(local) + np.array(self.position))
 
     def directions(self, local: Floats) -> Floats:
         """World directions of local ones, shape (M, 3)."""

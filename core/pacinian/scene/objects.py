@@ -155,8 +155,10 @@ class Scene(Struct, frozen=True, eq=False, forbid_unknown_fields=True):
     workspace: Workspace | None = None
 
     def __post_init__(self) -> None:
-        kind("objects", self.objects, tuple, list)
-        force_setattr(self, "objects", tuple(self.objects))
+        try:
+            force_setattr(self, "objects", tuple(self.objects))
+        except TypeError:
+            raise ArgumentError("objects", f"must be a list, not {self.objects!r}") from None
         if self.workspace is not None:
             kind("workspace", self.workspace, Workspace)
         for i, item in enumerate(self.objects):
