@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
-    from pacinian.types import ArrayLike, Gains
+    from pacinian.types import ArrayLike, Complexes, Gains
 
 TOLERANCE = 1e-3  # relative error up to which targets count as met
+ROUNDING = 1e-5  # a gain this little over the limit is shortened, the others left as they are
 
 
 class Session:
@@ -102,23 +103,20 @@ class Session:
         if targets.amplitudes.any():
             budget = Budget.until(deadline, self._clock)
             result = self._solver.solve(self.propagator, targets, limits, warm, budget, g)
-        finite = bool(np.isfinite(g).all())
-        if not finite:
-            g[:] = 0.0
-        scaled = keep(g, limits, targets.scale)
-        solution = Solution(
+        finite, scaled = keep(g, limits, targets.scale)
+        p = self.propagator.apply(g).astype(np.complex128)
+        self.last = Solution(
             gains=g,
             targets=targets,
-            sound_pressure=self.propagator.apply(g).astype(np.complex128),
-            status=Status.ok if finite else Status.failed,
+            sound_pressure=p,
+            status=self._judge(targets, p, result, scaled) if finite else Status.failed,
             solver=result.solver or self._solver.name,
             iterations=result.iterations,
             bound=result.bound,
             objective=result.objective,
+            seconds=self._clock() - start,
             note=result.note,
         )
-        status = self._judge(solution, result, scaled)
-        self.last = replace(solution, status=status, seconds=self._clock() - start)
         return self.last
 
     def _gains(self, out: Gains | None) -> Gains:
@@ -132,50 +130,53 @@ class Session:
         out[:] = 0.0
         return out
 
-    def _judge(self, solution: Solution, result: Result, scaled: bool) -> Status:
-        """How it ended, from the evidence."""
-        targets = solution.targets
-        if solution.status is Status.failed:
-            return Status.failed
+    def _judge(self, targets: Targets, p: Complexes, result: Result, scaled: bool) -> Status:
+        """How it ended, from the evidence: the pressures achieved, (M,) [Pa]."""
         if not targets.amplitudes.any():
             return Status.silent
-        error = solution.error if targets.scale == "exact" else solution.shape_error
-        if error <= TOLERANCE:
+        if targets.scale == "max":
+            scaled = False
+            reached = float(np.linalg.norm(p) / np.linalg.norm(targets.amplitudes))
+            p = p / (reached or 1.0)
+        if targets.miss(p) <= TOLERANCE:
             return Status.ok
         asked = targets.amplitudes > 0.0
         if not np.abs(self.propagator.B[asked]).max(axis=1).all():
             return Status.unreachable
         if result.late:
             return Status.deadline
-        if scaled and targets.scale == "exact":
+        if scaled:
             return Status.scaled
         return Status.limited if result.limited else Status.approximate
 
 
-def keep(g: Gains, limits: Limits, scale: str) -> bool:
+def keep(g: Gains, limits: Limits, scale: str) -> tuple[bool, bool]:
     """Scale gains (N,) as a whole, in place, down to the limits, or for "max" up to them too.
 
-    Returns whether they were over. Rounding cannot leave a gain above the limit, in exact arithmetic.
+    Returns whether they were finite (if not, they are zero now) and whether they were over. Rounding
+    cannot leave a gain above the limit, in exact arithmetic.
     """
-    size = np.abs(g)
-    peak = float(size.max())
-    if not peak:
-        return False
-    factor = np.inf if scale == "max" else 1.0
+    from pacinian.solving import kernels
+
+    strongest = math.sqrt(kernels.peak(g))
+    if math.isnan(strongest):
+        g[:] = 0.0
+        return False, False
+    if not strongest:
+        return True, False
+    factor = math.inf if scale == "max" else 1.0
     if limits.gain is not None:
-        factor = min(factor, limits.gain / peak)
+        factor = min(factor, limits.gain / strongest)
     if limits.power is not None:
-        factor = min(factor, float(np.sqrt(limits.power / np.vdot(size, size))))
-    over = factor < 1.0 - 1e-5
-    if over or (scale == "max" and factor > 1.0):
-        g *= np.float32(factor)
-        size = np.abs(g)
-    if limits.gain is not None:
-        highest = limits.gain * (1.0 - 2.0**-21)  # what rounding to complex64 cannot push over
-        high = size > highest
-        if high.any():
-            g[high] *= (highest / size[high]).astype(np.float32)
-    return over
+        power = float(np.vdot(g, g).real)
+        factor = min(factor, math.sqrt(limits.power / power) if power < math.inf else 0.0)
+    over = factor < 1.0 - ROUNDING
+    if not over and scale != "max":
+        factor = 1.0
+    # what rounding to complex64 cannot push over
+    highest = math.inf if limits.gain is None else limits.gain * (1.0 - 2.0**-21)
+    kernels.restrain(g, factor, highest)
+    return True, over
 
 
 def solve(

@@ -19,6 +19,8 @@ Complexes: TypeAlias = NDArray[np.complexfloating[Any, Any]]
 """Complex numbers of either precision."""
 Levels: TypeAlias = NDArray[np.uint16]
 """Device levels of phase or amplitude."""
+Numbers: TypeAlias = NDArray[np.int32]
+"""Whole numbers for the kernels."""
 Flags: TypeAlias = NDArray[np.bool_]
 """True or false."""
 Indices: TypeAlias = NDArray[np.intp]
@@ -32,6 +34,7 @@ __all__ = [
     "Gains",
     "Indices",
     "Levels",
+    "Numbers",
     "Reals",
     "Singles",
 ]

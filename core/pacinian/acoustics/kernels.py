@@ -7,8 +7,9 @@ reduction is one rounding; the error of a phase is that of a float32 distance: 6
 `propagation.matrix` in double precision is the reference that tests compare with.
 
 Arguments shared by all: r, n: positions [m] and normals of the transducers relative to their centre,
-shape (3, N). law: (k / 2 pi [1/m], power, beta [1/m], P0 [Pa m]). table: the directivity at equal
-steps of cos(theta) from 0 to 1, the last twice; of length 1 for an omnidirectional transducer.
+shape (3, N). law: (k / 2 pi [1/m], power, beta [1/m], P0 [Pa m]). table: the directivity in the middle
+of equal steps of cos(theta) from 0 to 1, after one entry for all that lies behind; of length 1 for an
+omnidirectional transducer.
 """
 
 from __future__ import annotations
@@ -21,24 +22,25 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Gains, Levels, Singles
+    from pacinian.types import Gains, Levels, Numbers, Singles
 
 TILE = 256
 NEAREST = f4(1e-30)  # [m^2]; keeps 1 / r finite on a transducer
 TOUCHING = f4(1e-12)  # [m^2]; a point this near is on the transducer
 
 
-@compiled("f4(f4, f4, f4, f4[:, ::1], f4[:, ::1], i8, i8, f4[::1], f4[::1], f4[:, ::1])")
+@compiled("f4(f4, f4, f4, f4[:, ::1], f4[:, ::1], i8, i8, f4[::1], f4[::1], f4[:, ::1], i4[::1])")
 def wave(
     x: float, y: float, z: float, r: Singles, n: Singles, first: int, count: int,
-    law: Singles, table: Singles, tile: Singles,
+    law: Singles, table: Singles, tile: Singles, place: Numbers,
 ) -> np.float32:  # fmt: skip
     """Sound pressure at (x, y, z) per gain of the transducers first..first + count.
 
     Writes its real part to tile[0], its imaginary part to tile[1], and the inverse distance [1/m] to
-    tile[2]; returns how many of the transducers the point lies on.
+    tile[2]; place is for its own use. Returns how many of the transducers the point lies on.
     """
     turns, power, beta, P0 = law[0], law[1], law[2], law[3]
+    last = np.uint32(table.size - 1)
     rx, ry, rz = (
         r[0, first : first + count],
         r[1, first : first + count],
@@ -81,13 +83,13 @@ def wave(
             n[1, first : first + count],
             n[2, first : first + count],
         )
-        steps = f4(table.size - 2)
+        steps = f4(table.size - 1)
         for i in range(count):
             cosine = ((x - rx[i]) * nx[i] + (y - ry[i]) * ny[i] + (z - rz[i]) * nz[i]) * inverse[i]
-            place = abs(cosine) * steps
-            j = np.int32(place)
-            D = table[j] + (table[j + 1] - table[j]) * (place - f4(j))
-            imag[i] *= D if cosine > f4(0.0) else f4(0.0)
+            front = cosine if cosine > f4(0.0) else f4(0.0)
+            place[i] = np.int32(np.ceil(front * steps))  # 0 for all that is not in front
+        for i in range(count):
+            imag[i] *= table[min(np.uint32(place[i]), last)]
     for i in range(count):
         t = real[i] * turns
         t -= np.rint(t)  # -1/2 .. 1/2 turns; half of it below: sin and cos of pi t
@@ -109,11 +111,12 @@ def matrix(
     """Write B, shape (M, N) [Pa], for points q [m], shape (M, 3); touches: transducers at each."""
     N = r.shape[1]
     tile = np.empty((3, TILE), np.float32)
+    place = np.empty(TILE, np.int32)
     for m in range(q.shape[0]):
         touching = f4(0.0)
         for first in range(0, N, TILE):
             count = min(TILE, N - first)
-            touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile)
+            touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile, place)
             row = out[m, first : first + count]
             for i in range(count):
                 row[i] = complex(tile[0, i], tile[1, i])
@@ -130,12 +133,13 @@ def field(
     """Write p = B g [Pa], shape (M,), without building B; g: real and imaginary parts, shape (2, N)."""
     N = r.shape[1]
     tile = np.empty((3, TILE), np.float32)
+    place = np.empty(TILE, np.int32)
     for m in range(q.shape[0]):
         touching = f4(0.0)
         re, im = np.float64(0.0), np.float64(0.0)
         for first in range(0, N, TILE):
             count = min(TILE, N - first)
-            touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile)
+            touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile, place)
             a, b = g[0, first : first + count], g[1, first : first + count]
             sum_re, sum_im = f4(0.0), f4(0.0)
             for i in range(count):
@@ -172,3 +176,10 @@ def quantise(
         size = min(np.rint(np.sqrt(re * re + im * im) * top), highest)
         phase[i] = np.uint16(level if level > f4(0.0) else f4(0.0))
         amplitude[i] = np.uint16(size if size > f4(0.0) else f4(0.0))
+
+
+@compiled("void(u2[::1], u2[::1], c8[::1], f4[::1], c8[::1])")
+def dequantise(phase: Levels, amplitude: Levels, unit: Gains, size: Singles, out: Gains) -> None:
+    """Write the gains that levels stand for, (N,); unit, size: what each phase and amplitude level is."""
+    for i in range(out.size):
+        out[i] = size[amplitude[i]] * unit[phase[i]]

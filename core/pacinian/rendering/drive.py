@@ -28,13 +28,13 @@ class Quantiser:
 
     def __init__(self, capability: Capability, rows: int, columns: int) -> None:
         self.capability = capability
+        self._made = np.zeros(columns, dtype=np.complex64)
         self._phase = np.zeros((rows, columns), dtype=np.uint16)
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
-        self._size = np.arange(capability.amplitudes, dtype=np.float32) / (
-            capability.amplitudes - 1
-        )
+        levels = np.arange(capability.amplitudes) / (capability.amplitudes - 1)
+        self._size = levels.astype(np.float32)
 
     def frame(self, gains: Gains, ceiling: float, sequence: int, time: float) -> Frame:
         """The frame for gains (K, N), no amplitude above `ceiling`, the gain limit; due at `time` [s]."""
@@ -42,9 +42,12 @@ class Quantiser:
         return Frame(sequence, time, self._phase, self._amplitude)
 
     def emitted(self, gains: Gains, ceiling: float) -> Gains:
-        """What the device makes of gains (N,)."""
+        """What the device makes of gains (N,); the array is reused."""
+        from pacinian.acoustics import kernels
+
         self._round(gains[None], ceiling)
-        return np.asarray(self._size[self._amplitude[0]] * self._unit[self._phase[0]])
+        kernels.dequantise(self._phase[0], self._amplitude[0], self._unit, self._size, self._made)
+        return self._made
 
     def _round(self, gains: Gains, ceiling: float) -> None:
         from pacinian.acoustics import kernels

@@ -172,7 +172,7 @@ class Renderer:
     @property
     def emitted(self) -> Gains:
         """What the device made of the last gains at full envelope, (N,), whether it is silent now or not."""
-        return self._quantiser.emitted(self._gains, self._ceiling)
+        return self._quantiser.emitted(self._gains, self._ceiling).copy()
 
     def reset(self) -> None:
         """Sound again after a fault."""
@@ -241,11 +241,8 @@ class Renderer:
 
     def _error(self, solution: Solution) -> float:
         """Relative error of the sound pressures that the device's levels make."""
-        emitted = self.emitted
-        p = self.session.propagator.apply(emitted)
-        wanted = solution.targets.complex(np.angle(p))
-        size = float(np.linalg.norm(wanted))
-        return float(np.linalg.norm(p - wanted)) / size if size else 0.0
+        emitted = self._quantiser.emitted(self._gains, self._ceiling)
+        return solution.targets.miss(self.session.propagator.apply(emitted))
 
     def _drive(self, envelope: Floats, due: float) -> None:
         self._stage = "drive"

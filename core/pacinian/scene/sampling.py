@@ -70,6 +70,7 @@ class Sampler:
     _covers: dict[tuple[int, str, float], tuple[object, Local]] = field(
         default_factory=dict, repr=False
     )
+    _placed: dict[int, tuple[Object, float, Local]] = field(default_factory=dict, repr=False)
     _last: tuple[tuple[Scene, int, float], Samples] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -94,6 +95,7 @@ class Sampler:
         while len(whole) > self.budget and spacing < 2.0 * largest:
             spacing *= COARSER
             whole = self._whole(scene, spacing)
+        self._placed = {id(item): self._placed[id(item)] for item in near}
         over = len(whole) - self.budget
         if over <= 0:
             return whole
@@ -122,11 +124,17 @@ class Sampler:
         return samples.only(scene.workspace.holds(samples.positions))
 
     def _part(self, item: Object, spacing: float) -> Local:
-        """Samples of an object in the world."""
+        """Samples of an object in the world; those of the last scene are at hand."""
+        kept = self._placed.get(id(item))
+        if kept is not None and kept[0] is item and kept[1] == spacing:
+            return kept[2]
         if isinstance(item, Point):
-            return Local(np.array([item.position]), np.zeros((1, 3)))
-        local = self._cover(item, spacing)
-        return Local(item.pose.points(local.points), item.pose.directions(local.normals))
+            part = Local(np.array([item.position]), np.zeros((1, 3)))
+        else:
+            local, R = self._cover(item, spacing), item.pose.matrix.T
+            part = Local(local.points @ R + item.pose.position, local.normals @ R)
+        self._placed[id(item)] = item, spacing, part
+        return part
 
     def _cover(self, item: Surface | Volume, spacing: float) -> Local:
         key = (id(item.shape), getattr(item, "felt", ""), spacing)

@@ -1,4 +1,4 @@
-"""The Gram matrix B B^H of a wide B in single precision."""
+"""Kernels in the small space: the Gram matrix B B^H, Gerchberg-Saxton steps on it, limits on gains."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Singles
+    from pacinian.types import Complexes, Flags, Gains, Singles
 
 TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
 
@@ -60,3 +60,43 @@ def gram(B: Complexes, scratch: Singles, out: Complexes) -> None:
         out[i, i] = complex(out[i, i].real, 0.0)
         for j in range(i):
             out[j, i] = np.conj(out[i, j])
+
+
+@compiled("void(c16[:, ::1], b1[::1], i8, c16[::1])")
+def gerchberg_saxton(G: Complexes, free: Flags, steps: int, p: Complexes) -> None:
+    """Repeat p <- |p| exp(j arg(G p)) in place where `free`, (M,); a point that nothing reaches stays."""
+    M = len(p)
+    q = np.empty(M, np.complex128)
+    size = np.abs(p)
+    for _ in range(steps):
+        for i in range(M):
+            total = complex(0.0, 0.0)
+            for j in range(M):
+                total += G[i, j] * p[j]
+            q[i] = total
+        for i in range(M):
+            length = abs(q[i])
+            if free[i] and length > 0.0:
+                p[i] = q[i] * (size[i] / length)
+
+
+@compiled("f8(c8[::1])", finite=False)
+def peak(g: Gains) -> float:
+    """The largest |g_n|^2, or NaN where any is not finite."""
+    largest, health = 0.0, 0.0
+    for n in range(g.size):
+        re, im = np.float64(g[n].real), np.float64(g[n].imag)
+        square = re * re + im * im
+        health += square * 0.0  # 0, or NaN
+        largest = square if square > largest else largest
+    return largest + health
+
+
+@compiled("void(c8[::1], f8, f8)")
+def restrain(g: Gains, factor: float, highest: float) -> None:
+    """Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it."""
+    for n in range(g.size):
+        re, im = factor * np.float64(g[n].real), factor * np.float64(g[n].imag)
+        size = np.sqrt(re * re + im * im)
+        shorter = highest / size if size > highest else 1.0
+        g[n] = complex(re * shorter, im * shorter)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.solving import kernels
+
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
@@ -26,20 +28,12 @@ def gerchberg_saxton(
 
     gram: (M, M). start: phases to start from [rad], (M,); quadratic ones unless given.
     """
-    free = targets.free
     if start is None:
         m = np.arange(len(gram))
         start = np.pi * m * m / max(1, len(gram))  # spread out: equal phases may be a saddle point
     p = targets.complex(start)
-    if not free.any():
-        return p
-    size, at = targets.amplitudes, slice(None) if free.all() else free
-    for _ in range(steps):
-        q = (gram @ p)[at]
-        length = np.abs(q)
-        if not length.all():  # a point that nothing reaches keeps its phase
-            q, length = np.where(length > 0.0, q, 1.0), np.where(length > 0.0, length, 1.0)
-        p[at] = size[at] * (q / length)
+    if targets.free.any():
+        kernels.gerchberg_saxton(gram, targets.free, steps, p)
     return p
 
 

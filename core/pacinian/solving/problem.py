@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import time
 from dataclasses import dataclass, field
@@ -58,16 +59,29 @@ class Targets:
                 raise ArgumentError("phases", "must be finite, or NaN where free")
         return cls(t, phi, "exact" if scale == "exact" else "max")
 
-    @property
+    @functools.cached_property
     def free(self) -> Flags:
         """Where the phase is free, shape (M,)."""
         return np.isnan(self.phases)
 
+    @functools.cached_property
+    def all_free(self) -> bool:
+        """Whether every phase is free."""
+        return bool(self.free.all())
+
     def complex(self, phases: Reals) -> Complexes:
         """The targets [Pa] with `phases` [rad], shape (M,), where free."""
-        return np.asarray(
-            self.amplitudes * np.exp(1j * np.where(self.free, phases, self.phases)), np.complex128
-        )
+        angle = np.where(self.free, phases, self.phases)
+        return np.asarray(self.amplitudes * np.exp(1j * angle), np.complex128)
+
+    def miss(self, p: Complexes) -> float:
+        """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them."""
+        size = float(np.linalg.norm(self.amplitudes))
+        if not size:
+            return 0.0
+        if self.all_free:
+            return float(np.linalg.norm(np.abs(p) - self.amplitudes)) / size
+        return float(np.linalg.norm(self.complex(np.angle(p)) - p)) / size
 
 
 @dataclass(frozen=True, kw_only=True)

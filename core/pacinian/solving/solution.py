@@ -78,7 +78,7 @@ class Solution:
     @property
     def error(self) -> float:
         """||residual|| / ||amplitudes||; 0 where nothing was asked."""
-        return _ratio(self.residual, self.targets.amplitudes)
+        return self.targets.miss(self.sound_pressure)
 
     @property
     def shape_error(self) -> float:

@@ -70,7 +70,7 @@ class Lagrange(pc.Solver):
         if targets.scale == "max":
             end = run.strongest(p / unit, propagator)
         else:
-            end = run.nearest(p / unit, None if warm is None else warm.residual / unit)
+            end = run.nearest(p / unit, None if warm is None else warm.sound_pressure / unit)
         out[:] = end.point.h * unit
         held = float((np.abs(end.point.h) > AT_LIMIT).mean())
         return pc.Result(
@@ -141,38 +141,49 @@ class Run:
     targets: pc.Targets
     budget: pc.Budget
 
-    def nearest(self, p: Complexes, y: Complexes | None = None) -> End:
-        """The gains nearest to the targets p; free phases are chosen anew while that helps."""
+    def nearest(self, p: Complexes, made: Complexes | None = None) -> End:
+        """The gains nearest to the targets p; free phases are chosen anew while that helps.
+
+        made: what was made of similar targets before, (M,), to start from.
+        """
         free, steps = self.targets.free, 0
         best: End | None = None
         for _ in range(self.settings.rounds):
-            end = self._once(p, None if y is None else self.problem.down(y))
+            end = self._once(p, made)
             steps += end.steps
             improved = best is None or end.error < (1.0 - GAIN) * best.error
             if best is None or end.error < best.error:
                 best = end
             if not improved or end.late or end.error <= MET or not free.any():
                 break
-            p, y = np.where(free, np.abs(p) * np.exp(1j * np.angle(end.made)), p), end.p - end.made
+            made = end.made
+            p = np.where(free, np.abs(p) * np.exp(1j * np.angle(made)), p)
         assert best is not None  # rounds >= 1
         return best._replace(steps=steps)
 
-    def _once(self, p: Complexes, y: Complexes | None) -> End:
-        """The gains nearest to p, its phases as given; y: a multiplier to start from, if it is better."""
+    def _once(self, p: Complexes, before: Complexes | None) -> End:
+        """The gains nearest to p, its phases as given; p - before is a multiplier to start from."""
         dual, q = self.problem.dual, self.problem.down(p)
         start = dual.at(dual.unlimited(q), q)
-        if y is not None and (start.size > dual.mu).any():
-            warm = dual.at(y, q)
+        if before is not None and (start.size > dual.mu).any():
+            warm = dual.at(self.problem.down(p - before), q)
             start = warm if warm.value > start.value else start
         climb = dual.top(start, q, self.settings.steps, self.budget)
         point = climb.point
         made = self.problem.whole(point)
-        at = np.where(self.targets.free, np.abs(p) * np.exp(1j * np.angle(made)), p)
-        error = float(np.linalg.norm(at - made) / np.linalg.norm(p))
+        error = self._error(p, made)
         lost = (
             0.0 if self.problem.Q is None else float(np.vdot(p, p).real - np.vdot(q, q).real) / 2.0
         )
         return End(point, p, made, error, lost, climb.steps, climb.late)
+
+    def _error(self, p: Complexes, made: Complexes) -> float:
+        """||p - made|| / ||p||, free phases being as made."""
+        if self.targets.all_free:
+            rest = np.abs(p) - np.abs(made)
+        else:
+            rest = np.where(self.targets.free, np.abs(p) - np.abs(made), np.abs(p - made))
+        return float(np.linalg.norm(rest) / np.linalg.norm(p))
 
     def strongest(self, p: Complexes, propagator: pc.Propagator) -> End:
         """The gains for the largest multiple of p whose proportions are kept."""
