@@ -38,21 +38,27 @@ def slices(
 ) -> Figure:
     """Radiation pressure on skin in the two planes through the points that tell most.
 
-    A horizontal slice at the points' mean height and a vertical one through their middle.
+    A horizontal slice at the points' mean height and a vertical one through the strongest of them.
     array, gains: (N,). points: what is to be felt [m], (M, 3). Raises MissingExtra.
     """
     medium = medium or Air()
     middle = points.mean(axis=0) if len(points) else array.centre + np.array([0.0, 0.0, 0.2])
     reach = 0.03 + (np.abs(points - middle).max() if len(points) else 0.05)  # [m]
     u = np.linspace(-reach, reach, GRID)
+    y = (
+        points[np.argmax(np.abs(field(array, gains, points, medium))), 1]
+        if len(points)
+        else middle[1]
+    )
     top = middle[2] + reach
     z = np.linspace(min(0.005 + array.positions[:, 2].max(), middle[2] - reach), top, GRID)
-    page = figure(10.0, 4.6)
-    left, right = page.subplots(1, 2)
+    narrow = 2.0 * reach / (z[-1] - z[0])  # of the vertical slice, beside a square
+    page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
+    left, right = page.subplots(1, 2, width_ratios=[1.0, narrow])
     X, Y = np.meshgrid(middle[0] + u, middle[1] + u)
     across = np.stack([X, Y, np.full_like(X, middle[2])], axis=-1)
     X, Z = np.meshgrid(middle[0] + u, z)
-    along = np.stack([X, np.full_like(X, middle[1]), Z], axis=-1)
+    along = np.stack([X, np.full_like(X, y), Z], axis=-1)
     P = [
         radiation_pressure(field(array, gains, plane, medium), medium) for plane in (across, along)
     ]
@@ -65,7 +71,7 @@ def slices(
         axes.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]")
         _mark(axes, 1e3 * points[:, [i, j]])
     left.set_title(f"z = {1e3 * middle[2]:.0f} mm")
-    right.set_title(f"y = {1e3 * middle[1]:.0f} mm, array below")
+    right.set_title(f"y = {1e3 * y:.0f} mm")
     page.colorbar(image, ax=[left, right], label="radiation pressure on skin [Pa]")
     if title:
         page.suptitle(title)
