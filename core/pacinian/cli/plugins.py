@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def plugins(as_json: bool) -> None:
     """List solvers and backends: their settings and where they come from.
 
@@ -26,7 +26,7 @@ def plugins(as_json: bool) -> None:
         failed = {name: str(error) for name, error in found.failed.items()}
         click.echo(json.dumps({"plugins": [_plain(o) for o in offers], "failed": failed}))
     else:
-        _table(offers)
+        _tell(offers)
         for error in found.failed.values():
             click.echo(str(error), err=True)
     if found.failed:
@@ -46,19 +46,17 @@ def _plain(offer: Offer) -> dict[str, Any]:
     }
 
 
-def _table(offers: list[Offer]) -> None:
+def _tell(offers: list[Offer]) -> None:
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(box=None, pad_edge=False)
-    for column in ("kind", "name", "settings", "what", "from"):
-        table.add_column(column, overflow="fold")
+    console = Console(highlight=False, soft_wrap=True)
     for offer in offers:
-        settings = ", ".join(
-            f"{k}={v!r}" if v is not ... else k for k, v in offer.options.items() if _simple(v)
-        )
-        table.add_row(offer.kind, offer.name, settings, _summary(offer), offer.distribution)
-    Console().print(table)
+        console.print(f"[bold]{offer.name}[/bold]  {offer.kind}, from {offer.distribution}")
+        console.print(f"    {_summary(offer)}", markup=False)
+        options = offer.options.items()
+        settings = [k if v is ... else f"{k}={v!r}" for k, v in options if _simple(v)]
+        if settings:
+            console.print(f"    settings: {', '.join(settings)}", markup=False)
 
 
 def _simple(value: object) -> bool:
