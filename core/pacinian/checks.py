@@ -21,8 +21,8 @@ def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Float
     """Return `value` as float64 of the given shape, None being any length; all finite."""
     try:
         array = np.asarray(value)
-        if array.dtype.kind == "c":
-            raise ArgumentError(name, "must be real, not complex")
+        if array.dtype.kind not in "biufO" and array.size:
+            raise ArgumentError(name, f"must be real numbers, not {array.dtype}")
         array = array.astype(np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, ArgumentError):
@@ -62,7 +62,8 @@ def near(name: str, points: Floats, origin: Floats) -> None:
     """Refuse `points`, shape (M, 3) [m], that must have been meant in millimetres."""
     if not len(points):
         return
-    distance = float(np.sqrt(((points - origin) ** 2).sum(axis=1).max()))  # [m]
+    away = np.minimum(np.abs(points - origin), 1e150)  # [m]
+    distance = float(np.sqrt((away * away).sum(axis=1).max()))  # [m]
     if distance > FAR:
         raise ArgumentError(
             name,

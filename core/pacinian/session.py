@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.checks import near, numbers
-from pacinian.errors import ArgumentError, UnsupportedLimit
+from pacinian.acoustics.array import Array
+from pacinian.checks import kind, near, numbers
+from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.problem import Budget, Limits, Targets
@@ -20,7 +21,6 @@ from pacinian.solving.solution import Solution, Status
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
     from pacinian.types import ArrayLike, Complexes, Gains
 
@@ -47,11 +47,14 @@ class Session:
     ) -> None:
         if precision not in ("single", "double"):
             raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
-        self.array, self.medium = array, medium or Air()
+        kind("array", array, Array)
+        self.array, self.medium = array, Air() if medium is None else medium
+        kind("medium", self.medium, Air)
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self._clock = clock
         self.last: Solution | None = None
+        self._work = np.zeros(len(array), dtype=np.complex64)
 
     @property
     def solver(self) -> Solver:
@@ -60,7 +63,9 @@ class Session:
 
     @solver.setter
     def solver(self, solver: str | Solver) -> None:
-        self._solver = registry.solver(solver) if isinstance(solver, str) else solver
+        made = registry.solver(solver) if isinstance(solver, str) else solver
+        kind("solver", made, Solver)
+        self._solver = made
 
     def solve(
         self,
@@ -86,31 +91,40 @@ class Session:
         Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
         """
         start = self._clock()
-        limits = limits or Limits()
+        budget = Budget.until(deadline, self._clock)
+        limits = Limits() if limits is None else limits
+        kind("limits", limits, Limits)
+        solver, propagator = self._solver, self.propagator
         q = numbers("points", points, (None, 3))
-        near("points", q, self.propagator.origin)
+        near("points", q, propagator.origin)
         targets = Targets.checked(len(q), amplitudes, phases, scale)
-        g = self._gains(out)
-        if unkept := limits.asked - self._solver.keeps:
-            raise UnsupportedLimit(self._solver.name, min(unkept))
+        out = self._checked(out)
+        if unkept := limits.asked - solver.keeps:
+            raise UnsupportedLimit(solver.name, min(unkept))
         if targets.scale == "max" and limits.gain is None and limits.power is None:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         warm, self.last = self.last, None
         if warm is not None and len(warm.sound_pressure) != len(q):
             warm = None
-        self.propagator.place(q)
+        g = self._work  # apart from `out`, which may hold the gains of `warm`
+        g[:] = 0.0
+        propagator.place(q)
+        version = propagator.version
         result = Result()
         if targets.amplitudes.any():
-            budget = Budget.until(deadline, self._clock)
-            result = self._solver.solve(self.propagator, targets, limits, warm, budget, g)
+            result = solver.solve(propagator, targets, limits, warm, budget, g)
+        kind(f"{solver.name}.solve(...)", result, Result)
+        if propagator.version != version:
+            raise PluginError(f"solver {solver.name!r} has moved the points")
         finite, scaled = keep(g, limits, targets.scale)
-        p = self.propagator.apply(g).astype(np.complex128)
+        p = propagator.apply(g).astype(np.complex128)
+        out[:] = g
         self.last = Solution(
-            gains=g,
+            gains=out,
             targets=targets,
             sound_pressure=p,
             status=self._judge(targets, p, result, scaled) if finite else Status.failed,
-            solver=result.solver or self._solver.name,
+            solver=result.solver or solver.name,
             iterations=result.iterations,
             bound=result.bound,
             objective=result.objective,
@@ -119,15 +133,14 @@ class Session:
         )
         return self.last
 
-    def _gains(self, out: Gains | None) -> Gains:
+    def _checked(self, out: Gains | None) -> Gains:
+        N = len(self.array)
         if out is None:
-            return np.zeros(len(self.array), dtype=np.complex64)
-        fits = out.shape == (len(self.array),) and out.dtype == np.complex64
+            return np.empty(N, dtype=np.complex64)
+        kind("out", out, np.ndarray)
+        fits = out.shape == (N,) and out.dtype == np.complex64
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
-            raise ArgumentError(
-                "out", f"must be complex64, contiguous, writable, of shape ({len(self.array)},)"
-            )
-        out[:] = 0.0
+            raise ArgumentError("out", f"must be complex64, contiguous, writable, of shape ({N},)")
         return out
 
     def _judge(self, targets: Targets, p: Complexes, result: Result, scaled: bool) -> Status:
@@ -141,7 +154,7 @@ class Session:
         if targets.miss(p) <= TOLERANCE:
             return Status.ok
         asked = targets.amplitudes > 0.0
-        if not np.abs(self.propagator.B[asked]).max(axis=1).all():
+        if not self.propagator.B[asked].any(axis=1).all():
             return Status.unreachable
         if result.late:
             return Status.deadline
@@ -168,8 +181,9 @@ def keep(g: Gains, limits: Limits, scale: str) -> tuple[bool, bool]:
     if limits.gain is not None:
         factor = min(factor, limits.gain / strongest)
     if limits.power is not None:
-        power = float(np.vdot(g, g).real)
-        factor = min(factor, math.sqrt(limits.power / power) if power < math.inf else 0.0)
+        share = np.abs(g) / strongest  # 0..1, so that squares neither vanish nor overflow
+        root = strongest * math.sqrt(float((share.astype(np.float64) ** 2).sum()))
+        factor = min(factor, math.sqrt(limits.power) * (1.0 - 2.0**-21) / root)
     over = factor < 1.0 - ROUNDING
     if not over and scale != "max":
         factor = 1.0

@@ -188,3 +188,102 @@ def test_a_solution_describes_itself() -> None:
     assert "single-focus" in repr(solution)
     assert "ok" in repr(solution)
     assert solution.status.advice == solution.status.value
+
+
+def cheat(act: Any) -> pc.Solver:
+    class Cheats(pc.Solver):
+        name = "cheats"
+
+        def solve(
+            self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+        ) -> pc.Result:
+            out[:] = 0.5
+            act(propagator, targets)
+            return pc.Result()
+
+    return Cheats()
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda propagator, targets: targets.amplitudes.fill(0.0),
+        lambda propagator, targets: propagator.B.fill(0.0),
+        lambda propagator, targets: propagator.gram.fill(0.0),
+        lambda propagator, targets: propagator.points.fill(0.0),
+    ],
+)
+def test_a_solver_cannot_change_what_it_is_judged_by(act: Any) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        pc.solve(ARRAY, POINT, [5.0], solver=cheat(act))
+
+
+def test_a_solver_that_moves_the_points_is_found_out() -> None:
+    with pytest.raises(pc.PluginError, match="moved the points"):
+        pc.solve(
+            ARRAY,
+            POINT,
+            [5.0],
+            solver=cheat(lambda propagator, _: propagator.place(np.ones((1, 3)))),
+        )
+
+
+@pytest.mark.parametrize("amplitude", [1e-300, 1e-44, 1e-30, 1e-20, 1.0, 1e20, 1e30])
+@pytest.mark.parametrize("scale", ["exact", "max"])
+@pytest.mark.parametrize(
+    "limits", [pc.Limits(), pc.Limits(power=10.0), pc.Limits(gain=None, power=1.0)]
+)
+@pytest.mark.parametrize("solver", ["lagrange", "pseudo-inverse", "gs-pat", "auto"])
+def test_the_evidence_is_finite_for_targets_of_any_size(
+    amplitude: float, scale: str, limits: pc.Limits, solver: str
+) -> None:
+    q = [[0.02, 0.0, 0.1], [-0.02, 0.0, 0.1]]
+    solution = pc.solve(
+        ARRAY, q, [amplitude, amplitude / 2], solver=solver, scale=scale, limits=limits
+    )
+    assert np.isfinite([solution.error, solution.shape_error]).all()
+    assert solution.status is (pc.Status.silent if amplitude < 1e-30 else solution.status)
+    if limits.power is not None:
+        assert np.vdot(solution.gains, solution.gains).real <= limits.power
+    if scale == "max" and amplitude >= 1e-29:
+        assert solution.shape_error < 0.1
+
+
+@pytest.mark.parametrize("amplitude", [1e31, 1e300])
+def test_a_pressure_beyond_all_sense_is_refused(amplitude: float) -> None:
+    with pytest.raises(pc.ArgumentError, match="amplitudes"):
+        pc.solve(ARRAY, POINT, [amplitude])
+
+
+@pytest.mark.parametrize(
+    ("argument", "call"),
+    [
+        ("array", {"array": "x"}),
+        ("array", {"array": None}),
+        ("medium", {"medium": "x"}),
+        ("limits", {"limits": 5}),
+        ("limits", {"limits": {}}),
+        ("solver", {"solver": 5}),
+        ("solver", {"solver": pc.Solver}),
+        ("out", {"out": [1, 2]}),
+        ("amplitudes", {"amplitudes": np.array(["2020-01-01"], dtype="datetime64[D]")}),
+        ("phases", {"phases": 1j}),
+        ("scale", {"scale": np.array(["exact", "max"])}),
+    ],
+)
+def test_an_argument_of_the_wrong_kind_is_named(argument: str, call: dict[str, Any]) -> None:
+    given = {"array": ARRAY, "points": POINT, "amplitudes": [1.0]} | call
+    with pytest.raises(pc.ArgumentError, match=argument):
+        pc.solve(**given)
+
+
+@pytest.mark.parametrize("answer", [None, "done", 1])
+def test_a_solver_that_returns_no_result_is_named(answer: Any) -> None:
+    class Mute(pc.Solver):
+        name = "mute"
+
+        def solve(self, *arguments: Any) -> pc.Result:
+            return answer  # type: ignore[no-any-return]
+
+    with pytest.raises(pc.ArgumentError, match="mute"):
+        pc.solve(ARRAY, POINT, [1.0], solver=Mute())

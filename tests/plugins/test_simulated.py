@@ -148,5 +148,34 @@ def test_a_recording_of_another_array_or_other_levels_is_refused(tmp_path: Path)
     recording = pc.Recording(tmp_path / "run.pac")
     with pytest.raises(pc.RecordingError, match="249 transducers"):
         replay(recording, Simulated(), pc.lattice(0.1, 0.1), ManualClock())
-    with pytest.raises(pc.RecordingError, match="256 amplitudes"):
+    with pytest.raises(pc.RecordingError, match="amplitudes=320"):
         replay(recording, Simulated(amplitudes=320), ARRAY, ManualClock())
+
+
+@pytest.mark.parametrize("damage", [{"amplitude": 256}, {"phase": 60000}, {"time": float("inf")}])
+def test_a_recording_of_what_no_device_can_do_is_refused(
+    tmp_path: Path, damage: dict[str, Any]
+) -> None:
+    recorder = pc.Recorder(tmp_path / "run.pac", ARRAY, pc.Capability())
+    whole = frame(time=damage.get("time", 0.0))
+    for name in ("phase", "amplitude"):
+        getattr(whole, name)[0, 7] = damage.get(name, 1)
+    recorder.write(whole)
+    recorder.close()
+    device = Simulated()
+    with pytest.raises(pc.RecordingError, match="damaged frame"):
+        replay(pc.Recording(tmp_path / "run.pac"), device, ARRAY, ManualClock())
+    assert device.silent
+    assert not device.received
+
+
+def test_it_sounds_only_while_it_is_open() -> None:
+    device = Simulated()
+    with pytest.raises(pc.BackendError, match="not open"):
+        device.send(frame())
+    device.open(ARRAY)
+    device.send(frame())
+    device.close()
+    with pytest.raises(pc.BackendError, match="not open"):
+        device.send(frame())
+    assert device.silent

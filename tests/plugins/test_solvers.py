@@ -68,7 +68,7 @@ def test_the_evidence_is_that_of_the_gains(solver: str) -> None:
     p = pc.matrix(ARRAY, q) @ solution.gains
     np.testing.assert_allclose(solution.sound_pressure, p, atol=1e-4 * np.abs(p).max())
     np.testing.assert_allclose(
-        solution.residual, solution.pressures - solution.sound_pressure, atol=1e-12
+        solution.residual, solution.asked - solution.sound_pressure, atol=1e-12
     )
     assert solution.error == pytest.approx(
         np.linalg.norm(np.abs(p) - solution.targets.amplitudes)
@@ -149,7 +149,7 @@ def test_lagrange_certifies_its_answer(count: int, phases: float | None) -> None
     t = reachable(ARRAY, q, 0.8)
     solution = pc.solve(ARRAY, q, t, phases, solver="lagrange")
     assert abs(solution.gap) <= 1e-4 * solution.objective + 1e-12
-    p = solution.pressures
+    p = solution.asked
     mu = 1e-5 * float((np.abs(pc.matrix(ARRAY, q)) ** 2).sum()) / count
     cost = 0.5 * np.linalg.norm(p - solution.sound_pressure) ** 2
     cost += mu / 2 * np.linalg.norm(solution.gains) ** 2

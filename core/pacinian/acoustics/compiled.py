@@ -18,7 +18,7 @@ FINITE = {"nnan", "ninf"}
 announced = False
 
 
-def compiled(*signatures: str, finite: bool = True) -> Callable[[F], F]:
+def compiled(*signatures: Any, finite: bool = True) -> Callable[[F], F]:
     """Compile a kernel for `signatures`; inside it the interpreter lock is released.
 
     finite: whether its numbers always are, so that it may be compiled without regard to NaN.

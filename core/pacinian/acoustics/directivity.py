@@ -54,8 +54,8 @@ class Piston:
     wavenumber: float
 
     def __post_init__(self) -> None:
-        length("radius", self.radius)
-        number("wavenumber", self.wavenumber, low=0.0)
+        object.__setattr__(self, "radius", length("radius", self.radius))
+        object.__setattr__(self, "wavenumber", number("wavenumber", self.wavenumber, low=0.0))
 
     def __call__(self, cos_theta: Floats) -> Floats:
         """D, same shape as `cos_theta`."""

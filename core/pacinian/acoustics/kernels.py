@@ -76,7 +76,7 @@ def wave(
             e *= e
             e *= e
             e *= e
-            imag[i] *= e * e
+            imag[i] *= e * e if -beta * real[i] > f4(-32.0) else f4(0.0)
     if table.size > 1:
         nx, ny, nz = (
             n[0, first : first + count],
@@ -151,13 +151,15 @@ def field(
         touches[m] = touching
 
 
-@compiled("void(c8[::1], i8, i8, f4, u2[::1], u2[::1])", finite=False)
+@compiled("void(c8[::1], i8, i8, f4, f4, u2[::1], u2[::1])", finite=False)
 def quantise(
-    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, phase: Levels, amplitude: Levels
-) -> None:
+    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, half: np.float32,
+    phase: Levels, amplitude: Levels,
+) -> None:  # fmt: skip
     """Round gains to device levels: phase 0..phases - 1, amplitude 0..amplitudes - 1.
 
-    ceiling: the gain limit; an amplitude is never rounded up beyond it. NaN becomes amplitude 0.
+    ceiling: the gain limit; an amplitude is never rounded up beyond it. half: 0.5 rounds amplitudes to
+    the nearest level, 0 down. NaN becomes amplitude 0.
     """
     top = f4(amplitudes - 1)
     highest = np.floor(ceiling * top + f4(1e-3))  # a limit that is a level but for rounding is one
@@ -173,7 +175,7 @@ def quantise(
         turn = f4(1.0) - turn if im < f4(0.0) else turn
         level = np.rint(turn * f4(phases))
         level = level if level < f4(phases) else f4(0.0)
-        size = min(np.rint(np.sqrt(re * re + im * im) * top), highest)
+        size = min(np.floor(np.sqrt(re * re + im * im) * top + half), highest)
         phase[i] = np.uint16(level if level > f4(0.0) else f4(0.0))
         amplitude[i] = np.uint16(size if size > f4(0.0) else f4(0.0))
 

@@ -24,8 +24,8 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
     medium: gives rho and c. alpha: about 2 on skin. Returns the shape of `p`.
     Raises ArgumentError.
     """
-    number("alpha", alpha, low=0.0, above=True)
-    rms2 = np.abs(np.asarray(p)).astype(np.float64) ** 2 / 2.0  # [Pa^2]
+    alpha = number("alpha", alpha, low=0.0, above=True)
+    rms2 = _amplitude(p) ** 2 / 2.0  # [Pa^2]
     return np.asarray(alpha * rms2 / (medium.density * medium.speed_of_sound**2))
 
 
@@ -35,8 +35,11 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
     radiation_pressure: [Pa], not negative, any shape. medium: gives rho and c. alpha: about 2 on skin.
     Returns the shape of `radiation_pressure`. Raises ArgumentError.
     """
-    number("alpha", alpha, low=0.0, above=True)
-    P = np.asarray(radiation_pressure, dtype=np.float64)
+    alpha = number("alpha", alpha, low=0.0, above=True)
+    try:
+        P = np.asarray(radiation_pressure, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError("radiation_pressure", "must be numbers") from None
     if not (P >= 0.0).all():
         raise ArgumentError("radiation_pressure", "must be 0 or more: sound only pushes")
     return np.asarray(np.sqrt(2.0 * P * medium.density * medium.speed_of_sound**2 / alpha))
@@ -45,4 +48,11 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
 def sound_pressure_level(p: ArrayLike) -> Floats:
     """Sound pressure level [dB re 20 uPa RMS]; -inf where silent. p: complex or peak amplitude [Pa]."""
     with np.errstate(divide="ignore"):
-        return np.asarray(20.0 * np.log10(np.abs(np.asarray(p)) / np.sqrt(2.0) / REFERENCE))
+        return np.asarray(20.0 * np.log10(_amplitude(p) / np.sqrt(2.0) / REFERENCE))
+
+
+def _amplitude(p: ArrayLike) -> Floats:
+    amplitude = np.asarray(p)
+    if amplitude.dtype.kind not in "biufc":
+        raise ArgumentError("p", f"must be numbers, not {amplitude.dtype}")
+    return np.asarray(np.abs(amplitude), dtype=np.float64)

@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from pacinian.cli.running import drawable
+
 
 @click.command()
 @click.option(
@@ -26,7 +28,13 @@ import click
     help="Ticks per second.",
 )
 @click.option("--solver", default="auto", show_default=True, help="See `pacinian plugins`.")
-@click.option("--out", default="demo.png", show_default=True, help="The picture; empty for none.")
+@click.option(
+    "--out",
+    default="demo.png",
+    callback=drawable,
+    show_default=True,
+    help="The picture; empty for none.",
+)
 @click.option(
     "--dummy", is_flag=True, help="Also run a loop that only burns as much time, for comparison."
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import sys
 from typing import TYPE_CHECKING, NoReturn
@@ -39,6 +40,8 @@ for command in (demo, render, replay, plugins, paper, schema):
 def main() -> NoReturn:
     """Run the command; the entry point."""
     signal.signal(signal.SIGTERM, _interrupt)
+    if sys.platform == "win32":  # the console is closed
+        signal.signal(signal.SIGBREAK, _interrupt)
     try:
         cli(standalone_mode=False)
     except click.ClickException as error:
@@ -50,7 +53,16 @@ def main() -> NoReturn:
     except PacinianError as error:
         click.echo(f"error: {error}", err=True)
         sys.exit(2)
+    except OSError as error:  # a full disk, a closed pipe
+        _quietly(f"error: {error}")
+        sys.exit(1)
     sys.exit(0)
+
+
+def _quietly(message: str) -> None:
+    with contextlib.suppress(OSError):
+        click.echo(message, err=True)
+    sys.stdout = None  # the interpreter would try to flush it again
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from pacinian.cli.running import drawable
+
 
 @click.command()
 @click.argument("scene", type=click.Path(path_type=Path))
@@ -20,7 +22,9 @@ import click
 @click.option("--solver", default=None, help="Instead of the file's.")
 @click.option("--backend", default=None, help="Instead of the file's.")
 @click.option("--record", default="", help="Record the frames to this file (simulated backend).")
-@click.option("--out", default="", help="Draw the field of the last tick to this PNG.")
+@click.option(
+    "--out", default="", callback=drawable, help="Draw the field of the last tick to this PNG."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def render(
     scene: Path,

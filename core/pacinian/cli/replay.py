@@ -20,7 +20,8 @@ def replay(recording: str, backend: str, as_json: bool) -> None:
 
     opened = Recording(recording)
     can = opened.capability
-    options = {"phases": can.phases, "amplitudes": can.amplitudes} if backend == "simulated" else {}
+    fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
+    options = fits if backend == "simulated" else {}
     count = play(opened, make(backend, **options), Array(opened.positions, opened.normals))
     if as_json:
         click.echo(json.dumps({"recording": recording, "backend": backend, "frames": count}))

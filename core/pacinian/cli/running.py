@@ -71,11 +71,22 @@ def picture(renderer: Renderer, path: str, title: str) -> str:
     points = np.array(session.propagator.points)
     try:
         page = plot.slices(session.array, renderer.emitted, points, session.medium, title)
-    except MissingExtra as error:
+        plot.save(page, path)
+    except (MissingExtra, OSError) as error:
         click.echo(f"no picture: {error}", err=True)
         return ""
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    plot.save(page, path)
+    return path
+
+
+def drawable(context: click.Context, parameter: click.Parameter, path: str) -> str:
+    """Check, before anything runs, that a picture can be written to `path`."""
+    if path and Path(path).suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise click.BadParameter(f"{path!r} must end in .png, .pdf or .svg")
+    try:
+        if path:
+            Path(path).parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise click.BadParameter(f"{path!r} cannot be written: {error}") from error
     return path
 
 

@@ -8,9 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from pacinian.checks import integer, number
+from pacinian.errors import ArgumentError
+
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Gains, Levels
+
+
+FASTEST = 1e6  # [Hz] frames
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,13 @@ class Capability:
     amplitudes: int = 256
     rate: float = 1000.0
     watchdog: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("phases", "amplitudes"):
+            levels = integer(name, getattr(self, name), low=2)
+            if levels > 1 << 16:
+                raise ArgumentError(name, f"must be at most 65536, not {levels}")
+        number("rate", self.rate, low=1.0, high=FASTEST)
 
 
 @dataclass(frozen=True, eq=False)

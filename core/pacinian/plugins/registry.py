@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import pluggy
 
-from pacinian.errors import ArgumentError, PluginError, UnknownPlugin
+from pacinian.errors import ArgumentError, PacinianError, PluginError, UnknownPlugin
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
 from pacinian.plugins.solver import Solver
@@ -61,21 +61,24 @@ class Plugins:
             entry_points = importlib.metadata.entry_points(group=GROUP)
         self.offers: dict[tuple[Kind, str], Offer] = {}
         self.failed: dict[str, PluginError] = {}
+        self.clashes: dict[str, PluginError] = {}
         self._waiting: dict[str, EntryPoint] = {}
         for point in entry_points:
             known = self._waiting.setdefault(point.name, point)
             if known.value != point.value:
-                raise PluginError(
+                self.clashes[point.name] = PluginError(
                     f"two plug-ins are called {point.name!r}: {_origin(known)} and {_origin(point)}; uninstall one"
                 )
+        for name in self.clashes:
+            del self._waiting[name]
 
     def load(self, name: str | None = None) -> None:
-        """Import the plug-in of that name, or all that are not loaded yet. Never raises for a broken one."""
+        """Import the plug-in of that name, or all that are not loaded yet; keep what goes wrong."""
         for point in [p for n, p in self._waiting.items() if name in (None, n)]:
             del self._waiting[point.name]
             try:
                 offers = self._read(point)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self.failed[point.name] = PluginError(
                     f"plug-in {point.name!r} ({_origin(point)}) does not load: {type(error).__name__}: {error}"
                 )
@@ -83,8 +86,8 @@ class Plugins:
                 continue
             for offer in offers:
                 twin = self.offers.setdefault((offer.kind, offer.name), offer)
-                if twin is not offer:
-                    raise PluginError(
+                if twin.cls is not offer.cls:
+                    self.clashes[offer.name] = PluginError(
                         f"two {offer.kind}s are called {offer.name!r}: "
                         f"{twin.cls.__module__} and {offer.cls.__module__}; uninstall one"
                     )
@@ -110,20 +113,24 @@ class Plugins:
         return offers
 
     def list(self) -> list[Offer]:
-        """All offers of all plug-ins, by kind and name."""
+        """All offers of all plug-ins, by kind and name. Raises PluginError where two have one name."""
         self.load()
+        for clash in self.clashes.values():
+            raise clash
         return [self.offers[key] for key in sorted(self.offers)]
 
     def find(self, kind: Kind, name: str) -> Offer:
-        """The offer of that name. Raises UnknownPlugin; PluginError if it is there but broken."""
+        """The offer of that name. Raises UnknownPlugin; PluginError if it is broken or there are two."""
         if (kind, name) not in self.offers:
             self.load(name)
-        if (kind, name) not in self.offers:
+        if (kind, name) not in self.offers and name not in self.clashes:
             self.load()
+        if name in self.clashes:
+            raise self.clashes[name]
         if (kind, name) not in self.offers:
             if name in self.failed:
                 raise self.failed[name]
-            known = [o.name for o in self.list() if o.kind == kind]
+            known = sorted(other for k, other in self.offers if k == kind)
             broken = f" ({', '.join(self.failed)} did not load)" if self.failed else ""
             raise UnknownPlugin(kind, name, known, broken)
         return self.offers[kind, name]
@@ -138,8 +145,12 @@ class Plugins:
             )
         try:
             return offer.cls(**options)
-        except TypeError as error:
-            raise ArgumentError("options", f"of {kind} {name!r} do not fit: {error}") from error
+        except PacinianError:
+            raise
+        except Exception as error:
+            raise PluginError(
+                f"{kind} {name!r} cannot be made: {type(error).__name__}: {error}"
+            ) from error
 
 
 def _origin(point: EntryPoint) -> str:

@@ -42,7 +42,7 @@ class Solver(ABC):
     name: ClassVar[str]
     """What users call it."""
     keeps: ClassVar[frozenset[str]] = frozenset()
-    """Limits beyond `gain` that it keeps: "power", "quiet", "exact"."""
+    """Limits that it keeps by itself: "quiet", "exact". The session keeps `gain` and `power`."""
 
     @abstractmethod
     def solve(
@@ -56,7 +56,7 @@ class Solver(ABC):
     ) -> Result:
         """Write gains, shape (N,), to `out`; `out` holds zeros before.
 
-        propagator: B, its Gram matrix, its factors; cached, shared, not to be changed.
+        propagator: B, its Gram matrix, its factors; cached, shared, read-only.
         targets: at least one, at least one of them not 0. warm: the last solution, for as many points.
         Gains over the limit are scaled down as a whole by the session; gains that are not finite, and
         exceptions, end in silence. `budget.spent` is to be asked between iterations.

@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.plugins.backend import Capability, Frame
 
 if TYPE_CHECKING:
-    from pacinian.types import Floats, Gains
+    from pacinian.types import Floats, Gains, Levels
 
 
 def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
@@ -28,36 +28,41 @@ class Quantiser:
 
     def __init__(self, capability: Capability, rows: int, columns: int) -> None:
         self.capability = capability
-        self._made = np.zeros(columns, dtype=np.complex64)
         self._phase = np.zeros((rows, columns), dtype=np.uint16)
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
+        # apart, so that a look at what is emitted leaves the frame alone
+        self._look = np.zeros((2, columns), dtype=np.uint16)
+        self._made = np.zeros(columns, dtype=np.complex64)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         levels = np.arange(capability.amplitudes) / (capability.amplitudes - 1)
         self._size = levels.astype(np.float32)
 
-    def frame(self, gains: Gains, ceiling: float, sequence: int, time: float) -> Frame:
-        """The frame for gains (K, N), no amplitude above `ceiling`, the gain limit; due at `time` [s]."""
-        self._round(gains, ceiling)
+    def frame(
+        self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
+    ) -> Frame:
+        """The frame for gains (K, N), no amplitude above `ceiling`, the gain limit; due at `time` [s].
+
+        down: round amplitudes down, so that a limit on power holds too.
+        """
+        self._round(
+            gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
+        )
         return Frame(sequence, time, self._phase, self._amplitude)
 
-    def emitted(self, gains: Gains, ceiling: float) -> Gains:
+    def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
         """What the device makes of gains (N,); the array is reused."""
         from pacinian.acoustics import kernels
 
-        self._round(gains[None], ceiling)
-        kernels.dequantise(self._phase[0], self._amplitude[0], self._unit, self._size, self._made)
+        phase, amplitude = self._look
+        self._round(gains, ceiling, down, phase, amplitude)
+        kernels.dequantise(phase, amplitude, self._unit, self._size, self._made)
         return self._made
 
-    def _round(self, gains: Gains, ceiling: float) -> None:
+    def _round(
+        self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels
+    ) -> None:
         from pacinian.acoustics import kernels
 
-        rows = len(gains)
-        kernels.quantise(
-            gains.reshape(-1),
-            self.capability.phases,
-            self.capability.amplitudes,
-            np.float32(ceiling),
-            self._phase[:rows].reshape(-1),
-            self._amplitude[:rows].reshape(-1),
-        )
+        can, half = self.capability, np.float32(0.0 if down else 0.5)
+        kernels.quantise(g, can.phases, can.amplitudes, np.float32(ceiling), half, phase, amplitude)

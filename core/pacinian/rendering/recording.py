@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 FORMAT = "pacinian recording"
 VERSION = 1
 LARGEST = 1 << 26  # [bytes] one map
+LATEST = 1e9  # [s]
 
 
 class Recorder:
@@ -33,8 +34,8 @@ class Recorder:
         self.path = Path(path)
         try:
             self._file: IO[bytes] = self.path.open("wb")
-        except OSError as error:
-            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
+        except (OSError, ValueError) as error:
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
         self._pack = msgpack.Packer(use_single_float=False).pack
         self._write(
             {
@@ -61,10 +62,16 @@ class Recorder:
 
     def close(self) -> None:
         """End the file; may be called twice."""
-        self._file.close()
+        try:
+            self._file.close()
+        except OSError as error:
+            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
 
     def _write(self, values: dict[str, Any]) -> None:
-        self._file.write(self._pack(values))
+        try:
+            self._file.write(self._pack(values))
+        except OSError as error:
+            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
 
 
 class Recording:
@@ -86,29 +93,46 @@ class Recording:
             self.positions: Floats = np.frombuffer(header["positions"], "<f8").reshape(-1, 3)
             self.normals: Floats = np.frombuffer(header["normals"], "<f8").reshape(-1, 3)
             self.capability = Capability(header["phases"], header["amplitudes"], header["rate"])
+            if len(self.normals) != len(self.positions) or not len(self.positions):
+                raise ValueError("positions and normals do not fit")
         except (KeyError, ValueError, TypeError) as error:
             raise RecordingError(self.path, f"has a damaged header: {error}") from error
 
     def __iter__(self) -> Iterator[Frame]:
         """The frames, one at a time."""
-        N, maps = len(self.positions), self._maps()
+        maps = self._maps()
         next(maps)
         for values in maps:
             try:
-                phase, amplitude = (
-                    np.frombuffer(values[k], "<u2").reshape(-1, N) for k in ("phase", "amplitude")
-                )
-                yield Frame(values["sequence"], values["time"], phase, amplitude)
+                yield self._frame(values)
             except (KeyError, ValueError, TypeError) as error:
                 raise RecordingError(self.path, f"has a damaged frame: {error}") from error
 
+    def _frame(self, values: dict[str, Any]) -> Frame:
+        N, can = len(self.positions), self.capability
+        phase, amplitude = (
+            np.frombuffer(values[k], "<u2").reshape(-1, N) for k in ("phase", "amplitude")
+        )
+        if phase.shape != amplitude.shape or not phase.size:
+            raise ValueError("phases and amplitudes do not fit")
+        if phase.max() >= can.phases or amplitude.max() >= can.amplitudes:
+            raise ValueError("levels beyond the device's")
+        time = float(values["time"])
+        if not abs(time) < LATEST:
+            raise ValueError(f"its time is {time} s")
+        return Frame(int(values["sequence"]), time, phase, amplitude)
+
     def _maps(self) -> Iterator[dict[str, Any]]:
+        if not self.path.is_file():
+            raise RecordingError(self.path, "is not there, or not a file")
         try:
             with self.path.open("rb") as file:
                 for values in msgpack.Unpacker(file, max_buffer_size=LARGEST):
                     if not isinstance(values, dict):
                         raise RecordingError(self.path, "is not a Pacinian recording")
                     yield values
+        except RecordingError:
+            raise
         except OSError as error:
             raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
         except (ValueError, msgpack.UnpackException) as error:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pacinian.errors import RecordingError
@@ -13,6 +15,9 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
 
 
+PAUSE = 3600.0  # [s] between two frames that is no longer believed
+
+
 def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | None = None) -> int:
     """Send the recorded frames at the times they had, then silence; return how many.
 
@@ -20,22 +25,21 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
     """
     clock = clock or SystemClock()
     can, had = backend.capability, recording.capability
-    if (can.phases, can.amplitudes) != (had.phases, had.amplitudes):
-        raise RecordingError(
-            recording.path,
-            f"has {had.phases} phases and {had.amplitudes} amplitudes; "
-            f"{backend.name!r} has {can.phases} and {can.amplitudes}",
-        )
+    if can != replace(had, watchdog=can.watchdog):
+        raise RecordingError(recording.path, f"is for {had}, and {backend.name!r} has {can}")
     if len(array) != len(recording.positions):
         raise RecordingError(
             recording.path, f"is of {len(recording.positions)} transducers, not {len(array)}"
         )
-    count, offset = 0, 0.0
+    count, offset, last = 0, 0.0, math.inf
     backend.open(array)
     try:
         for frame in recording:
             if not count:
                 offset = clock.now() - frame.time
+            if frame.time - last > PAUSE:
+                raise RecordingError(recording.path, f"pauses for {frame.time - last:.0f} s")
+            last = frame.time
             clock.wait_until(frame.time + offset)
             backend.send(frame)
             count += 1

@@ -147,13 +147,19 @@ def _read(path: Path) -> bytes:
     if path.suffix not in (".toml", ".json"):
         raise SceneFileError(path, "", "must end in .toml or .json")
     try:
-        if path.stat().st_size > LARGEST:
-            raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
-        return path.read_bytes().removeprefix(codecs.BOM_UTF8)
+        if not path.is_file():
+            raise SceneFileError(path, "", "cannot be read: it is not there, or not a file")
+        with path.open("rb") as file:
+            text = file.read(LARGEST + 1)
     except OSError as error:
         raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
     except ValueError as error:
+        if isinstance(error, SceneFileError):
+            raise
         raise SceneFileError(path, "", f"cannot be a path: {error}") from error
+    if len(text) > LARGEST:
+        raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
+    return text.removeprefix(codecs.BOM_UTF8)
 
 
 def schema() -> dict[str, Any]:

@@ -14,6 +14,8 @@ from pacinian.scene.shapes import Local
 from pacinian.scene.solids import SDF
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pacinian.scene.objects import Object, Scene, Surface, Workspace
     from pacinian.types import Flags, Floats, Indices
 
@@ -176,6 +178,9 @@ def _box_area(shape: SDF) -> float:
     return 8.0 * (x * y + y * z + z * x)
 
 
-def envelopes(objects: tuple[Object, ...], t: Floats) -> Floats:
-    """Envelope of each object at times t [s], (K,): shape (objects, K), in 0..1."""
-    return np.array([item.envelope.at(t) for item in objects]).reshape(len(objects), len(t))
+def envelopes(objects: Sequence[Object], t: Floats) -> Floats:
+    """Envelope of each object at times t [s], (K,): shape (objects, K); whatever it gives, in 0..1."""
+    factors = np.empty((len(objects), len(t)))
+    for row, item in zip(factors, objects, strict=True):
+        row[:] = item.envelope.at(t)
+    return np.clip(np.nan_to_num(factors, nan=0.0), 0.0, 1.0)

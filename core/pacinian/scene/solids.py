@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -22,10 +21,14 @@ if TYPE_CHECKING:
     from pacinian.types import Indices
 
 
+KEPT = 64  # meshes at hand
 APART = 0.8  # share of the spacing that neighbours keep: then there is one sample per spacing^2
 TRIES = 12  # random candidates for each sample
 FEW, STEPS = 6, 5
 ON = 0.01  # share of the spacing within which a projected point is on the shell
+
+
+_meshes: dict[int, tuple[Mesh, tuple[int, int] | None, Any]] = {}
 
 
 class Solid(Protocol):
@@ -65,7 +68,10 @@ class Mesh(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
                 raise ArgumentError("mesh", "needs either a file or vertices and faces, not both")
             return
         points = numbers("vertices", self.vertices, (None, 3))
-        corners = numbers("faces", self.faces, (None, 3)).astype(np.intp)
+        corners = numbers("faces", self.faces, (None, 3))
+        if (corners % 1.0).any():
+            raise ArgumentError("faces", "must be whole numbers")
+        corners = corners.astype(np.intp)
         if not len(corners):
             raise ArgumentError("mesh", "needs either a file or vertices and faces")
         if corners.min() < 0 or corners.max() >= len(points):
@@ -167,9 +173,29 @@ def interior(solid: Solid, spacing: float) -> Local:
     return Local(points, gradient(solid, points))
 
 
-@functools.lru_cache(maxsize=64)
 def _triangles(mesh: Mesh) -> Any:
-    """The mesh as trimesh has it, in metres."""
+    """The mesh as trimesh has it, in metres; read again when its file has changed."""
+    kept = _meshes.pop(id(mesh), None)
+    if kept is not None and kept[0] is not mesh:
+        kept = None
+    state: tuple[int, int] | None = None
+    if mesh.file:
+        try:
+            stat = Path(mesh.file).stat()
+            state = stat.st_mtime_ns, stat.st_size
+        except (OSError, ValueError) as error:
+            if kept is None:
+                raise ArgumentError("mesh", f"{mesh.file} does not load: {error}") from error
+            state = kept[1]  # it is gone: what was read stays
+    if kept is None or kept[1] != state:
+        while len(_meshes) >= KEPT:
+            del _meshes[next(iter(_meshes))]
+        kept = mesh, state, _read(mesh)  # the mesh too: its id stays taken
+    _meshes[id(mesh)] = kept
+    return kept[2]
+
+
+def _read(mesh: Mesh) -> Any:
     import trimesh
 
     name = mesh.file or "given here"

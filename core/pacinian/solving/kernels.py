@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 from numpy import float32 as f4
 
@@ -62,7 +63,10 @@ def gram(B: Complexes, scratch: Singles, out: Complexes) -> None:
             out[j, i] = np.conj(out[i, j])
 
 
-@compiled("void(c16[:, ::1], b1[::1], i8, c16[::1])")
+SEALED = numba.types.Array(numba.complex128, 2, "C", readonly=True)
+
+
+@compiled(numba.void(SEALED, numba.boolean[::1], numba.int64, numba.complex128[::1]))
 def gerchberg_saxton(G: Complexes, free: Flags, steps: int, p: Complexes) -> None:
     """Repeat p <- |p| exp(j arg(G p)) in place where `free`, (M,); a point that nothing reaches stays."""
     M = len(p)

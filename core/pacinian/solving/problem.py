@@ -20,12 +20,14 @@ if TYPE_CHECKING:
 
 Scale = Literal["exact", "max"]
 
+QUIETEST, LOUDEST = 1e-30, 1e30  # [Pa]: what single precision can work with
+
 
 @dataclass(frozen=True, eq=False)
 class Targets:
     """What is asked at M points.
 
-    amplitudes: peak sound pressure [Pa], shape (M,), not negative.
+    amplitudes: peak sound pressure [Pa], shape (M,), not negative; below 1e-30 Pa counts as 0.
     phases: [rad], shape (M,), NaN where free.
     scale: "exact" (these pressures) or "max" (as strong as the limits allow in these proportions).
     """
@@ -39,25 +41,32 @@ class Targets:
         cls, count: int, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str
     ) -> Targets:
         """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
-        t = numbers("amplitudes", amplitudes, (count,))
+        t = numbers("amplitudes", amplitudes, (count,)).copy()
         if (t < 0.0).any():
+            where = int(np.argmin(t))
             raise ArgumentError(
-                "amplitudes",
-                f"must be 0 or more: [{int(np.argmin(t))}] is {t.min():g}; a sign is a phase",
+                "amplitudes", f"must be 0 or more: [{where}] is {t[where]:g}; a sign is a phase"
             )
-        if scale not in ("exact", "max"):
+        if (t > LOUDEST).any():
+            raise ArgumentError("amplitudes", f"must be at most {LOUDEST:g} Pa")
+        t[t < QUIETEST] = 0.0
+        if str(scale) not in ("exact", "max"):
             raise ArgumentError("scale", f'must be "exact" or "max", not {scale!r}')
         phi = np.full(count, np.nan)
         if phases is not None:
             try:
-                phi[:] = np.asarray(phases, dtype=np.float64)
+                given = np.asarray(phases)
+                if given.dtype.kind == "c":
+                    raise TypeError("complex")
+                phi[:] = given.astype(np.float64)
             except (TypeError, ValueError):
                 raise ArgumentError(
                     "phases", f"must be None or radians that broadcast to ({count},)"
                 ) from None
             if np.isinf(phi).any():
                 raise ArgumentError("phases", "must be finite, or NaN where free")
-        return cls(t, phi, "exact" if scale == "exact" else "max")
+        t.flags.writeable = phi.flags.writeable = False
+        return cls(t, phi, "exact" if str(scale) == "exact" else "max")
 
     @functools.cached_property
     def free(self) -> Flags:
@@ -88,8 +97,8 @@ class Targets:
 class Limits:
     """What a solution must keep.
 
-    gain: |g_n| <= gain for every transducer; 1 is full drive; None lifts the limit.
-    power: sum |g_n|^2 <= power; None for no limit.
+    gain: |g_n| <= gain for every transducer, 1e-6..1e6; 1 is full drive; None lifts the limit.
+    power: sum |g_n|^2 <= power, kept by scaling down as a whole; None for no limit.
     quiet: ((K, 3) points [m], limit [Pa]): |p| <= limit there. exact: indices of the samples to meet exactly.
     A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it.
     """
@@ -100,15 +109,14 @@ class Limits:
     exact: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        if self.gain is not None:
-            number("limits.gain", self.gain, low=0.0, above=True)
-        if self.power is not None:
-            number("limits.power", self.power, low=0.0, above=True)
+        for name, low, high in (("gain", 1e-6, 1e6), ("power", 1e-12, 1e12)):
+            if (value := getattr(self, name)) is not None:
+                object.__setattr__(self, name, number(f"limits.{name}", value, low=low, high=high))
 
     @property
     def asked(self) -> set[str]:
-        """Names of the limits beyond `gain` that are asked."""
-        return {name for name in ("power", "quiet", "exact") if getattr(self, name) is not None}
+        """Names of the limits that a solver must keep by itself: the session keeps the others."""
+        return {name for name in ("quiet", "exact") if getattr(self, name) is not None}
 
 
 @dataclass(frozen=True)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 from scipy.linalg import blas, lapack
 
 from pacinian.acoustics.propagation import Precision, Wave
+from pacinian.types import Complexes, Floats
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.types import Complexes, Floats
 
 
 @dataclass
@@ -110,36 +110,39 @@ class Propagator:
 
     @property
     def points(self) -> Floats:
-        """Where the points are [m], shape (M, 3)."""
-        return self._points
+        """Where the points are [m], shape (M, 3); not to be written to."""
+        return _sealed(self._points)
 
     @property
     def B(self) -> Complexes:
-        """Sound pressure at each point per unit gain [Pa], shape (M, N)."""
-        return self._B
+        """Sound pressure at each point per unit gain [Pa], shape (M, N); not to be written to."""
+        return _sealed(self._B)
 
     @property
     def gram(self) -> Complexes:
-        """B B^H [Pa^2], shape (M, M), complex128."""
+        """B B^H [Pa^2], shape (M, M), complex128; not to be written to."""
         if self._gram is not None and not self._stale.any():
             self.work.grams_kept += 1
-            return self._gram
+            return _sealed(self._gram)
         self.work.grams_built += 1
         if self._gram is None or self._stale.sum() > len(self._stale) / 4:
             self._gram = gram(self._B)
         else:
             rows = self._stale
-            fresh = self._B[rows] @ self._B.conj().T
+            fresh = (self._B @ self._B[rows].conj().T).conj().T
             self._gram[rows] = fresh
             self._gram[:, rows] = fresh.conj().T
             self._gram[rows, rows] = self._gram[rows, rows].real
         self._stale[:] = False
-        return self._gram
+        return _sealed(self._gram)
 
     @property
     def power(self) -> float:
         """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
-        return float(np.trace(self.gram).real) / max(1, len(self._points))
+        M, N = self._B.shape
+        if M <= N:
+            return float(np.trace(self.gram).real) / max(1, M)
+        return float(np.vdot(self._B, self._B).real) / M
 
     def factor(self, mu: float) -> Factor:
         """A Cholesky factor of B B^H + mu I; mu: [Pa^2]."""
@@ -158,6 +161,16 @@ class Propagator:
     def adjoint(self, y: Complexes) -> Complexes:
         """B^H y, shape (N,), for y of shape (M,)."""
         return (y.conj().astype(self.dtype, copy=False) @ self._B).conj()
+
+
+A = TypeVar("A", Floats, Complexes)
+
+
+def _sealed(array: A) -> A:
+    """A view that cannot be written to: solvers are given the caches themselves."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def gram(B: Complexes) -> Complexes:

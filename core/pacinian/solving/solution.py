@@ -66,14 +66,14 @@ class Solution:
     note: str = ""
 
     @property
-    def pressures(self) -> Complexes:
+    def asked(self) -> Complexes:
         """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
         return self.targets.complex(np.angle(self.sound_pressure))
 
     @property
     def residual(self) -> Complexes:
         """Asked less achieved [Pa], complex, (M,); where the phase was free, with the achieved phase."""
-        return self.pressures - self.sound_pressure
+        return self.asked - self.sound_pressure
 
     @property
     def error(self) -> float:
@@ -83,7 +83,7 @@ class Solution:
     @property
     def shape_error(self) -> float:
         """As `error`, against the best multiple of the targets: whether the proportions are right."""
-        p, t = self.sound_pressure, self.pressures
+        p, t = self.sound_pressure, self.asked
         if not p.any() or not t.any():
             return self.error
         scale = (t.conj() @ p).real / (t.conj() @ t).real
@@ -93,12 +93,6 @@ class Solution:
     def gap(self) -> float:
         """Objective - bound [Pa^2]: at most this far from the optimum; NaN where nothing is proven."""
         return self.objective - self.bound
-
-    @property
-    def saturated(self) -> float:
-        """Share of transducers within 0.01 % of the strongest."""
-        size = np.abs(self.gains)
-        return float((size >= 0.9999 * size.max()).mean()) if size.any() else 0.0
 
     def __repr__(self) -> str:
         return (

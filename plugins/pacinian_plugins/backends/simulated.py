@@ -27,7 +27,7 @@ class Simulated(pc.Backend):
     rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. record: a file to
     write every frame to. wait: what a delayed or stalled frame calls with its seconds.
 
-    To test what is built on it: `drop`, `delay`, `stall` and `disconnect`.
+    To test what is built on it: `drop`, `delay`, `stall`, `refuse_silence` and `disconnect`.
     """
 
     name: ClassVar[str] = "simulated"
@@ -40,35 +40,36 @@ class Simulated(pc.Backend):
     wait: Callable[[float], None] = field(default=time.sleep, repr=False)
 
     def __post_init__(self) -> None:
-        integer("phases", self.phases, low=2)
-        integer("amplitudes", self.amplitudes, low=2)
-        integer("keep", self.keep, low=1)
-        number("rate", self.rate, low=1.0)
-        if max(self.phases, self.amplitudes) > 65536:
-            raise pc.ArgumentError("phases", "and `amplitudes` are at most 65536")
+        self.keep = integer("keep", self.keep, low=1)
+        self._capability = pc.Capability(
+            self.phases, self.amplitudes, self.rate
+        )  # which checks them
         self.frames: deque[pc.Frame] = deque(maxlen=self.keep)
         """The last frames emitted."""
         self.array: pc.Array | None = None
         self.received = self.dropped = 0
         self.silent = True
         self._recorder: pc.Recorder | None = None
-        self._drops, self._delays, self._stalled, self._gone = 0, deque[float](), False, False
+        self._drops, self._delays, self._refusals = 0, deque[float](), 0
+        self._open, self._stalled, self._gone = False, False, False
 
     @property
     def capability(self) -> pc.Capability:
         """As set; it has no watchdog."""
-        return pc.Capability(self.phases, self.amplitudes, self.rate)
+        return self._capability
 
     def open(self, array: pc.Array) -> None:
         """Stand for `array`. Raises BackendError if disconnected; RecordingError for the record's file."""
         self._require()
-        self.array = array
+        self.array, self._open, self.silent = array, True, True
         if self.record:
-            self._recorder = pc.Recorder(Path(self.record), array, self.capability)
+            self._recorder = pc.Recorder(Path(str(self.record)), array, self.capability)
 
     def send(self, frame: pc.Frame) -> None:
-        """Emit a frame. Raises BackendError if disconnected or stalled."""
+        """Emit a frame. Raises BackendError if not open, disconnected or stalled."""
         self._require()
+        if not self._open:
+            raise pc.BackendError("the simulated array is not open")
         if self._stalled:
             raise pc.BackendError("the simulated array has stalled: call `resume`")
         if self._delays:
@@ -85,13 +86,17 @@ class Simulated(pc.Backend):
             self._recorder.write(kept)
 
     def silence(self) -> None:
-        """Stop all sound. A disconnected array is silent: it has no drive."""
-        if self.array is None or self.silent:
+        """Stop all sound. A disconnected array is silent: it has no drive. Raises BackendError as told."""
+        if self._refusals:
+            self._refusals -= 1
+            raise pc.BackendError("the simulated array refuses to be silent, as it was told")
+        if self.silent:
             return
         self.silent = True
         last = self.frames[-1]
+        after = last.time + len(last.phase) / self.rate
         quiet = pc.Frame(
-            last.sequence + 1, last.time, np.zeros_like(last.phase), np.zeros_like(last.amplitude)
+            last.sequence, after, np.zeros_like(last.phase), np.zeros_like(last.amplitude)
         )
         self.frames.append(quiet)
         if self._recorder is not None:
@@ -99,6 +104,7 @@ class Simulated(pc.Backend):
 
     def close(self) -> None:
         """Silence and end the record."""
+        self._open = False
         self.silence()
         if self._recorder is not None:
             self._recorder.close()
@@ -134,6 +140,10 @@ class Simulated(pc.Backend):
     def resume(self) -> None:
         """Take frames again."""
         self._stalled = False
+
+    def refuse_silence(self, count: int = 1) -> None:
+        """Fail the next `count` calls of `silence`, and go on sounding."""
+        self._refusals = integer("count", count, low=0)
 
     def disconnect(self) -> None:
         """Be gone, as if unplugged, until `reconnect`."""

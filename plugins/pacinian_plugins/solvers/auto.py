@@ -20,7 +20,6 @@ class Auto(pc.Solver):
     """
 
     name: ClassVar[str] = "auto"
-    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     focus: str = "single-focus"
     several: str = "lagrange"

@@ -27,12 +27,11 @@ class GsPat(pc.Solver):
     """
 
     name: ClassVar[str] = "gs-pat"
-    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     steps: int = 50
 
     def __post_init__(self) -> None:
-        integer("steps", self.steps, low=1)
+        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
 
     def solve(
         self,

@@ -36,13 +36,12 @@ class PseudoInverse(pc.Solver):
     """
 
     name: ClassVar[str] = "pseudo-inverse"
-    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     rcond: float | None = None
 
     def __post_init__(self) -> None:
         if self.rcond is not None:
-            number("rcond", self.rcond, low=0.0, high=1.0)
+            object.__setattr__(self, "rcond", number("rcond", self.rcond, low=0.0, high=1.0))
 
     def solve(
         self,

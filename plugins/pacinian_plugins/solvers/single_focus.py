@@ -22,7 +22,6 @@ class SingleFocus(pc.Solver):
     """
 
     name: ClassVar[str] = "single-focus"
-    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     def solve(
         self,

@@ -179,3 +179,20 @@ def test_it_works_without_display_home_or_matplotlib(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["picture"] == ""
     assert "pacinian[plot]" in done.stderr
+
+
+@pytest.mark.parametrize("out", ["picture", "picture.xyz", "/proc/nowhere/picture.png"])
+def test_a_picture_that_cannot_be_written_is_told_before_the_run(out: str) -> None:
+    begin = time.monotonic()
+    result = run("demo", "--seconds", "100", "--out", out)
+    assert result.exit_code == 2
+    assert "picture" in result.output
+    assert time.monotonic() - begin < 50  # it did not run
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_told_and_not_a_crash() -> None:
+    done = process("render", str(EXAMPLE), "--seconds", "0.2", "--record", "/dev/full", "--json")
+    assert "Traceback" not in done.stderr
+    assert done.returncode == 2
+    assert "No space" in done.stdout + done.stderr

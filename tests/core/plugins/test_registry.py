@@ -77,6 +77,7 @@ def test_an_offer_named_unlike_its_entry_point_is_found_too(write: Any) -> None:
     [
         ("import not_there", "not_there"),
         ("raise RuntimeError('boom')", "boom"),
+        ("import sys; sys.exit(7)", "SystemExit"),
         ("def (", "SyntaxError"),
         ("", "offers nothing"),
         (GOOD.format(name="plane").replace("register_solvers", "register_solver"), "unknown hook"),
@@ -105,12 +106,20 @@ def test_two_offers_of_one_name_are_an_error(write: Any) -> None:
         pc.PluginError, match=r"two solvers are called 'plane'.*plugin_one.*plugin_two"
     ):
         plugins.list()
+    for _ in range(2):  # the answer does not depend on what was asked before
+        with pytest.raises(pc.PluginError, match="two solvers are called 'plane'"):
+            plugins.find("solver", "plane")
+        with pytest.raises(pc.UnknownPlugin):
+            plugins.find("solver", "other")
 
 
 def test_two_plugins_of_one_name_are_an_error(write: Any) -> None:
     points = [write("one", ""), write("one", "", module="elsewhere")]
-    with pytest.raises(pc.PluginError, match="two plug-ins are called 'one'"):
-        pc.Plugins(points)
+    plugins = pc.Plugins([*points, write("plane", GOOD.format(name="plane"))])
+    for ask in (plugins.list, lambda: plugins.find("solver", "one")):
+        with pytest.raises(pc.PluginError, match="two plug-ins are called 'one'"):
+            ask()
+    assert plugins.find("solver", "plane")  # the others are usable
 
 
 def test_an_option_that_does_not_exist_is_refused_with_those_that_do() -> None:

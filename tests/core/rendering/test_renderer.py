@@ -290,3 +290,161 @@ def test_the_same_scene_gives_the_same_frames() -> None:
         renderer.run(0.02)
         frames.append([(f.phase.tobytes(), f.amplitude.tobytes()) for f in device.frames])
     assert frames[0] == frames[1]
+
+
+def test_a_device_that_refuses_to_be_silent_is_asked_again() -> None:
+    renderer, device, _ = make(lambda t: moving(t) if renderer.report.ticks < 2 else 1 / 0)
+    with renderer:
+        renderer.tick()
+        renderer.tick()
+        device.refuse_silence(3)
+        renderer.tick()
+        assert renderer.halted is not None
+        assert not device.silent
+        for _ in range(3):
+            renderer.tick()
+        assert device.silent
+        assert renderer.report.fault_count == 1
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, GeneratorExit])
+def test_whatever_interrupts_the_silence_the_device_is_closed(error: type[BaseException]) -> None:
+    class Interrupted(Simulated):
+        calls: ClassVar[list[str]] = []
+        times = 1
+
+        def silence(self) -> None:
+            self.calls.append("silence")
+            if self.times:
+                self.times -= 1
+                raise error
+            super().silence()
+
+        def close(self) -> None:
+            self.calls.append("close")
+            super().close()
+
+    Interrupted.calls = []
+    renderer, device, _ = make(moving, backend=Interrupted())
+    if error is KeyboardInterrupt:
+        assert renderer.run(0.01).interrupted
+    else:
+        with pytest.raises(error):
+            renderer.run(0.01)
+    assert device.silent
+    assert "close" in Interrupted.calls
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit])
+def test_an_interruption_while_opening_gives_the_device_back(error: type[BaseException]) -> None:
+    class Stops(pc.Solver):
+        name = "stops"
+
+        def solve(self, *arguments: Any) -> pc.Result:
+            raise error
+
+    renderer, device, _ = make(solver=Stops())
+    with pytest.raises(error):
+        renderer.open()
+    assert device.silent
+    with pytest.raises(pc.BackendError, match="not open"):
+        device.send(pc.Frame(0, 0.0, np.zeros((1, 249), np.uint16), np.ones((1, 249), np.uint16)))
+
+
+def test_a_renderer_that_is_not_open_does_not_tick() -> None:
+    renderer, device, _ = make()
+    for _ in range(2):
+        with pytest.raises(pc.BackendError, match="not open"):
+            renderer.tick()
+        assert device.silent
+        renderer.open()
+        renderer.close()
+
+
+def test_a_look_at_what_is_emitted_leaves_the_frame_alone() -> None:
+    faint = pc.Point(position=(0, 0, 0.15), radiation_pressure=50.0, envelope=pc.Constant(0.01))
+    renderer, device, _ = make(pc.Scene((faint,)))
+    with renderer:
+        renderer.tick()
+        sent = renderer._frame.amplitude.copy()
+        assert np.abs(renderer.emitted).max() > 5 * np.abs(device.gains).max()
+        np.testing.assert_array_equal(renderer._frame.amplitude, sent)
+
+
+def test_a_power_limit_holds_after_rounding_to_levels() -> None:
+    loud = pc.Point(position=(0, 0, 0.15), radiation_pressure=1e4)
+    for power in (1e-3, 0.1, 3.0):
+        renderer, device, _ = make(pc.Scene((loud,)), limits=pc.Limits(power=power))
+        with renderer:
+            renderer.tick()
+            assert np.vdot(device.gains, device.gains).real <= power
+
+
+def test_an_object_that_is_off_changes_nothing() -> None:
+    off = pc.Point(position=POINT.position, radiation_pressure=3.0, envelope=pc.Constant(0.0))
+    alone, with_off = (make(pc.Scene(objects)) for objects in ((POINT,), (POINT, off)))
+    gains = []
+    for renderer, device, _ in (alone, with_off):
+        with renderer:
+            renderer.tick()
+            gains.append(device.gains)
+    np.testing.assert_array_equal(*gains)
+
+
+def test_a_change_of_limits_or_solver_is_followed_though_nothing_moved() -> None:
+    renderer, device, _ = make()
+    with renderer:
+        renderer.tick()
+        renderer.limits = pc.Limits(power=0.01)
+        renderer.tick()
+        assert np.vdot(device.gains, device.gains).real <= 0.01
+        renderer.session.solver = "gs-pat"  # type: ignore[assignment]
+        renderer.tick()
+        assert renderer.solution is not None
+        assert renderer.solution.solver == "gs-pat"
+
+
+def test_what_is_remembered_of_the_last_solution_is_intact() -> None:
+    seen: list[float] = []
+
+    class Looks(pc.Solver):
+        name = "looks"
+
+        def solve(
+            self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+        ) -> pc.Result:
+            if warm is not None:
+                seen.append(float(np.abs(warm.gains).max()))
+            out[:] = 0.25
+            return pc.Result()
+
+    renderer, _, _ = make(moving, solver=Looks())
+    with renderer:
+        for _ in range(3):
+            renderer.tick()
+    assert seen == pytest.approx([0.25, 0.25])
+
+
+@pytest.mark.parametrize("value", [1e9, math.inf, math.nan, -5.0])
+def test_an_envelope_of_any_kind_is_kept_within_0_to_1(value: float) -> None:
+    class Foreign:
+        def at(self, t: Any) -> Any:
+            return np.full(len(t), value)
+
+    item = pc.Point(position=(0, 0, 0.15), radiation_pressure=5.0, envelope=Foreign())  # type: ignore[arg-type]
+    renderer, device, _ = make(pc.Scene((item,)))
+    reference, plain, _ = make()
+    with renderer, reference:
+        renderer.tick()
+        reference.tick()
+        assert not renderer.report.faults
+        assert np.abs(device.gains).max() <= np.abs(plain.gains).max() + 1e-6
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"scene": None}, {"scene": [POINT]}, {"limits": 5}, {"sampler": 3}, {"solver": None}],
+)
+def test_what_is_no_part_of_a_renderer_is_refused(options: dict[str, Any]) -> None:
+    with pytest.raises(pc.ArgumentError, match=next(iter(options))):
+        make(**options)

@@ -570,7 +570,7 @@ def test_a_file_of_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(pc.SceneFileError, match=r"no such\.toml: cannot be read: No such file"):
+    with pytest.raises(pc.SceneFileError, match=r"no such\.toml: cannot be read: it is not there"):
         pc.load(tmp_path / "no such.toml")
 
 

@@ -640,7 +640,17 @@ def test_huge_vertices_are_refused_without_a_warning() -> None:
 def test_a_mesh_file_is_read_once(tmp_path: Path) -> None:
     path = tmp_path / "box.stl"
     trimesh.creation.box((0.06, 0.04, 0.02)).export(path)
-    area = pc.Mesh(file=str(path)).area
+    mesh = pc.Mesh(file=str(path))
+    area = mesh.area
     path.unlink()
-    assert pc.Mesh(file=str(path)).area == area
-    assert len(pc.Mesh(file=str(path)).cover(0.01).points) > 0
+    assert mesh.area == area
+    assert len(mesh.cover(0.01).points) > 0
+
+
+def test_a_mesh_file_that_changed_is_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "box.stl"
+    trimesh.creation.box((0.02, 0.02, 0.02)).export(path)
+    mesh = pc.Mesh(file=str(path))
+    assert mesh.area == pytest.approx(6 * 0.02**2)
+    trimesh.creation.icosphere(radius=0.04).export(path)
+    assert mesh.area > 0.018

@@ -39,16 +39,15 @@ class Lagrange(pc.Solver):
     """
 
     name: ClassVar[str] = "lagrange"
-    keeps: ClassVar[frozenset[str]] = frozenset({"power"})
 
     mu: float = 1e-5
     steps: int = 10
     rounds: int = 20
 
     def __post_init__(self) -> None:
-        number("mu", self.mu, low=0.0, high=1.0, above=True)
-        integer("steps", self.steps, low=1)
-        integer("rounds", self.rounds, low=1)
+        object.__setattr__(self, "mu", number("mu", self.mu, low=0.0, high=1.0, above=True))
+        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
+        object.__setattr__(self, "rounds", integer("rounds", self.rounds, low=1))
 
     def solve(
         self,
@@ -100,7 +99,8 @@ class Problem:
         Q, R = cast(
             "tuple[Complexes, Complexes]", linalg.qr(B.astype(np.complex128), mode="economic")
         )
-        return cls(B, Q, Dual(R, gram(R), cholesky(gram(R), mu), mu))
+        G = gram(R)
+        return cls(B, Q, Dual(R, G, cholesky(G, mu), mu))
 
     def down(self, p: Complexes) -> Complexes:
         """Targets (M,) in the dual's equations."""

@@ -171,7 +171,7 @@ class Dual:
                 t = 1.0
             following = (1.0 + math.sqrt(1.0 + 4.0 * t * t)) / 2.0
             ahead, h, t = new + (t - 1.0) / following * (new - h), new, following
-            if step % LOOK == 0:
+            if step % LOOK == 0 or budget.spent:
                 made = (self.B @ h).astype(np.complex128)
                 point = self.at(p - made, p)._replace(h=h, made=made)
                 best = self.primal(point, p)
