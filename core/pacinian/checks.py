@@ -21,9 +21,9 @@ def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Float
     """Return `value` as float64 of the given shape, None being any length; all finite."""
     try:
         array = np.asarray(value)
-        if array.dtype.kind not in "biufO" and array.size:
+        if array.dtype != np.float64 and array.dtype.kind not in "biufO" and array.size:
             raise ArgumentError(name, f"must be real numbers, not {array.dtype}")
-        array = array.astype(np.float64)
+        array = array.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, ArgumentError):
             raise

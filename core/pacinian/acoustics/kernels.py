@@ -22,7 +22,7 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Gains, Levels, Numbers, Singles
+    from pacinian.types import Gains, Indices, Levels, Numbers, Singles
 
 TILE = 256
 NEAREST = f4(1e-30)  # [m^2]; keeps 1 / r finite on a transducer
@@ -104,11 +104,17 @@ def wave(
     return touching
 
 
-@compiled("void(f4[:, ::1], f4[:, ::1], f4[:, ::1], f4[::1], f4[::1], c8[:, ::1], f4[::1])")
+@compiled(
+    "void(f4[:, ::1], f4[:, ::1], f4[:, ::1], f4[::1], f4[::1], i8[::1], c8[:, ::1], f4[::1])"
+)
 def matrix(
-    q: Singles, r: Singles, n: Singles, law: Singles, table: Singles, out: Gains, touches: Singles
-) -> None:
-    """Write B, shape (M, N) [Pa], for points q [m], shape (M, 3); touches: transducers at each."""
+    q: Singles, r: Singles, n: Singles, law: Singles, table: Singles,
+    rows: Indices, out: Gains, touches: Singles,
+) -> None:  # fmt: skip
+    """Write rows of B [Pa], (N,) each, for points q [m], (K, 3), to the rows of `out`, (M, N).
+
+    touches: how many transducers each point lies on, (K,).
+    """
     N = r.shape[1]
     tile = np.empty((3, TILE), np.float32)
     place = np.empty(TILE, np.int32)
@@ -117,7 +123,7 @@ def matrix(
         for first in range(0, N, TILE):
             count = min(TILE, N - first)
             touching += wave(q[m, 0], q[m, 1], q[m, 2], r, n, first, count, law, table, tile, place)
-            row = out[m, first : first + count]
+            row = out[rows[m], first : first + count]
             for i in range(count):
                 row[i] = complex(tile[0, i], tile[1, i])
         touches[m] = touching

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,10 +17,17 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def vector(name: str, value: ArrayLike) -> Vector:
     """Return `value` as three finite floats."""
+    if (
+        type(value) is tuple
+        and len(value) == 3
+        and all(type(v) is float and isfinite(v) for v in value)
+    ):
+        return value
     x, y, z = numbers(name, value, (3,)).tolist()
     return x, y, z
 
@@ -32,10 +40,12 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     position: Vector = (0.0, 0.0, 0.0)
-    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    rotation: Quaternion = UPRIGHT
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
+        if self.rotation is UPRIGHT or (type(self.rotation) is tuple and self.rotation == UPRIGHT):
+            return
         q = numbers("rotation", self.rotation, (4,))
         size = float(np.sqrt(q @ q))
         if abs(size - 1.0) > 0.01:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
-    from pacinian.types import ArrayLike, Complexes, Floats, Gains, Singles
+    from pacinian.types import ArrayLike, Complexes, Floats, Gains, Indices, Singles
 
 Precision = Literal["single", "double"]
 
@@ -69,21 +69,22 @@ class Wave:
             _table(kind.directivity),
         )
 
-    def matrix(self, points: Floats, out: Complexes) -> None:
-        """Write B, shape (M, N), for `points` [m], shape (M, 3).
+    def matrix(self, points: Floats, out: Complexes, rows: Indices | None = None) -> None:
+        """Write B, shape (M, N), for `points` [m], shape (M, 3); or only those of its rows.
 
         Single precision where `out` is complex64, else the reference in double precision.
-        Raises PointOnTransducer where the attenuation is singular.
+        points: (K, 3) for `rows`, (K,). Raises PointOnTransducer where the attenuation is singular.
         """
+        rows = np.arange(len(points)) if rows is None else rows
         if out.dtype == np.complex64:
             from pacinian.acoustics import kernels
 
             touches = np.empty(len(points), dtype=np.float32)
             q = np.ascontiguousarray(points - self.origin, dtype=np.float32)
-            kernels.matrix(q, self.r, self.n, self.law, self.table, out, touches)
+            kernels.matrix(q, self.r, self.n, self.law, self.table, rows, out, touches)
             self.refuse(touches)
         else:
-            out[:] = matrix(self.array, points, self.medium)
+            out[rows] = matrix(self.array, points, self.medium)
 
     def refuse(self, touches: Singles) -> None:
         """Raise PointOnTransducer for points that touch one, (M,), where that is singular."""

@@ -99,7 +99,8 @@ class Renderer:
         self._modulated = np.zeros((rows, len(array)), dtype=np.complex64)
         self._gains = np.zeros(len(array), dtype=np.complex64)
         self._spare = np.zeros(len(array), dtype=np.complex64)
-        self._box = array.positions.min(axis=0) - TOUCHING, array.positions.max(axis=0) + TOUCHING
+        away = np.abs(array.positions - self.session.propagator.origin)
+        self._extent = away.max(axis=0) + TOUCHING  # [m]
         self._solved: tuple[object, ...] | None = None
         self._start = 0.0  # [s]
         self._stage: Stage = "open"
@@ -259,12 +260,15 @@ class Renderer:
     def _find(self, samples: Samples, strength: Floats) -> None:
         """Gains for `samples`, each object's radiation pressure times its strength, (objects,)."""
         pressure = samples.radiation_pressure * strength[samples.objects]
-        kept = (pressure > 0.0) & self._reachable(samples.positions)
+        q = samples.positions
+        kept = (pressure > 0.0) & self._reachable(q)
+        if not kept.all():
+            q, pressure = q[kept], pressure[kept]
         self.report.skipped["samples out of the workspace"] += samples.culled
         self.report.skipped["samples over budget"] += samples.dropped
         solution = self.session.solve(
-            samples.positions[kept],
-            sound_pressure(pressure[kept], self.session.medium),
+            q,
+            sound_pressure(pressure, self.session.medium),
             limits=self.limits,
             deadline=SHARE * self.period,
             out=self._spare,
@@ -275,20 +279,20 @@ class Renderer:
 
     def _reachable(self, q: Floats) -> Flags:
         """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
-        d = q - self.session.propagator.origin
-        kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
-        far = len(q) - int(kept.sum())
-        if far:
-            self.report.skipped["samples out of reach"] += far
-        if not self.session.medium.singular:
+        kept = np.ones(len(q), dtype=np.bool_)
+        if not len(q):
             return kept
-        low, high = self._box
-        inside = kept & ((q >= low) & (q <= high)).all(axis=1)
-        for m in np.flatnonzero(inside):
-            d = self.session.array.positions - q[m]
-            if (d * d).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
-                kept[m] = False
-                self.report.skipped["samples on a transducer"] += 1
+        d = np.abs(q - self.session.propagator.origin)
+        if d.max() > FAR / 2.0:
+            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
+            self.report.skipped["samples out of reach"] += len(q) - int(kept.sum())
+        inside = (d <= self._extent).all(axis=1)
+        if self.session.medium.singular and inside.any():
+            for m in np.flatnonzero(inside):
+                r = self.session.array.positions - q[m]
+                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
+                    kept[m] = False
+                    self.report.skipped["samples on a transducer"] += 1
         return kept
 
     def _error(self, solution: Solution) -> float:

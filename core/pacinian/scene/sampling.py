@@ -183,4 +183,4 @@ def envelopes(objects: Sequence[Object], t: Floats) -> Floats:
     factors = np.empty((len(objects), len(t)))
     for row, item in zip(factors, objects, strict=True):
         row[:] = item.envelope.at(t)
-    return np.clip(np.nan_to_num(factors, nan=0.0), 0.0, 1.0)
+    return np.asarray(np.fmin(np.fmax(factors, 0.0), 1.0))  # NaN is 0

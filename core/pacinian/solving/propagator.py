@@ -80,8 +80,8 @@ class Propagator:
         """
         if len(points) != len(self._points):
             self._forget(len(points))
-        moved = (points != self._points).any(axis=1)
-        count = int(moved.sum())
+        moved = np.flatnonzero((points != self._points).any(axis=1))
+        count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
         if not count:
@@ -89,17 +89,11 @@ class Propagator:
         self.version += 1
         self._factors.clear()
         try:
-            if count == len(points):
-                self._wave.matrix(points, self._B)
-                self._gram = None
-            else:
-                rows = np.empty((count, len(self.array)), dtype=self.dtype)
-                self._wave.matrix(points[moved], rows)
-                self._B[moved] = rows
-                self._stale |= moved
+            self._wave.matrix(points[moved], self._B, moved)
         except BaseException:
             self._forget(0)
             raise
+        self._stale[moved] = True
         self._points[moved] = points[moved]
         return count
 
@@ -139,8 +133,8 @@ class Propagator:
     @property
     def power(self) -> float:
         """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
-        M, N = self._B.shape
-        if M <= N:
+        M = len(self._points)
+        if len(self.array) >= M:
             return float(np.trace(self.gram).real) / max(1, M)
         return float(np.vdot(self._B, self._B).real) / M
 
