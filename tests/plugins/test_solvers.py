@@ -17,6 +17,9 @@ SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
 SEVERAL = ["auto", "gs-pat", "lagrange", "pseudo-inverse"]
 EXACT = ["auto", "lagrange", "pseudo-inverse"]
 solvers = pytest.mark.parametrize("solver", SOLVERS)
+"""What every installed solver must do, also those of others."""
+ours = pytest.mark.parametrize("solver", [*SEVERAL, "single-focus"])
+"""How well ours do."""
 ARRAY = pc.lattice(0.09, 0.09)  # 100 ideal transducers
 
 
@@ -77,7 +80,7 @@ def test_the_evidence_is_that_of_the_gains(solver: str) -> None:
     )
 
 
-@solvers
+@ours
 def test_one_point_is_a_focus(solver: str) -> None:
     q = points(1)
     t = reachable(ARRAY, q, 0.7)
@@ -215,7 +218,7 @@ def test_lagrange_is_stronger_than_scaling() -> None:
     assert strong > 1.1 * scaled
 
 
-@solvers
+@ours
 def test_a_power_limit_is_kept(solver: str) -> None:
     q = points(1)
     solution = pc.solve(
@@ -242,7 +245,7 @@ def test_coincident_points_are_no_trouble(solver: str) -> None:
     assert solution.error < 0.2
 
 
-@solvers
+@ours
 def test_an_array_of_one_transducer_does_what_it_can(solver: str) -> None:
     array = pc.Array([[0.0, 0.0, 0.0]])
     one = pc.solve(array, [[0, 0, 0.1]], [5.0], solver=solver)
@@ -252,7 +255,7 @@ def test_an_array_of_one_transducer_does_what_it_can(solver: str) -> None:
     assert np.isfinite(two.gains).all()
 
 
-@solvers
+@ours
 def test_duplicate_transducers_share_the_work(solver: str) -> None:
     with pytest.warns(pc.CoincidentTransducers):
         twice = ARRAY + ARRAY
@@ -263,7 +266,7 @@ def test_duplicate_transducers_share_the_work(solver: str) -> None:
     np.testing.assert_allclose(solution.gains[:100], solution.gains[100:], atol=1e-5)
 
 
-@solvers
+@ours
 def test_a_point_that_no_sound_reaches_is_said(solver: str) -> None:
     array = pc.autd()
     behind = pc.solve(array, [[0, 0, -0.1]], [100.0], solver=solver)

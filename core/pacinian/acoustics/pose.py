@@ -22,12 +22,10 @@ UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 def vector(name: str, value: ArrayLike) -> Vector:
     """Return `value` as three finite floats."""
-    if (
-        type(value) is tuple
-        and len(value) == 3
-        and all(type(v) is float and isfinite(v) for v in value)
-    ):
-        return value
+    if isinstance(value, tuple) and len(value) == 3:
+        x, y, z = value
+        if all(type(v) is float and isfinite(v) for v in (x, y, z)):
+            return x, y, z
     x, y, z = numbers(name, value, (3,)).tolist()
     return x, y, z
 

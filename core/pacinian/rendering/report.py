@@ -19,7 +19,7 @@ REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 class Fault:
     """Something that silenced the output.
 
-    tick: when. stage: "scene", "sample", "solve", "drive" or "send". message: what was raised.
+    tick: when. stage: "scene", "sample", "solve", "drive", "send" or "silence". message: what was raised.
     error: the exception itself.
     """
 
