@@ -14,6 +14,7 @@ from pacinian.checks import kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
+from pacinian.solving.blas import one_thread
 from pacinian.solving.problem import Budget, Limits, Targets
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution import Solution, Status
@@ -112,7 +113,8 @@ class Session:
         version = propagator.version
         result = Result()
         if targets.amplitudes.any():
-            result = solver.solve(propagator, targets, limits, warm, budget, g)
+            with one_thread(len(q) * len(g)):
+                result = solver.solve(propagator, targets, limits, warm, budget, g)
         kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from msgspec import Struct
@@ -23,7 +23,7 @@ UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 def vector(name: str, value: ArrayLike) -> Vector:
     """Return `value` as three finite floats."""
     if isinstance(value, tuple) and len(value) == 3:
-        x, y, z = value
+        x, y, z = cast("Vector", value)
         if all(type(v) is float and isfinite(v) for v in (x, y, z)):
             return x, y, z
     x, y, z = numbers(name, value, (3,)).tolist()

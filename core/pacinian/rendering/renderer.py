@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.checks import FAR, kind, number
@@ -21,6 +20,7 @@ from pacinian.rendering.report import Fault, Report
 from pacinian.scene.objects import Scene
 from pacinian.scene.sampling import Sampler, Samples, envelopes
 from pacinian.session import Session
+from pacinian.solving.blas import one_thread
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -347,7 +347,7 @@ def _undisturbed() -> Generator[None]:
     gc.collect()
     gc.freeze()
     try:
-        with threadpool_limits(1):
+        with one_thread():
             yield
     finally:
         gc.unfreeze()

@@ -1,0 +1,33 @@
+"""BLAS threads: one for small problems, as before afterwards."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+import pacinian as pc
+from pacinian.solving.blas import MANY, one_thread
+
+
+def threads() -> set[int]:
+    return {
+        library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"
+    }
+
+
+def test_small_problems_have_one_thread_and_large_ones_what_there_was() -> None:
+    pc.solve(pc.lattice(0.02, 0.02), [[0, 0, 0.1], [0.01, 0, 0.1]], [1.0, 1.0])  # loads BLAS
+    with threadpool_limits(2):
+        before = threads()
+        with one_thread():
+            assert threads() == {1}
+            with one_thread():
+                assert threads() == {1}
+            assert threads() == {1}
+        assert threads() == before
+        with one_thread(MANY):
+            assert threads() == before
+        with pytest.raises(ZeroDivisionError), one_thread():
+            1 / 0  # noqa: B018
+        assert threads() == before
+        assert np.isfinite(pc.solve(pc.autd(), [[0, 0, 0.2]] * 2, [1.0, 1.0]).error)
+        assert threads() == before
