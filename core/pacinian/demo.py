@@ -25,12 +25,12 @@ TREMBLE = Sine(frequency=150.0)
 
 BALL = Volume(shape=Sphere(0.010), radiation_pressure=8.0, envelope=TREMBLE, name="ball")
 BUTTON = Surface(
-    shape=Disc(0.012), pose=Pose((0.0, 0.0, HEIGHT)), force=0.004, envelope=TREMBLE, name="button"
+    shape=Disc(0.0085), pose=Pose((0.0, 0.0, HEIGHT)), force=0.004, envelope=TREMBLE, name="button"
 )
 
 
 def circling(t: float) -> Scene:
-    """The scene at time t [s]: 17 samples on the ball and 6 on the button, both trembling."""
+    """The scene at time t [s]: 17 samples on the ball and 3 on the button, both trembling."""
     phi = 2.0 * math.pi * t / TURN
     at = Pose((ORBIT * math.cos(phi), ORBIT * math.sin(phi), HEIGHT))
     return Scene((replace(BALL, pose=at), BUTTON))

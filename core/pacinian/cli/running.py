@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
     from pacinian.rendering.report import Report
 
-REFRESH = 0.5  # [s] between two looks of the progress bar
+REFRESH = 1.0  # [s] between two looks of the progress bar
 
 
 @contextmanager

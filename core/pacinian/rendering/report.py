@@ -40,6 +40,7 @@ class Report:
     ticks: int = 0
     late_ticks: int = 0
     frames_sent: int = 0
+    solves: int = 0
     interrupted: bool = False
     skipped: Counter[str] = field(default_factory=Counter)
     statuses: Counter[str] = field(default_factory=Counter)
@@ -47,7 +48,7 @@ class Report:
     fault_count: int = 0
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
-    _solves: int = 0
+    _measured: int = 0
 
     def tick(self, seconds: float, late: bool) -> None:
         """Count a tick that took `seconds` [s]."""
@@ -55,11 +56,13 @@ class Report:
         self.ticks += 1
         self.late_ticks += late
 
-    def solved(self, status: Status, error: float) -> None:
-        """Count a solve and its error on the gains as emitted, after quantisation."""
-        self._errors[self._solves % REMEMBERED] = error
-        self._solves += 1
+    def solved(self, status: Status, error: float | None) -> None:
+        """Count a solve, and its error on the gains as emitted, after quantisation, if measured."""
+        self.solves += 1
         self.statuses[status.name] += 1
+        if error is not None:
+            self._errors[self._measured % REMEMBERED] = error
+            self._measured += 1
 
     def fault(self, fault: Fault) -> None:
         """Count a fault."""
@@ -78,8 +81,8 @@ class Report:
 
     @property
     def error(self) -> float:
-        """Median relative error of the emitted sound pressures; 0 before the first solve."""
-        return float(np.median(self._errors[: self._solves])) if self._solves else 0.0
+        """Median relative error of the emitted sound pressures, of every 8th solve; 0 before the first."""
+        return float(np.median(self._errors[: self._measured])) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain numbers, for JSON."""
@@ -90,7 +93,7 @@ class Report:
             "tick_p99_ms": self.tick_ms(99),
             "tick_max_ms": self.tick_ms(100),
             "error": self.error,
-            "solves": self._solves,
+            "solves": self.solves,
             "frames_sent": self.frames_sent,
             "skipped": dict(self.skipped),
             "statuses": dict(self.statuses),
