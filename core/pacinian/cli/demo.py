@@ -44,7 +44,7 @@ def demo(
 ) -> None:
     """Feel a circling ball: the built-in scene on the simulated array, no hardware needed.
 
-    Renders a ball that circles above a button at 1 kHz on 9 AUTD units, then tells how well it went
+    Renders a ball that circles around a button at 1 kHz on 9 AUTD units, then tells how well it went
     and draws the field of the last tick.
     """
     from pacinian.acoustics.array import autd

@@ -59,7 +59,7 @@ def progress(
 
 
 def picture(renderer: Renderer, path: str, title: str) -> str:
-    """Draw the field of the last gains; return the file, or nothing where Matplotlib is not installed."""
+    """Draw the field of the last gains; return the file, or nothing where it cannot be drawn."""
     import numpy as np
 
     from pacinian import plot

@@ -299,8 +299,7 @@ class Renderer:
 
     def _error(self, solution: Solution) -> float:
         """Relative error of the sound pressures that the device's levels make."""
-        emitted = self._quantiser.emitted(self._gains, self._ceiling, self.limits.power is not None)
-        return solution.targets.miss(self.session.propagator.apply(emitted))
+        return solution.targets.miss(self.session.propagator.apply(self._emitted()))
 
     def _drive(self, envelope: Floats, due: float) -> None:
         self._stage = "drive"
@@ -310,7 +309,8 @@ class Renderer:
         self._frame = self._quantiser.frame(self._modulated, self._ceiling, sequence, due, down)
 
     def _emitted(self) -> Gains:
-        return self._quantiser.emitted(self._gains, self._ceiling, self.limits.power is not None)
+        down = self.limits.power is not None
+        return self._quantiser.emitted(self._gains, self._ceiling, down)
 
     @property
     def _ceiling(self) -> float:

@@ -21,8 +21,8 @@ class GsPat(pc.Solver):
 
     steps: Gerchberg-Saxton steps.
 
-    Gains are B^H z with z_m = t_m^2 / |(G t)_m| at the chosen phases, then scaled to the asked strength. No equations
-    are solved, so neighbouring points disturb each other by some percent. Fixed phases are kept as
+    Gains are B^H z with |z_m| = t_m^2 / |(G p)_m| at the chosen phases, scaled to the asked strength. No
+    equations are solved, so neighbouring points disturb each other by some percent. Fixed phases are kept as
     targets and met as roughly as the amplitudes.
     """
 
