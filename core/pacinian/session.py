@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.checks import kind, near, numbers
+from pacinian.acoustics.propagation import matrix
+from pacinian.checks import FAR, kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
+from pacinian.solving import kernels
 from pacinian.solving.blas import one_thread
+from pacinian.solving.evidence import bound, judge, violations
+from pacinian.solving.keep import ROUNDING, keep
 from pacinian.solving.problem import Budget, Limits, Targets
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution import Solution, Status
@@ -23,10 +28,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.propagation import Precision
-    from pacinian.types import ArrayLike, Complexes, Gains
+    from pacinian.types import ArrayLike, Complexes, Floats, Gains
 
-TOLERANCE = 1e-3  # relative error up to which targets count as met
-ROUNDING = 1e-5  # a gain this little over the limit is shortened, the others left as they are
+AIR = Air()
+FULL_DRIVE = Limits()
+ENDLESS = Budget()
+SILENCE = Result()
 
 
 class Session:
@@ -49,13 +56,15 @@ class Session:
         if precision not in ("single", "double"):
             raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
         kind("array", array, Array)
-        self.array, self.medium = array, Air() if medium is None else medium
+        self.array, self.medium = array, AIR if medium is None else medium
         kind("medium", self.medium, Air)
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self._clock = clock
         self.last: Solution | None = None
-        self._work = np.zeros(len(array), dtype=np.complex64)
+        self._work = np.zeros(len(array), dtype=self.propagator.dtype)
+        self._base: Solution | None = None  # what was last solved: its gains are in _work
+        self._solved_with: tuple[Solver, Limits, int] | None = None
 
     @property
     def solver(self) -> Solver:
@@ -77,7 +86,7 @@ class Session:
         limits: Limits | None = None,
         scale: str = "exact",
         deadline: float | None = None,
-        out: Gains | None = None,
+        out: Complexes | None = None,
     ) -> Solution:
         """Find gains that make `amplitudes` at `points`.
 
@@ -92,107 +101,171 @@ class Session:
         Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
         """
         start = self._clock()
-        budget = Budget.until(deadline, self._clock)
-        limits = Limits() if limits is None else limits
+        budget = ENDLESS if deadline is None else Budget.until(deadline, self._clock)
+        if limits is None:
+            limits = FULL_DRIVE
         kind("limits", limits, Limits)
-        solver, propagator = self._solver, self.propagator
-        q = numbers("points", points, (None, 3))
-        near("points", q, propagator.origin)
-        targets = Targets.checked(len(q), amplitudes, phases, scale)
+        q, targets = self._problem(points, amplitudes, phases, scale)
         out = self._checked(out)
-        if unkept := limits.asked - solver.keeps:
-            raise UnsupportedLimit(solver.name, min(unkept))
-        if targets.scale == "max" and limits.gain is None and limits.power is None:
-            raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
+        self._place(q, limits)
         warm, self.last = self.last, None
+        if warm is not None and (c := self._multiple(targets, limits)) == c:
+            self.last = self._scaled(c, targets, out, start)
+            return self.last
         if warm is not None and len(warm.sound_pressure) != len(q):
             warm = None
+        self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
+        self._solved_with = (self._solver, limits, self.propagator.version)
+        return self.last
+
+    def certify(self, gains: ArrayLike) -> Solution:
+        """The evidence of the last solution, for `gains`, (N,), as emitted: rounded by a device, say.
+
+        Everything is computed anew in double precision: pressures, residual, objective, the bound from
+        the multipliers, violations of limits. Raises ArgumentError.
+        """
+        last, with_ = self.last, self._solved_with
+        if last is None or with_ is None:
+            raise ArgumentError("gains", "cannot be certified: nothing has been solved yet")
+        limits, N = with_[1], len(self.array)
+        g = np.asarray(gains)
+        if g.shape != (N,) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
+            raise ArgumentError("gains", f"must be {N} finite numbers")
+        g = g.astype(np.complex128)
+        B = matrix(self.array, self.propagator.points, self.medium)
+        p: Complexes = B @ g
+        asked, y, proven = last.targets.complex(np.angle(p)), last.multipliers, math.nan
+        if y is not None and last.targets.scale == "exact":
+            proven = bound(B, asked, y, last.mu, limits.gain)
+        rest = asked - p
+        objective = float(np.vdot(rest, rest).real + last.mu * np.vdot(g, g).real) / 2.0
+        return dataclasses.replace(
+            last,
+            gains=g,
+            sound_pressure=p,
+            status=judge(
+                self.propagator,
+                last.targets,
+                p,
+                broken=bool(last.violations),
+                late=last.status is Status.deadline,
+                scaled=last.status is Status.scaled,
+                limited=last.status is Status.limited,
+            ),
+            bound=proven,
+            objective=objective,
+            violations=violations(self.propagator, limits, last.targets, p, g),
+        )
+
+    def _problem(
+        self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str
+    ) -> tuple[Floats, Targets]:
+        """The points, (M, 3), and what is asked there, checked: in one pass where they are arrays."""
+        plain = phases is None and type(scale) is str and scale == "exact"
+        if plain and isinstance(points, np.ndarray) and isinstance(amplitudes, np.ndarray):
+            q, t = cast("Floats", points), cast("Floats", amplitudes)
+            if (
+                q.dtype == t.dtype == np.float64
+                and t.ndim == 1
+                and q.shape == (len(t), 3)
+                and q.flags.c_contiguous
+                and t.flags.c_contiguous
+                and kernels.furthest(q, self.propagator.origin, t) <= FAR * FAR
+            ):
+                return q, Targets.simple(t)
+        q = numbers("points", points, (None, 3))
+        near("points", q, self.propagator.origin)
+        return q, Targets.checked(len(q), amplitudes, phases, scale)
+
+    def _place(self, q: Floats, limits: Limits) -> None:
+        """Put the points, and the quiet points, where they are now."""
+        if limits.asked and (unkept := limits.asked - self._solver.keeps):
+            raise UnsupportedLimit(self._solver.name, min(unkept))
+        limits.exactly(len(q))
+        propagator = self.propagator
+        propagator.place(q)
+        if limits.quiet is None:
+            propagator.quiet = None
+            return
+        where = np.asarray(limits.quiet[0], np.float64)
+        near("limits.quiet[0]", where, propagator.origin)
+        if propagator.quiet is None:
+            propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
+        if propagator.quiet.place(where):
+            propagator.version += 1
+
+    def _multiple(self, targets: Targets, limits: Limits) -> float:
+        """The c by which what was solved last need only be multiplied; NaN if there is none."""
+        base = self._base
+        if base is None or self._solved_with != (self._solver, limits, self.propagator.version):
+            return math.nan
+        c = targets.multiple(base.targets)
+        if c == 1.0:
+            return c if base.status not in (Status.deadline, Status.failed) else math.nan
+        linear = base.status in (Status.ok, Status.approximate) and targets.scale == "exact"
+        if not linear or limits.asked or limits.power is not None or not c > 0.0:
+            return math.nan
+        top = (math.inf if limits.gain is None else limits.gain) * (1.0 - ROUNDING)
+        strongest = math.sqrt(kernels.peak(self._work))
+        return c if strongest < top and c * strongest < top else math.nan
+
+    def _scaled(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
+        """What was solved last, c times as strong."""
+        base, work = self._base, self.propagator.work
+        assert base is not None  # `_multiple` has seen it
+        work.solutions_kept += c == 1.0
+        work.solutions_scaled += c != 1.0
+        np.multiply(self._work, c, out=out, casting="unsafe")
+        y = base.multipliers
+        return Solution(
+            out, targets, c * base.sound_pressure, base.status, base.solver, 0,
+            c * c * base.bound, c * c * base.objective, None if y is None else c * y, base.mu,
+            base.violations, self._clock() - start, base.note,
+        )  # fmt: skip
+
+    def _solved(
+        self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
+        out: Complexes, start: float,
+    ) -> Solution:  # fmt: skip
+        """A new solution."""
+        solver, propagator = self._solver, self.propagator
+        if targets.scale == "max" and limits.gain is None and limits.power is None:
+            raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # apart from `out`, which may hold the gains of `warm`
         g[:] = 0.0
-        propagator.place(q)
-        version = propagator.version
-        result = Result()
-        if targets.amplitudes.any():
-            with one_thread(len(q) * len(g)):
-                result = solver.solve(propagator, targets, limits, warm, budget, g)
+        version, result = propagator.version, SILENCE
+        propagator.work.solved += 1
+        if targets.norm:
+            with one_thread(len(targets.amplitudes) * len(g)):
+                result = solver.solve(propagator, targets, limits, warm, budget, cast("Gains", g))
         kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
         finite, scaled = keep(g, limits, targets.scale)
-        p = propagator.apply(g).astype(np.complex128)
+        p = propagator.apply(g)
         out[:] = g
-        self.last = Solution(
-            gains=out,
-            targets=targets,
-            sound_pressure=p,
-            status=self._judge(targets, p, result, scaled) if finite else Status.failed,
-            solver=result.solver or solver.name,
-            iterations=result.iterations,
-            bound=result.bound,
-            objective=result.objective,
-            seconds=self._clock() - start,
-            note=result.note,
-        )
-        return self.last
+        broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
+        status = Status.failed
+        if finite:
+            status = judge(
+                propagator, targets, p,
+                broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
+            )  # fmt: skip
+        return Solution(
+            out, targets, p, status, result.solver or solver.name, result.iterations,
+            result.bound, result.objective, result.multipliers, result.mu, broken,
+            self._clock() - start, result.note,
+        )  # fmt: skip
 
-    def _checked(self, out: Gains | None) -> Gains:
-        N = len(self.array)
+    def _checked(self, out: Complexes | None) -> Complexes:
+        N, dtype = len(self.array), self.propagator.dtype
         if out is None:
-            return np.empty(N, dtype=np.complex64)
+            return np.empty(N, dtype=dtype)
         kind("out", out, np.ndarray)
-        fits = out.shape == (N,) and out.dtype == np.complex64
+        fits = out.shape == (N,) and out.dtype == dtype
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
-            raise ArgumentError("out", f"must be complex64, contiguous, writable, of shape ({N},)")
+            raise ArgumentError("out", f"must be {dtype}, contiguous, writable, of shape ({N},)")
         return out
-
-    def _judge(self, targets: Targets, p: Complexes, result: Result, scaled: bool) -> Status:
-        """How it ended, from the evidence: the pressures achieved, (M,) [Pa]."""
-        if not targets.amplitudes.any():
-            return Status.silent
-        if targets.scale == "max":
-            scaled = False
-            reached = float(np.linalg.norm(p) / np.linalg.norm(targets.amplitudes))
-            p = p / (reached or 1.0)
-        if targets.miss(p) <= TOLERANCE:
-            return Status.ok
-        asked = targets.amplitudes > 0.0
-        if not self.propagator.B[asked].any(axis=1).all():
-            return Status.unreachable
-        if result.late:
-            return Status.deadline
-        if scaled:
-            return Status.scaled
-        return Status.limited if result.limited else Status.approximate
-
-
-def keep(g: Gains, limits: Limits, scale: str) -> tuple[bool, bool]:
-    """Scale gains (N,) as a whole, in place, down to the limits, or for "max" up to them too.
-
-    Returns whether they were finite (if not, they are zero now) and whether they were over. Rounding
-    cannot leave a gain above the limit, in exact arithmetic.
-    """
-    from pacinian.solving import kernels
-
-    strongest = math.sqrt(kernels.peak(g))
-    if math.isnan(strongest):
-        g[:] = 0.0
-        return False, False
-    if not strongest:
-        return True, False
-    factor = math.inf if scale == "max" else 1.0
-    if limits.gain is not None:
-        factor = min(factor, limits.gain / strongest)
-    if limits.power is not None:
-        share = np.abs(g) / strongest  # 0..1, so that squares neither vanish nor overflow
-        root = strongest * math.sqrt(float((share.astype(np.float64) ** 2).sum()))
-        factor = min(factor, math.sqrt(limits.power) * (1.0 - 2.0**-21) / root)
-    over = factor < 1.0 - ROUNDING
-    if not over and scale != "max":
-        factor = 1.0
-    # what rounding to complex64 cannot push over
-    highest = math.inf if limits.gain is None else limits.gain * (1.0 - 2.0**-21)
-    kernels.restrain(g, factor, highest)
-    return True, over
 
 
 def solve(
@@ -206,7 +279,7 @@ def solve(
     scale: str = "exact",
     medium: Air | None = None,
     deadline: float | None = None,
-    out: Gains | None = None,
+    out: Complexes | None = None,
     precision: Precision = "single",
 ) -> Solution:
     """Find gains that make `amplitudes` at `points`: a session of one solve, with no state kept.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.session import keep
+from pacinian.solving.keep import keep
 from pacinian.testing import ManualClock
 
 ARRAY = pc.lattice(0.05, 0.05)

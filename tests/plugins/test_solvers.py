@@ -14,8 +14,8 @@ import pacinian as pc
 from pacinian.plugins.registry import installed
 
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
-SEVERAL = ["auto", "gs-pat", "lagrange", "pseudo-inverse"]
-EXACT = ["auto", "lagrange", "pseudo-inverse"]
+SEVERAL = ["auto", "gs", "gs-pat", "lagrange", "lbfgs", "pseudo-inverse", "weighted-gs"]
+EXACT = ["auto", "lagrange", "lbfgs", "pseudo-inverse"]
 solvers = pytest.mark.parametrize("solver", SOLVERS)
 """What every installed solver must do, also those of others."""
 ours = pytest.mark.parametrize("solver", [*SEVERAL, "single-focus"])
@@ -153,7 +153,10 @@ def test_lagrange_certifies_its_answer(count: int, phases: float | None) -> None
     solution = pc.solve(ARRAY, q, t, phases, solver="lagrange")
     assert abs(solution.gap) <= 1e-4 * solution.objective + 1e-12
     p = solution.asked
-    mu = 1e-5 * float((np.abs(pc.matrix(ARRAY, q)) ** 2).sum()) / count
+    mu = solution.mu
+    assert mu == pytest.approx(
+        1e-6 * float((np.abs(pc.matrix(ARRAY, q)) ** 2).sum()) / count, rel=1e-4
+    )
     cost = 0.5 * np.linalg.norm(p - solution.sound_pressure) ** 2
     cost += mu / 2 * np.linalg.norm(solution.gains) ** 2
     # the phases moved on to those achieved, which can only lower the cost

@@ -104,18 +104,17 @@ def wave(
     return touching
 
 
-@compiled(
-    "void(f4[:, ::1], f4[:, ::1], f4[:, ::1], f4[::1], f4[::1], i8[::1], c8[:, ::1], f4[::1])"
-)
+@compiled("f4(f4[:, ::1], f4[:, ::1], f4[:, ::1], f4[::1], f4[::1], i8[::1], c8[:, ::1], f4[::1])")
 def matrix(
     q: Singles, r: Singles, n: Singles, law: Singles, table: Singles,
     rows: Indices, out: Gains, touches: Singles,
-) -> None:  # fmt: skip
+) -> np.float32:  # fmt: skip
     """Write rows of B [Pa], (N,) each, for points q [m], (K, 3), to the rows of `out`, (M, N).
 
-    touches: how many transducers each point lies on, (K,).
+    touches: how many transducers each point lies on, (K,). Returns their sum.
     """
     N = r.shape[1]
+    all_touching = f4(0.0)
     tile = np.empty((3, TILE), np.float32)
     place = np.empty(TILE, np.int32)
     for m in range(q.shape[0]):
@@ -127,6 +126,8 @@ def matrix(
             for i in range(count):
                 row[i] = complex(tile[0, i], tile[1, i])
         touches[m] = touching
+        all_touching += touching
+    return all_touching
 
 
 @compiled(

@@ -53,12 +53,14 @@ class Wave:
     table: Singles
 
     @classmethod
+    @functools.lru_cache(maxsize=16)
     def prepare(cls, array: Array, medium: Air) -> Wave:
-        """Prepare for `array` in `medium`."""
+        """Prepare for `array` in `medium`; kept for a few of them."""
         kind = array.transducer
         origin = array.centre
         turns = medium.wavenumber(kind.frequency) / (2.0 * np.pi)
         law = [turns, medium.power, medium.beta(kind.frequency), kind.pressure]
+        origin.flags.writeable = False
         return cls(
             array,
             medium,
@@ -80,9 +82,9 @@ class Wave:
             from pacinian.acoustics import kernels
 
             touches = np.empty(len(points), dtype=np.float32)
-            q = np.ascontiguousarray(points - self.origin, dtype=np.float32)
-            kernels.matrix(q, self.r, self.n, self.law, self.table, rows, out, touches)
-            self.refuse(touches)
+            q = (points - self.origin).astype(np.float32, order="C")
+            if kernels.matrix(q, self.r, self.n, self.law, self.table, rows, out, touches):
+                self.refuse(touches)
         else:
             out[rows] = matrix(self.array, points, self.medium)
 

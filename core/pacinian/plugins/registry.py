@@ -138,7 +138,7 @@ class Plugins:
     def make(self, kind: Kind, name: str, options: dict[str, Any]) -> Solver | Backend:
         """An object of that name. Raises as `find`; ArgumentError for an option that it does not have."""
         offer = self.find(kind, name)
-        if unknown := set(options) - set(offer.options):
+        if options and (unknown := set(options) - set(offer.options)):
             known = ", ".join(offer.options) or "none"
             raise ArgumentError(
                 min(unknown), f"is no option of {kind} {name!r}; there are: {known}"
@@ -166,7 +166,15 @@ def installed() -> Plugins:
 
 def solver(name: str, **options: Any) -> Solver:
     """A solver by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
+    if not options:
+        return _usual(installed(), name)
     return cast("Solver", installed().make("solver", name, options))
+
+
+@functools.lru_cache(maxsize=64)
+def _usual(plugins: Plugins, name: str) -> Solver:
+    """A solver as it comes: one for all, as it holds nothing between calls."""
+    return cast("Solver", plugins.make("solver", name, {}))
 
 
 def backend(name: str, **options: Any) -> Backend:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits, Targets
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.solution import Solution
-    from pacinian.types import Gains
+    from pacinian.types import Complexes, Gains
 
 
-@dataclass(frozen=True)
-class Result:
+class Result(NamedTuple):
     """What a solver says of its answer; the session measures the rest itself.
 
     iterations: how many. limited: transducers are held at their limit. late: stopped by the budget.
-    bound, objective: as in `Solution`. note: free text. solver: the name of the solver that it was
+    bound, objective, multipliers, mu: as in `Solution`. note: free text. solver: the name of the solver that it was
     passed on to.
     """
 
@@ -27,6 +25,8 @@ class Result:
     late: bool = False
     bound: float = float("nan")
     objective: float = float("nan")
+    multipliers: Complexes | None = None
+    mu: float = float("nan")
     note: str = ""
     solver: str = ""
 
@@ -56,7 +56,8 @@ class Solver(ABC):
     ) -> Result:
         """Write gains, shape (N,), to `out`; `out` holds zeros before.
 
-        propagator: B, its Gram matrix, its factors; cached, shared, read-only.
+        propagator: B, its Gram matrix, its factors; cached, shared, read-only; `propagator.quiet` is
+        that of the quiet points, where `limits.quiet` is given.
         targets: at least one, at least one of them not 0. warm: the last solution, for as many points.
         Gains over the limit are scaled down as a whole by the session; gains that are not finite, and
         exceptions, end in silence. `budget.spent` is to be asked between iterations.

@@ -1,7 +1,8 @@
-"""Kernels in the small space: the Gram matrix B B^H, Gerchberg-Saxton steps on it, limits on gains."""
+"""Kernels in the small space: the Gram matrix B B^H, Gerchberg-Saxton steps on it, limits, evidence."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numba
@@ -11,7 +12,7 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Flags, Gains, Singles
+    from pacinian.types import Complexes, Flags, Floats, Singles
 
 TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
 
@@ -64,6 +65,8 @@ def gram(B: Complexes, scratch: Singles, out: Complexes) -> None:
 
 
 SEALED = numba.types.Array(numba.complex128, 2, "C", readonly=True)
+GIVEN = numba.types.Array(numba.float64, 1, "C", readonly=True)
+GIVEN_POINTS = numba.types.Array(numba.float64, 2, "C", readonly=True)
 
 
 @compiled(numba.void(SEALED, numba.boolean[::1], numba.int64, numba.complex128[::1]))
@@ -84,8 +87,60 @@ def gerchberg_saxton(G: Complexes, free: Flags, steps: int, p: Complexes) -> Non
                 p[i] = q[i] * (size[i] / length)
 
 
-@compiled("f8(c8[::1])", finite=False)
-def peak(g: Gains) -> float:
+@compiled(
+    numba.float64(
+        SEALED, GIVEN, GIVEN, GIVEN, numba.int64, numba.complex128[::1], numba.boolean[::1]
+    ),
+    finite=False,
+)
+def choose(
+    G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, p: Complexes, free: Flags
+) -> float:
+    """Write targets p, (M,), with the phases phi, where NaN by Gerchberg-Saxton steps from `start`.
+
+    free: where a phase may be any, and counts. Returns ||t||.
+    """
+    size, any_free = 0.0, False
+    for m in range(len(t)):
+        free[m] = phi[m] != phi[m] and t[m] > 0.0
+        any_free = any_free or free[m]
+        angle = start[m] if phi[m] != phi[m] else phi[m]
+        p[m] = t[m] * complex(np.cos(angle), np.sin(angle))
+        size += t[m] * t[m]
+    if any_free:
+        gerchberg_saxton(G, free, steps, p)
+    return math.sqrt(size)
+
+
+@compiled(numba.float64(GIVEN_POINTS, GIVEN, GIVEN), finite=False)
+def furthest(q: Floats, origin: Floats, t: Floats) -> float:
+    """The largest |q_m - origin|^2, (M, 3); NaN where a number is not finite, or t_m neither 0 nor 1e-30..1e30."""
+    most, health = 0.0, 0.0
+    for m in range(q.shape[0]):
+        x, y, z = q[m, 0] - origin[0], q[m, 1] - origin[1], q[m, 2] - origin[2]
+        square = x * x + y * y + z * z
+        health += 0.0 * square + 0.0 * t[m]
+        most = max(most, square)
+        health += 0.0 if t[m] == 0.0 or 1e-30 <= t[m] <= 1e30 else np.nan
+    return most + health
+
+
+@compiled(numba.float64(numba.complex128[::1], GIVEN, GIVEN), finite=False)
+def miss(p: Complexes, t: Floats, phi: Floats) -> float:
+    """||asked - p|| / ||t||; phases phi, (M,) [rad], are as p has them where NaN."""
+    missed, size = 0.0, 0.0
+    for m in range(len(p)):
+        size += t[m] * t[m]
+        if phi[m] == phi[m]:
+            a = t[m] * complex(np.cos(phi[m]), np.sin(phi[m])) - p[m]
+            missed += a.real * a.real + a.imag * a.imag
+        else:
+            missed += (t[m] - np.sqrt(p[m].real ** 2 + p[m].imag ** 2)) ** 2
+    return math.sqrt(missed / size) if size > 0.0 else 0.0
+
+
+@compiled("f8(c8[::1])", "f8(c16[::1])", finite=False)
+def peak(g: Complexes) -> float:
     """The largest |g_n|^2, or NaN where any is not finite."""
     largest, health = 0.0, 0.0
     for n in range(g.size):
@@ -96,8 +151,8 @@ def peak(g: Gains) -> float:
     return largest + health
 
 
-@compiled("void(c8[::1], f8, f8)")
-def restrain(g: Gains, factor: float, highest: float) -> None:
+@compiled("void(c8[::1], f8, f8)", "void(c16[::1], f8, f8)")
+def restrain(g: Complexes, factor: float, highest: float) -> None:
     """Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it."""
     for n in range(g.size):
         re, im = factor * np.float64(g[n].real), factor * np.float64(g[n].imag)

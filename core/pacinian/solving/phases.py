@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,14 +12,14 @@ from pacinian.solving import kernels
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Complexes, Reals
+    from pacinian.types import Complexes, Flags, Floats
 
 
 COLD, WARM = 20, 3  # steps from scratch, and from the phases of the last solution
 
 
 def gerchberg_saxton(
-    gram: Complexes, targets: Targets, start: Reals | None = None, steps: int = COLD
+    gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = COLD
 ) -> Complexes:
     """Targets [Pa], complex, (M,), with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
 
@@ -28,17 +29,35 @@ def gerchberg_saxton(
 
     gram: (M, M). start: phases to start from [rad], (M,); quadratic ones unless given.
     """
-    if start is None:
-        m = np.arange(len(gram))
-        start = np.pi * m * m / max(1, len(gram))  # spread out: equal phases may be a saddle point
-    p = targets.complex(start)
-    if targets.free.any():
-        kernels.gerchberg_saxton(gram, targets.free, steps, p)
+    start = _spread(len(gram)) if start is None else start
+    p, free = np.empty(len(gram), np.complex128), np.empty(len(gram), np.bool_)
+    kernels.choose(gram, targets.amplitudes, targets.phases, start, steps, p, free)
     return p
 
 
-def choose(propagator: Propagator, targets: Targets, start: Reals | None) -> Complexes:
+@functools.lru_cache(maxsize=64)
+def _spread(count: int) -> Floats:
+    """Phases to start from [rad]: spread out, as equal ones may be a saddle point."""
+    m = np.arange(count)
+    start = np.pi * m * m / max(1, count)
+    start.flags.writeable = False
+    return start
+
+
+def choose(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
     """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
-    if not targets.free.any():
-        return targets.complex(targets.phases)
-    return gerchberg_saxton(propagator.gram, targets, start, COLD if start is None else WARM)
+    p, free = np.empty(len(targets.amplitudes), np.complex128), np.empty_like(targets.free)
+    choose_into(propagator, targets, start, p, free)
+    return p
+
+
+def choose_into(
+    propagator: Propagator, targets: Targets, start: Floats | None, p: Complexes, free: Flags
+) -> float:
+    """As `choose`, into p; and into `free`, (M,), where a phase is free and counts. Returns ||t||."""
+    steps = COLD if start is None else WARM
+    if start is None:
+        start = _spread(len(p))
+    return float(
+        kernels.choose(propagator.gram, targets.amplitudes, targets.phases, start, steps, p, free)
+    )

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 Scale = Literal["exact", "max"]
 
+
+@functools.lru_cache(maxsize=64)
+def _anything(count: int) -> Floats:
+    """Phases that are all free, (count,)."""
+    phi = np.full(count, np.nan)
+    phi.flags.writeable = False
+    return phi
+
+
 QUIETEST, LOUDEST = 1e-30, 1e30  # [Pa]: what single precision can work with
 
 
@@ -42,18 +51,19 @@ class Targets:
     ) -> Targets:
         """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
         t = numbers("amplitudes", amplitudes, (count,)).copy()
-        if (t < 0.0).any():
+        if count and not (low := t.min()) >= 0.0:
             where = int(np.argmin(t))
             raise ArgumentError(
-                "amplitudes", f"must be 0 or more: [{where}] is {t[where]:g}; a sign is a phase"
+                "amplitudes", f"must be 0 or more: [{where}] is {low:g}; a sign is a phase"
             )
-        if (t > LOUDEST).any():
+        if count and t.max() > LOUDEST:
             raise ArgumentError("amplitudes", f"must be at most {LOUDEST:g} Pa")
         t[t < QUIETEST] = 0.0
         if str(scale) not in ("exact", "max"):
             raise ArgumentError("scale", f'must be "exact" or "max", not {scale!r}')
-        phi = np.full(count, np.nan)
+        phi = _anything(count)
         if phases is not None:
+            phi = phi.copy()
             try:
                 given = np.asarray(phases)
                 if given.dtype.kind == "c":
@@ -69,6 +79,11 @@ class Targets:
         return cls(t, phi, "exact" if str(scale) == "exact" else "max")
 
     @functools.cached_property
+    def norm(self) -> float:
+        """||amplitudes|| [Pa]."""
+        return math.sqrt(float(self.amplitudes.dot(self.amplitudes)))
+
+    @functools.cached_property
     def free(self) -> Flags:
         """Where the phase is free, shape (M,)."""
         return np.isnan(self.phases)
@@ -78,45 +93,101 @@ class Targets:
         """Whether every phase is free."""
         return bool(self.free.all())
 
+    @classmethod
+    def simple(cls, amplitudes: Floats) -> Targets:
+        """Targets of free phase that have been checked; the caller keeps the array."""
+        t, phi = amplitudes.copy(), _anything(len(amplitudes))
+        t.flags.writeable = False
+        return cls(t, phi)
+
+    def multiple(self, other: Targets) -> float:
+        """The c for which these targets are c times `other`, in the same phases; NaN if there is none."""
+        t, before = self.amplitudes, other.amplitudes
+        if self.scale != other.scale or len(t) != len(before):
+            return math.nan
+        if not (self.all_free and other.all_free) and not np.array_equal(
+            self.phases, other.phases, equal_nan=True
+        ):
+            return math.nan
+        k = int(before.argmax())
+        c = float(t[k] / before[k]) if before[k] else math.nan
+        return c if np.abs(t - c * before).max() <= 1e-12 * t[k] else math.nan
+
     def complex(self, phases: Reals) -> Complexes:
         """The targets [Pa] with `phases` [rad], shape (M,), where free."""
-        angle = np.where(self.free, phases, self.phases)
+        angle = phases if self.all_free else np.where(self.free, phases, self.phases)
         return np.asarray(self.amplitudes * np.exp(1j * angle), np.complex128)
 
     def miss(self, p: Complexes) -> float:
         """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them."""
-        size = float(np.linalg.norm(self.amplitudes))
-        if not size:
-            return 0.0
-        if self.all_free:
-            return float(np.linalg.norm(np.abs(p) - self.amplitudes)) / size
-        return float(np.linalg.norm(self.complex(np.angle(p)) - p)) / size
+        from pacinian.solving import kernels
+
+        return float(
+            kernels.miss(p.astype(np.complex128, copy=False), self.amplitudes, self.phases)
+        )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Limits:
     """What a solution must keep.
 
     gain: |g_n| <= gain for every transducer, 1e-6..1e6; 1 is full drive; None lifts the limit.
     power: sum |g_n|^2 <= power, kept by scaling down as a whole; None for no limit.
-    quiet: ((K, 3) points [m], limit [Pa]): |p| <= limit there. exact: indices of the samples to meet exactly.
-    A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it.
+    quiet: ((K, 3) points [m], limit [Pa], one or (K,)): |p| <= limit there, without the hand's shadow.
+    exact: indices of the samples to meet exactly, or a flag for each.
+    A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it. Limits that
+    contradict each other or the targets end in `Status.infeasible`. Raises ArgumentError.
     """
 
     gain: float | None = 1.0
     power: float | None = None
-    quiet: tuple[ArrayLike, float] | None = None
+    quiet: tuple[ArrayLike, ArrayLike] | None = None
     exact: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         for name, low, high in (("gain", 1e-6, 1e6), ("power", 1e-12, 1e12)):
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, number(f"limits.{name}", value, low=low, high=high))
+        if self.quiet is not None:
+            object.__setattr__(self, "quiet", _quiet(self.quiet))
 
     @property
     def asked(self) -> set[str]:
         """Names of the limits that a solver must keep by itself: the session keeps the others."""
         return {name for name in ("quiet", "exact") if getattr(self, name) is not None}
+
+    def exactly(self, count: int) -> Flags:
+        """Which of `count` samples are to be met exactly, (count,). Raises ArgumentError."""
+        flags = np.zeros(count, dtype=np.bool_)
+        if self.exact is None:
+            return flags
+        given = np.asarray(self.exact)
+        if given.dtype.kind == "b" and given.shape == (count,):
+            return given.astype(np.bool_)
+        within = given.dtype.kind in "iu" and given.ndim == 1
+        if given.size and not (within and given.min() >= -count and given.max() < count):
+            raise ArgumentError("limits.exact", f"must be indices below {count}, or {count} flags")
+        flags[given.astype(np.intp)] = True
+        return flags
+
+
+def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
+    """Points (K, 3) [m] and limits (K,) [Pa] of quiet zones."""
+    try:
+        where, limit = given
+    except (TypeError, ValueError):
+        raise ArgumentError("limits.quiet", "must be a pair: points [m] and a limit [Pa]") from None
+    points = numbers("limits.quiet[0]", where, (None, 3)).copy()
+    try:
+        most = np.broadcast_to(np.asarray(limit, dtype=np.float64), (len(points),)).copy()
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            "limits.quiet[1]", f"must be one limit [Pa] or {len(points)} of them"
+        ) from None
+    if not (np.isfinite(most) & (most >= 0.0)).all():
+        raise ArgumentError("limits.quiet[1]", "must be 0 or more [Pa]")
+    points.flags.writeable = most.flags.writeable = False
+    return points, most
 
 
 @dataclass(frozen=True)
@@ -137,6 +208,11 @@ class Budget:
         if deadline is None:
             return cls(math.inf, clock)
         return cls(clock() + number("deadline", deadline, low=0.0), clock)
+
+    @property
+    def endless(self) -> bool:
+        """Whether there is no deadline: nothing need be asked for."""
+        return self.due == math.inf
 
     @property
     def spent(self) -> bool:

@@ -9,11 +9,14 @@ import numpy as np
 from scipy.linalg import blas, lapack
 
 from pacinian.acoustics.propagation import Precision, Wave
-from pacinian.types import Complexes, Floats
+from pacinian.solving import kernels, passes
+from pacinian.types import Complexes, Floats, Gains
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+
+A = TypeVar("A", Floats, Complexes)
 
 
 @dataclass
@@ -26,6 +29,9 @@ class Work:
     grams_kept: int = 0
     factors_built: int = 0
     factors_kept: int = 0
+    solved: int = 0
+    solutions_scaled: int = 0
+    solutions_kept: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,19 +65,24 @@ class Propagator:
     """
 
     def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
-        self.array, self.medium, self.precision = array, medium, precision
+        self.array, self.medium = array, medium
+        self.precision: Precision = precision
         self.dtype = np.dtype(np.complex64 if precision == "single" else np.complex128)
         self.work = Work()
         self.version = 0
+        self.quiet: Propagator | None = None
         self._wave = Wave.prepare(array, medium)
         self._forget(0)
 
     def _forget(self, count: int) -> None:
-        self._points = np.full((count, 3), np.nan)
+        self._points = np.empty((count, 3))
         self._B = np.empty((count, len(self.array)), dtype=self.dtype)
+        self._fresh = True  # nothing is kept of what was before
         self._gram: Complexes | None = None
+        self._power: float | None = None
         self._factors: dict[float, Factor] = {}
-        self._stale = np.zeros(count, dtype=bool)  # rows of the Gram matrix
+        self._stale = np.ones(count, dtype=bool)  # rows of the Gram matrix
+        self._moved = True  # whether any row is
 
     def place(self, points: Floats) -> int:
         """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
@@ -80,7 +91,11 @@ class Propagator:
         """
         if len(points) != len(self._points):
             self._forget(len(points))
-        moved = np.flatnonzero((points != self._points).any(axis=1))
+        moved = (
+            np.arange(len(points))
+            if self._fresh
+            else np.flatnonzero((points != self._points).any(axis=1))
+        )
         count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
@@ -88,13 +103,16 @@ class Propagator:
             return 0
         self.version += 1
         self._factors.clear()
+        self._power = None
         try:
-            self._wave.matrix(points[moved], self._B, moved)
+            self._wave.matrix(points if count == len(points) else points[moved], self._B, moved)
         except BaseException:
             self._forget(0)
             raise
+        self._fresh = False
         self._stale[moved] = True
-        self._points[moved] = points[moved]
+        self._moved = True
+        self._points[moved] = points if count == len(points) else points[moved]
         return count
 
     @property
@@ -113,30 +131,41 @@ class Propagator:
         return _sealed(self._B)
 
     @property
+    def single(self) -> Gains:
+        """B in single precision, for the kernels; not to be written to."""
+        return self._B.astype(np.complex64, copy=False)
+
+    @property
     def gram(self) -> Complexes:
         """B B^H [Pa^2], shape (M, M), complex128; not to be written to."""
-        if self._gram is not None and not self._stale.any():
+        if self._gram is not None and not self._moved:
             self.work.grams_kept += 1
-            return _sealed(self._gram)
+            return self._gram
         self.work.grams_built += 1
         if self._gram is None or self._stale.sum() > len(self._stale) / 4:
-            self._gram = gram(self._B)
+            made = gram(self._B)
         else:
-            rows = self._stale
+            rows, made = self._stale, self._gram
+            made.flags.writeable = True
             fresh = (self._B @ self._B[rows].conj().T).conj().T
-            self._gram[rows] = fresh
-            self._gram[:, rows] = fresh.conj().T
-            self._gram[rows, rows] = self._gram[rows, rows].real
+            made[rows] = fresh
+            made[:, rows] = fresh.conj().T
+            made[rows, rows] = made[rows, rows].real
+        made.flags.writeable = False
+        self._gram, self._moved = made, False
         self._stale[:] = False
-        return _sealed(self._gram)
+        return made
 
     @property
     def power(self) -> float:
         """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
-        M = len(self._points)
-        if len(self.array) >= M:
-            return float(np.trace(self.gram).real) / max(1, M)
-        return float(np.vdot(self._B, self._B).real) / M
+        if self._power is None:
+            M = len(self._points)
+            if len(self.array) >= M:
+                self._power = float(self.gram.trace().real) / max(1, M)
+            else:
+                self._power = float(np.vdot(self._B, self._B).real) / M
+        return self._power
 
     def factor(self, mu: float) -> Factor:
         """A Cholesky factor of B B^H + mu I; mu: [Pa^2]."""
@@ -149,15 +178,20 @@ class Propagator:
         return factor
 
     def apply(self, g: Complexes) -> Complexes:
-        """P = B g [Pa], shape (M,), for gains of shape (N,)."""
-        return self._B @ g.astype(self.dtype, copy=False)
+        """P = B g [Pa], shape (M,), complex128, for gains of shape (N,)."""
+        if self._B.dtype != np.complex64:
+            return np.asarray(self._B @ g, np.complex128)
+        p = np.empty(len(self._B), dtype=np.complex128)
+        passes.apply(self.single, np.ascontiguousarray(g, dtype=np.complex64), p)
+        return p
 
     def adjoint(self, y: Complexes) -> Complexes:
-        """B^H y, shape (N,), for y of shape (M,)."""
-        return (y.conj().astype(self.dtype, copy=False) @ self._B).conj()
-
-
-A = TypeVar("A", Floats, Complexes)
+        """B^H y, shape (N,), of B's precision, for y of shape (M,)."""
+        if self._B.dtype != np.complex64:
+            return np.asarray((y.conj() @ self._B).conj())
+        x = np.empty(self._B.shape[1], dtype=np.complex64)
+        passes.adjoint(self.single, np.ascontiguousarray(y, dtype=np.complex128), x)
+        return x
 
 
 def _sealed(array: A) -> A:
@@ -171,8 +205,6 @@ def gram(B: Complexes) -> Complexes:
     """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS."""
     M = len(B)
     if B.dtype == np.complex64:
-        from pacinian.solving import kernels
-
         out = np.empty((M, M), dtype=np.complex128)
         scratch = np.empty((2, M + M % 2, kernels.TILE), dtype=np.float32)
         kernels.gram(np.ascontiguousarray(B), scratch, out)
@@ -184,6 +216,6 @@ def gram(B: Complexes) -> Complexes:
 def cholesky(gram: Complexes, mu: float) -> Factor:
     """A Cholesky factor of `gram` + mu I."""
     shifted = gram.copy()
-    shifted[np.diag_indices(len(gram))] += mu
+    shifted.reshape(-1)[:: len(gram) + 1] += mu
     upper, info = lapack.zpotrf(shifted, overwrite_a=0)
     return Factor(shifted, upper, info == 0)

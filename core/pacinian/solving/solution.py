@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from pacinian.solving.problem import Targets
     from pacinian.types import Complexes, Floats, Gains
 
@@ -34,6 +36,10 @@ class Status(Enum):
         "some points cannot be reached: no sound of any transducer gets there "
         "(are they behind the array?)"
     )
+    infeasible = (
+        "the limits cannot be kept all at once, see `violations`: the best compromise; "
+        "lower the amplitudes, move the quiet points, or ask for fewer exact samples"
+    )
     deadline = "the time was up: the best answer so far"
     failed = "no usable answer: the gains are zero; try solver 'pseudo-inverse'"
 
@@ -47,10 +53,14 @@ class Status(Enum):
 class Solution:
     """Gains, and what they achieve.
 
-    gains: (N,), complex64. targets: what was asked. sound_pressure: achieved [Pa], complex, (M,).
+    gains: (N,), complex64, or complex128 in double precision. targets: what was asked.
+    sound_pressure: achieved [Pa], complex, (M,).
     status: how it ended. solver: which. iterations: how many.
     bound: a lower bound of the objective 1/2 ||p - B g||^2 + mu/2 ||g||^2 for the phases found [Pa^2]
     and objective: its value at these gains; NaN where the solver proves none.
+    multipliers: y, (M,) [Pa], and mu [Pa^2], from which the bound follows: `Session.certify`.
+    violations: of limits that are not kept: "quiet", the loudest point against its limit less 1;
+    "exact", the relative error of the samples to be met exactly.
     seconds: how long it took [s]. note: what the solver has to say, such as why `auto` chose it.
     """
 
@@ -62,6 +72,9 @@ class Solution:
     iterations: int = 0
     bound: float = float("nan")
     objective: float = float("nan")
+    multipliers: Complexes | None = None
+    mu: float = float("nan")
+    violations: Mapping[str, float] = field(default_factory=dict[str, float])
     seconds: float = 0.0
     note: str = ""
 
@@ -69,6 +82,11 @@ class Solution:
     def asked(self) -> Complexes:
         """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
         return self.targets.complex(np.angle(self.sound_pressure))
+
+    @property
+    def phases(self) -> Floats:
+        """The phases achieved [rad], (M,)."""
+        return np.asarray(np.angle(self.sound_pressure), np.float64)
 
     @property
     def residual(self) -> Complexes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import pacinian as pc
@@ -46,7 +46,7 @@ class Auto(pc.Solver):
         solver, why = (self._focus, "one point") if one else (self._several, "several points")
         result = solver.solve(propagator, targets, limits, warm, budget, out)
         note = f"{why}; {result.note}" if result.note else why
-        return replace(result, solver=solver.name, note=note)
+        return result._replace(solver=solver.name, note=note)
 
 
 @pc.hookimpl

@@ -9,21 +9,28 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.checks import integer
-from pacinian.solving.phases import gerchberg_saxton
+from pacinian.solving.kernels import gerchberg_saxton, peak, restrain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from pacinian.types import Complexes
+
+BLOCK = 100_000  # products between two looks at the clock
+LOST = 1e-6  # |R z| over |z|: below it only rounding is left
+
 
 @dataclass(frozen=True)
 class GsPat(pc.Solver):
-    """GS-PAT (Plasencia et al., ACM Trans. Graph. 39(4), 2020): backpropagation with chosen phases.
+    """GS-PAT (Plasencia, Hirayama, Montano-Murillo & Subramanian, ACM Trans. Graph. 39(4), 2020).
 
     steps: Gerchberg-Saxton steps.
 
-    Gains are B^H z with |z_m| = t_m^2 / |(G p)_m| at the chosen phases, scaled to the asked strength. No
-    equations are solved, so neighbouring points disturb each other by some percent. Fixed phases are kept as
-    targets and met as roughly as the amplitudes.
+    Back-propagation is B^H D^-1, D the diagonal of B B^H: a focus of 1 Pa at each point. With
+    R = B B^H D^-1, (M, M), z <- t exp(j arg(R z)) `steps` times, then z <- z t / |R z| and g = B^H D^-1 z,
+    brought as a whole to the asked strength; each gain above the limit is cut to it (for `scale="max"`
+    all are scaled). No equations are solved, so neighbouring points disturb each other by some percent. Fixed
+    phases are kept as targets and met as roughly; an amplitude of 0 is not sent to, and not silenced.
     """
 
     name: ClassVar[str] = "gs-pat"
@@ -43,19 +50,37 @@ class GsPat(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        G = propagator.gram
-        start = None if warm is None else np.angle(warm.sound_pressure)
-        scale = float(targets.amplitudes.max())
-        p = gerchberg_saxton(G, targets, start, self.steps) / scale
-        reached = np.abs(G @ p)
-        z = p * (np.abs(p) / np.where(reached > 0.0, reached, 1.0))
-        made = G @ z
-        power = float(np.vdot(made, made).real)
-        if not power:
+        G, M = propagator.gram, len(targets.amplitudes)
+        d = np.diagonal(G).real
+        t = np.where(d > 0.0, targets.amplitudes, 0.0)
+        if not (scale := float(t.max())):
             return pc.Result(note="no transducer reaches the points")
-        z *= np.abs(np.vdot(made, p)) / power * scale  # the best multiple
-        out[:] = propagator.adjoint(z)
-        return pc.Result(iterations=self.steps)
+        t /= scale  # neither tiny nor huge targets leave the range
+        d = np.where(d > 0.0, d, 1.0)
+        R = G / d
+        m = np.arange(M)
+        start = np.pi * m * m / M if warm is None else np.angle(warm.sound_pressure)
+        z: Complexes = t * np.exp(1j * np.where(targets.free, start, targets.phases))
+        done, late, block = 0, False, max(1, BLOCK // M**2)
+        while done < self.steps and not late:
+            count = min(block, self.steps - done)
+            gerchberg_saxton(R, targets.free, count, z)
+            done += count
+            late = done < self.steps and budget.spent
+        reached = np.abs(R @ z)
+        z *= t / np.where(reached > 0.0, reached, 1.0)
+        made = R @ z
+        angle = np.where(targets.free, np.angle(made), targets.phases)
+        power = float(np.vdot(made, made).real)
+        if power <= LOST**2 * float(np.vdot(z, z).real):
+            return pc.Result(iterations=done, late=late, note="the targets cancel each other")
+        best = np.vdot(made, t * np.exp(1j * angle)) / power
+        out[:] = propagator.adjoint(z / d) * complex(best * scale)
+        if limits.gain is None or targets.scale == "max":
+            return pc.Result(iterations=done, late=late)
+        cut = peak(out) > limits.gain**2
+        restrain(out, 1.0, limits.gain)
+        return pc.Result(iterations=done, limited=cut, late=late)
 
 
 @pc.hookimpl

@@ -121,7 +121,7 @@ def test_errors_are_one_line_and_exit_code_2(tmp_path: Path) -> None:
 def test_plugins_lists_ours_with_options_and_origin() -> None:
     seen = told("plugins")
     ours = {(p["kind"], p["name"]): p for p in seen["plugins"]}
-    assert ours["solver", "lagrange"]["options"]["mu"] == 1e-5
+    assert ours["solver", "lagrange"]["options"]["mu"] == 1e-6
     assert "pacinian" in ours["backend", "simulated"]["from"]
     assert not seen["failed"]
     table = run("plugins")

@@ -418,7 +418,8 @@ def test_what_is_remembered_of_the_last_solution_is_intact() -> None:
             out[:] = 0.25
             return pc.Result()
 
-    renderer, _, _ = make(moving, solver=Looks())
+    calls = iter(range(10))
+    renderer, _, _ = make(lambda t: moving(t + 0.1 * next(calls)), solver=Looks())
     with renderer:
         for _ in range(3):
             renderer.tick()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, cast
 
@@ -10,9 +11,11 @@ from scipy import linalg
 
 import pacinian as pc
 from pacinian.checks import integer, number
-from pacinian.solving.phases import choose
+from pacinian.solving.phases import choose, choose_into
 from pacinian.solving.propagator import cholesky, gram
+from pacinian.solving.rooms import give, take
 from pacinian_plugins.solvers.lagrange.dual import Dual, Point
+from pacinian_plugins.solvers.lagrange.polish import Polish, Room, deliver
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -40,7 +43,7 @@ class Lagrange(pc.Solver):
 
     name: ClassVar[str] = "lagrange"
 
-    mu: float = 1e-5
+    mu: float = 1e-6
     steps: int = 10
     rounds: int = 20
 
@@ -62,7 +65,10 @@ class Lagrange(pc.Solver):
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
-        p = choose(propagator, targets, None if warm is None else np.angle(warm.sound_pressure))
+        M, N = propagator.B.shape
+        if M <= N and targets.scale == "exact":
+            return self._polished(propagator, targets, limits, warm, budget, out, mu)
+        p = choose(propagator, targets, None if warm is None else warm.phases)
         problem = Problem.of(propagator, mu)
         unit = limits.gain or problem.peak(p)  # one unit of h [gain]
         run = Run(self, problem, targets, budget)
@@ -78,8 +84,49 @@ class Lagrange(pc.Solver):
             late=end.late,
             bound=unit**2 * (end.point.value + end.lost),
             objective=unit**2 * (problem.dual.primal(end.point, problem.down(end.p)) + end.lost),
+            mu=mu,
             note=f"{held:.0%} of the transducers at their limit" if held else "",
         )
+
+    def _polished(
+        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
+        warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains, mu: float,
+    ) -> pc.Result:  # fmt: skip
+        """Write the gains where there is no limit but that of the gains."""
+        M, N = len(targets.amplitudes), len(out)
+        room = take(Room.of, M, N)
+        p, start = room.p, None if warm is None else warm.phases
+        norm = choose_into(propagator, targets, start, p, room.free)
+        y = propagator.factor(mu).solve(p)
+        unit = limits.gain or 2.0 * float(np.abs(propagator.adjoint(y)).max())
+        size, root = norm / unit, math.sqrt(mu / self.mu)
+        # up to the first nothing reaches its limit, and beyond the second the answer hardly changes
+        within = min(max(size, math.sqrt(self.mu) * root), 1e3 * N * root)
+        share = within / size
+        y *= mu * share / unit
+        p *= share / unit
+        polish = Polish(propagator.single, propagator.gram, p, room.free, mu, room, budget)
+        end = polish.run(y)
+        bound, objective, scale = end.bound, end.objective, unit / max(share, 1.0)
+        if out.dtype == np.complex64:
+            deliver(room.h, scale, out)
+        else:
+            fine = polish.refined(propagator.B)
+            out[:] = scale * fine.h
+            bound, objective = fine.bound, fine.objective
+        proven = (unit / share) ** 2 if share >= 1.0 else math.nan
+        result = pc.Result(
+            iterations=end.steps,
+            limited=end.held > 0 and limits.gain is not None,
+            late=end.late,
+            bound=bound * proven,
+            objective=objective * proven,
+            multipliers=room.y * (unit / share),
+            mu=mu,
+            note=f"{end.held / N:.0%} of the transducers at their limit" if end.held else "",
+        )
+        give(Room.of, M, N, room)
+        return result
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,83 @@
+"""What gains achieve, from the gains themselves: status, violations, and the proof of a bound."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.solving.solution import Status
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Limits, Targets
+    from pacinian.solving.propagator import Propagator
+    from pacinian.types import Complexes
+
+TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
+
+
+def violations(
+    propagator: Propagator, limits: Limits, targets: Targets, p: Complexes, g: Complexes
+) -> dict[str, float]:
+    """Of the limits that a solver must keep, those that gains g, (N,), with pressures p, (M,), do not."""
+    found: dict[str, float] = {}
+    if propagator.quiet is not None and limits.quiet is not None:
+        limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
+        loud = np.abs(propagator.quiet.apply(g))
+        reach = np.sqrt(max(propagator.quiet.power, 1e-60))  # [Pa]: what rounding is measured by
+        over = (loud - limit) / np.maximum(limit, TOLERANCE * reach)
+        if len(over) and over.max() > TOLERANCE:
+            found["quiet"] = float(over.max())
+    if limits.exact is not None:
+        chosen = limits.exactly(len(p))
+        asked = targets.complex(np.angle(p))[chosen]
+        size = float(np.linalg.norm(asked)) or targets.norm or 1.0
+        missed = float(np.linalg.norm(asked - p[chosen])) / size
+        if missed > TOLERANCE:
+            found["exact"] = missed
+    return found
+
+
+def bound(B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None) -> float:
+    """What 1/2 ||p - B g||^2 + mu/2 ||g||^2 cannot be less than under |g_n| <= gain [Pa^2].
+
+    B: (M, N). p: targets, (M,). y: any multipliers, (M,): the dual of `lagrange`,
+    D(y) = Re(y^H p) - ||y||^2 / 2 - sum_n c(|B^H y|_n), c(s) = s^2 / (2 mu), or gain s - mu gain^2 / 2
+    where s > mu gain.
+    """
+    s = np.abs(B.conj().T @ y)
+    cost = s * s / (2.0 * mu)
+    if gain is not None:
+        cost = np.where(s <= mu * gain, cost, gain * s - mu * gain * gain / 2.0)
+    return float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost.sum())
+
+
+def judge(
+    propagator: Propagator,
+    targets: Targets,
+    p: Complexes,
+    *,
+    broken: bool,
+    late: bool,
+    scaled: bool,
+    limited: bool,
+) -> Status:
+    """How it ended, by the pressures achieved, (M,) [Pa], and by what the solver and the limits did."""
+    if not targets.norm:
+        return Status.silent
+    if broken:
+        return Status.infeasible
+    if targets.scale == "max":
+        scaled = False
+        reached = float(np.linalg.norm(p)) / targets.norm
+        p = p / (reached or 1.0)
+    if targets.miss(p) <= TOLERANCE:
+        return Status.ok
+    asked = targets.amplitudes > 0.0
+    if not propagator.B[asked].any(axis=1).all():
+        return Status.unreachable
+    if late:
+        return Status.deadline
+    if scaled:
+        return Status.scaled
+    return Status.limited if limited else Status.approximate

@@ -1,0 +1,166 @@
+"""Transducer by transducer, the phase that helps most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy import float32 as f4
+
+import pacinian as pc
+from pacinian.acoustics.compiled import compiled
+from pacinian.checks import integer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.types import Complexes, Floats, Indices, Singles
+
+BLOCK = 2_000_000  # pressures tried between two looks at the clock: some milliseconds
+AIM = 0.7  # targets over what a focus reaches at the drive that all transducers are given
+LOUD = 0.9  # the same for scale="max", at full drive
+FAR = 10.0  # the same, at most: single precision must see what one transducer changes
+
+HUGE = f4(3e38)
+AT_LIMIT = 1.0 - 1e-6
+
+
+@compiled("i8(f4[:, :, ::1], f4[::1], i8[::1], f4[:, ::1], f4[:, ::1], f4[:, ::1])")
+def choose(B: Singles, t: Singles, order: Indices, E: Singles, h: Singles, p: Singles) -> int:
+    """Give each transducer of `order` the best of E, keeping p = B h; return how many have changed.
+
+    The best has the least sum_m (|p_m + B_mn E_l| - t_m)^2, p being what the others make; the first of equals.
+    B: (N, 2, M), E: (2, L), h: (2, N), p: (2, M): real and imaginary parts. t: (M,).
+    """
+    M, changed = len(t), 0
+    pr, pi = p[0], p[1]
+    for n in order:
+        br, bi = B[n, 0], B[n, 1]
+        er, ei = h[0, n], h[1, n]
+        size = f4(0.0)
+        for m in range(M):
+            pr[m] -= br[m] * er - bi[m] * ei
+            pi[m] -= br[m] * ei + bi[m] * er
+            size += br[m] * br[m] + bi[m] * bi[m]
+        if size == f4(0.0):  # it reaches no point
+            continue
+        least, best = HUGE, 0
+        for l in range(E.shape[1]):  # noqa: E741
+            er, ei = E[0, l], E[1, l]
+            cost = f4(0.0)
+            for m in range(M):
+                re = pr[m] + br[m] * er - bi[m] * ei
+                im = pi[m] + br[m] * ei + bi[m] * er
+                miss = np.sqrt(re * re + im * im) - t[m]
+                cost += miss * miss
+            if cost < least:
+                least, best = cost, l
+        er, ei = E[0, best], E[1, best]
+        if er != h[0, n] or ei != h[1, n]:
+            changed += 1
+        h[0, n], h[1, n] = er, ei
+        for m in range(M):
+            pr[m] += br[m] * er - bi[m] * ei
+            pi[m] += br[m] * ei + bi[m] * er
+    return changed
+
+
+@dataclass(frozen=True)
+class Greedy(pc.Solver):
+    """The greedy method with brute-force search (Suzuki et al., IEEE Trans. Haptics 14(4), 2021).
+
+    levels: of the phase, for each transducer. passes: over the array, at most; 1 as published, more
+    choose each transducer's phase anew, given all others. seed: of the order, drawn anew each pass.
+
+    In random order each transducer takes, of `levels` phases, the one of least sum_m (|p_m| - t_m)^2, p
+    being what the others make; at first they are silent. (AUTD3 sums | |p_m| - t_m |, which does worse.) All are
+    driven alike, so that a focus as strong as all targets together would take 70 % of it. A fixed phase
+    counts as |p_m - t_m exp(j phi_m)|^2; an amplitude of 0 is made silent.
+    """
+
+    name: ClassVar[str] = "greedy"
+
+    levels: int = 16
+    passes: int = 3
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, low in (("levels", 2), ("passes", 1), ("seed", 0)):
+            object.__setattr__(self, name, integer(name, getattr(self, name), low=low))
+
+    def solve(
+        self,
+        propagator: pc.Propagator,
+        targets: pc.Targets,
+        limits: pc.Limits,
+        warm: pc.Solution | None,
+        budget: pc.Budget,
+        out: pc.Gains,
+    ) -> pc.Result:
+        """Write the gains; see `pacinian.Solver.solve`."""
+        B = propagator.B
+        M, N = B.shape
+        columns = np.empty((N, 2, M), np.float32)
+        columns[:, 0], columns[:, 1] = B.real.T, B.imag.T
+        reach = np.sqrt(N * np.einsum("npm,npm->m", columns, columns).astype(np.float64))  # [Pa]
+        t = np.where(reach > 0.0, targets.amplitudes, 0.0)
+        if not t.any():
+            return pc.Result(note="no transducer reaches the points")
+        t, drive = _relative(t, float(reach[t > 0.0].mean()), targets.scale, limits.gain)
+        given = np.exp(1j * np.where(targets.free, 0.0, targets.phases))
+        fixed = np.where(targets.free, 0.0, t) * given  # p starts from their opposite
+        h = np.zeros(N, np.complex64) if warm is None else _unit(warm.gains)
+        p = B @ h - fixed
+        parts = np.array([h.real, h.imag], np.float32), np.array([p.real, p.imag], np.float32)
+        done, late = self._go(columns, np.where(targets.free, t, 0.0), *parts, budget)
+        h, p = parts[0][0] + 1j * parts[0][1], parts[1][0] + 1j * parts[1][1] + fixed
+        asked = np.where(targets.free, t * np.exp(1j * np.angle(p)), fixed)
+        best = complex(np.vdot(p, asked) / (np.vdot(p, p).real or 1.0))  # multiple
+        top = np.inf if limits.gain is None else limits.gain
+        size = drive if targets.scale == "max" else min(drive * abs(best), top)
+        out[:] = h * (best / (abs(best) or 1.0) * size)
+        return pc.Result(iterations=done, limited=size >= AT_LIMIT * top, late=late)
+
+    def _go(
+        self, B: Singles, t: Floats, h: Singles, p: Singles, budget: pc.Budget
+    ) -> tuple[int, bool]:
+        """Pass over the array until nothing changes; return the passes begun, and whether it is late."""
+        N, _, M = B.shape
+        angle = 2.0 * np.pi * np.arange(self.levels) / self.levels
+        E = np.array([np.cos(angle), np.sin(angle)], np.float32)
+        block = max(1, BLOCK // (M * self.levels))
+        random = np.random.default_rng(self.seed)
+        for done in range(1, self.passes + 1):
+            order, changed = random.permutation(N), 0
+            for first in range(0, N, block):
+                if first + done > 1 and budget.spent:
+                    return done, True
+                changed += choose(B, t.astype(np.float32), order[first : first + block], E, h, p)
+            if not changed:
+                return done, False
+        return self.passes, False
+
+
+def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
+    """Targets [Pa] at a drive of 1 for all transducers, and the drive that they are given.
+
+    reach: of a focus at a drive of 1 [Pa].
+    """
+    need = float(np.linalg.norm(t)) / reach
+    if scale == "max":
+        return t * (LOUD / need), limit or 1.0
+    drive = need / AIM if limit is None else min(limit, need / AIM)
+    return t * (min(1.0, FAR * drive / need) / drive), drive
+
+
+def _unit(g: pc.Gains) -> Complexes:
+    """g / |g|, 0 where g is 0."""
+    size = np.abs(g)
+    return np.asarray(g / np.where(size > 0.0, size, 1.0), np.complex64)
+
+
+@pc.hookimpl
+def register_solvers() -> Iterable[type[pc.Solver]]:
+    """This plug-in's solver."""
+    return [Greedy]

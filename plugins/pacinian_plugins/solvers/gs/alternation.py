@@ -1,0 +1,153 @@
+"""Back to the transducers and forth to the points, again and again: the steps, and one run of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy import float32 as f4
+
+import pacinian as pc
+from pacinian.acoustics.compiled import compiled
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Flags, Floats, Singles
+
+TILE = 512  # transducers at a time: their gains stay in the first-level cache
+BLOCK, MANY = 10, 1_000_000  # steps between two looks at the clock; fewer above so many elements
+SMALLEST = 1e-18  # |x|: its square is still a number in single precision
+ROOM, FAR = 10.0, 1000.0  # drive looked at, over what a focus needs; targets, over what it reaches
+AT_LIMIT = 0.999  # share of the limit from which a transducer counts as held
+EVEN = 1e-4  # error at which the weights have done their work
+
+
+@compiled(
+    "f8(f4[:, :, ::1], f8[::1], b1[::1], f8, f8, i8, f8[::1], c16[::1], f4[:, ::1], c16[::1])"
+)
+def iterate(
+    B: Singles, t: Floats, free: Flags, exponent: float, floor: float, steps: int,
+    w: Floats, u: Complexes, h: Singles, p: Complexes,
+) -> float:  # fmt: skip
+    """Back and forth `steps` times; return the floor.
+
+    One step: x = B^H (w t u), h = x / max(|x|, floor), p = B h, then u = p / |p| where `free`, and
+    w <- w (mean of |p| / t : |p| / t)^exponent.
+    B: (2, M, N), h: (2, N), real and imaginary parts. t: (M,), 0 where nothing is asked. w, u, p: (M,).
+    floor: above SMALLEST it is moved so that p comes to the strength of t.
+    """
+    _, M, N = B.shape
+    for _ in range(steps):
+        p[:] = 0.0
+        for first in range(0, N, TILE):
+            count = min(TILE, N - first)
+            re, im = h[0, first : first + count], h[1, first : first + count]
+            re[:], im[:] = f4(0.0), f4(0.0)
+            for m in range(M):
+                z = u[m] * (w[m] * t[m])
+                zr, zi = f4(z.real), f4(z.imag)
+                br, bi = B[0, m, first : first + count], B[1, m, first : first + count]
+                for n in range(count):
+                    re[n] += br[n] * zr + bi[n] * zi
+                    im[n] += br[n] * zi - bi[n] * zr
+            least = f4(floor)
+            for n in range(count):
+                size = max(np.sqrt(re[n] * re[n] + im[n] * im[n]), least)
+                re[n] /= size
+                im[n] /= size
+            for m in range(M):
+                br, bi = B[0, m, first : first + count], B[1, m, first : first + count]
+                pr, pi = f4(0.0), f4(0.0)
+                for n in range(count):
+                    pr += br[n] * re[n] - bi[n] * im[n]
+                    pi += br[n] * im[n] + bi[n] * re[n]
+                p[m] += complex(pr, pi)
+        along, square, ratios, asked = 0.0, 0.0, 0.0, 0
+        for m in range(M):
+            length = abs(p[m])
+            if t[m] > 0.0 and length > 0.0:
+                along += length * t[m]
+                square += length * length
+                ratios += length / t[m]
+                asked += 1
+                if free[m]:
+                    u[m] = p[m] / length
+        if floor > SMALLEST and along > 0.0:
+            floor = max(floor * square / along, SMALLEST)
+        if exponent > 0.0:
+            for m in range(M):
+                length = abs(p[m])
+                if t[m] > 0.0 and length > 0.0:
+                    w[m] *= (ratios / asked * t[m] / length) ** exponent
+            w /= np.max(w)
+    return floor
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One call of either solver."""
+
+    propagator: pc.Propagator
+    targets: pc.Targets
+    limits: pc.Limits
+    warm: pc.Solution | None
+    budget: pc.Budget
+    out: pc.Gains
+
+    def go(self, steps: int, floor: float, exponent: float = 0.0, hold: int = 0) -> pc.Result:
+        """Take `steps` steps and write the gains; `hold` as in `WeightedGs`, 0 for never."""
+        B, free = self.propagator.B, self.targets.free
+        M, N = B.shape
+        planes = np.empty((2, M, N), np.float32)
+        planes[0], planes[1] = B.real, B.imag
+        d = np.einsum("pmn,pmn->m", planes, planes).astype(np.float64)  # (M,) of B B^H [Pa^2]
+        asked = (d > 0.0) & (self.targets.amplitudes > 0.0)
+        if not asked.any():
+            return pc.Result(note="no transducer reaches the points")
+        t = np.where(asked, self.targets.amplitudes, 0.0)
+        reach = float(np.sqrt(N * d[asked]).mean())  # [Pa] of a focus at full drive
+        t, unit = _relative(t, reach, self.targets.scale, self.limits.gain)
+        m = np.arange(M)
+        start = np.pi * m * m / M if self.warm is None else np.angle(self.warm.sound_pressure)
+        u = np.exp(1j * np.where(free, start, self.targets.phases))
+        w = np.where(asked, 1.0 / np.where(asked, d, 1.0), 0.0)
+        h, p = np.zeros((2, N), np.float32), np.zeros(M, np.complex128)
+        block = min(BLOCK, max(1, MANY // B.size))
+        done, late = 0, False
+        while done < steps and not late:
+            if done == hold > 0:
+                free = np.zeros(M, np.bool_)
+            count = min(block, (hold if done < hold else steps) - done, steps - done)
+            floor = iterate(planes, t, free, exponent, floor, count, w, u, h, p)
+            done += count
+            if exponent and _spread(np.abs(p[asked]), t[asked]) <= EVEN:
+                break
+            late = done < steps and self.budget.spent
+        return self._write(h, p, t, unit, done, late)
+
+    def _write(
+        self, h: Singles, p: Complexes, t: Floats, unit: float, done: int, late: bool
+    ) -> pc.Result:
+        """Write the gains: the multiple of h whose p is nearest to t, within the limit."""
+        angle = np.where(self.targets.free, np.angle(p), self.targets.phases)
+        best = complex(np.vdot(p, t * np.exp(1j * angle)) / (np.vdot(p, p).real or 1.0))
+        top = np.inf if self.limits.gain is None else self.limits.gain
+        size = unit if self.targets.scale == "max" else min(unit * abs(best), top)
+        self.out[:] = (h[0] + 1j * h[1]) * (best / (abs(best) or 1.0) * size)
+        held = size * float(np.hypot(h[0], h[1]).max()) >= AT_LIMIT * top
+        return pc.Result(iterations=done, limited=held, late=late)
+
+
+def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
+    """Targets [Pa] at |h| = 1, and that unit of h as a gain; `reach`: of a focus at a gain of 1 [Pa]."""
+    need = float(np.linalg.norm(t)) / reach
+    if scale == "max":
+        return t / need, limit or 1.0
+    unit = ROOM * need if limit is None else min(limit, ROOM * need)
+    return t * (min(1.0, FAR * unit / need) / unit), unit
+
+
+def _spread(p: Floats, t: Floats) -> float:
+    """||p - s t|| / ||s t|| for the best multiple s."""
+    along = float(p @ t) / float(t @ t)
+    return float(np.linalg.norm(p - along * t) / np.linalg.norm(along * t))

@@ -1,0 +1,218 @@
+"""Pressures as asked under the gain limit alone: phases, multipliers and gains found together.
+
+People feel amplitude, not phase, so p = t exp(j phi) with phi free, and y = r exp(j phi) at the optimum
+of the dual (see `dual`), r real. Steps go on in this order for as long as the error asks for it:
+
+1. The regularised pseudo-inverse, for phases by Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
+2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, u = p / |p| of the pressures made: M real
+   equations, each step an M x M real system (`descend`). Two or three while a part is at its limit.
+3. Where that stalls, full drive: weighted Gerchberg-Saxton steps find other phases that more pressure
+   can be made with (`equalise`); then 2 again.
+4. Where the array cannot do it: Newton steps on the gains to the nearest pressures (`nearest`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.acoustics.compiled import compiled
+from pacinian.solving.passes import TILE, gather
+from pacinian_plugins.solvers.lagrange.descend import descend
+from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
+from pacinian_plugins.solvers.lagrange.equalise import equalise
+from pacinian_plugins.solvers.lagrange.nearest import nearest
+from pacinian_plugins.solvers.lagrange.sweeps import evaluate
+
+if TYPE_CHECKING:
+    import pacinian as pc
+    from pacinian.types import Complexes, Flags, Floats, Gains, Indices, Singles
+
+ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
+MET, NEARLY = (
+    1e-4,
+    1e-3,
+)  # relative errors that will do: in any case, and where steps have converged
+STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
+BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """Space for the kernels, for M samples and N transducers: made once."""
+
+    p: Complexes
+    free: Flags
+    y: Complexes
+    h: Singles
+    spare: Singles
+    made: Floats
+    A: Floats
+    tile: Singles
+    V: Singles
+    which: Indices
+    found: Floats
+
+    @classmethod
+    def of(cls, M: int, N: int) -> Room:
+        """Room for M samples, each of them two equations."""
+        K = 2 * M + 4
+        return cls(
+            np.zeros(M, np.complex128),
+            np.zeros(M, np.bool_),
+            np.zeros(M, np.complex128),
+            np.zeros((3, N), np.float32),
+            np.zeros((3, N), np.float32),
+            np.zeros((2, M)),
+            np.zeros((K, K)),
+            np.zeros((2, M + -M % 4, TILE), np.float32),
+            np.zeros((K, 2 * TILE), np.float32),
+            np.zeros(TILE, np.int64),
+            np.zeros(3),
+        )
+
+
+class Polished(NamedTuple):
+    """Where the steps ended; the gains are in `room.h`, in units of the limit."""
+
+    error: float  # ||asked - made|| / ||p||, free phases being as made
+    steps: int
+    late: bool
+    held: int  # transducers at their limit
+    bound: float  # [Pa^2] for unit limits
+    objective: float
+
+
+@compiled("f8(c16[::1], b1[::1], f8, c16[::1], f4[:, ::1], f8[:, ::1], f8, f8[::1])")
+def certify(
+    p: Complexes, free: Flags, mu: float, y: Complexes, h: Singles, made: Floats, cost: float,
+    proof: Floats,
+) -> float:  # fmt: skip
+    """Write D(y) and 1/2 ||p - made||^2 + mu/2 ||h||^2 for the phases made; return the share at the limit."""
+    value, miss, power, held = -cost, 0.0, 0.0, 0
+    for m in range(len(p)):
+        q, t = complex(made[0, m], made[1, m]), p[m]
+        a = abs(q)
+        if free[m] and a > 0.0:
+            t = abs(t) / a * q
+        value += (np.conj(y[m]) * t).real - 0.5 * abs(y[m]) ** 2
+        miss += abs(t - q) ** 2
+    for n in range(h.shape[1]):
+        square = np.float64(h[0, n]) ** 2 + np.float64(h[1, n]) ** 2
+        power += square
+        held += 1 if square > (1.0 - 1e-5) ** 2 else 0
+    proof[0], proof[1] = value, 0.5 * (miss + mu * power)
+    return held
+
+
+@compiled("void(f4[:, ::1], f8, c8[::1])")
+def deliver(h: Singles, unit: float, out: Gains) -> None:
+    """Write the gains, (N,), of those in units of the limit."""
+    for n in range(len(out)):
+        out[n] = complex(unit * np.float64(h[0, n]), unit * np.float64(h[1, n]))
+
+
+@dataclass(eq=False)
+class Polish:
+    """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come."""
+
+    B: Complexes
+    G: Complexes
+    p: Complexes
+    free: Flags
+    mu: float
+    room: Room
+    budget: pc.Budget
+    steps: int = 0
+
+    def run(self, y: Complexes) -> Polished:
+        """Find gains, from multipliers y, (M,)."""
+        room = self.room
+        room.y[:] = y
+        error, converged = self._newton()
+        if error > (NEARLY if converged else MET) and not self.budget.spent:
+            error = self._harder(error)
+        held = certify(
+            self.p, self.free, self.mu, room.y, room.h, room.made, float(room.found[1]), room.found
+        )
+        bound, objective = room.found[:2].tolist()
+        return Polished(error, self.steps, self.budget.spent, int(held), bound, objective)
+
+    def _newton(self) -> tuple[float, bool]:
+        """Steps of `descend`, one at a time where there is a deadline; return the error, and if it is the last."""
+        room = self.room
+        chunk = STEPS if self.budget.endless else 1
+        for _ in range(0, STEPS, chunk):
+            steps = descend(
+                self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y,
+                room.h, room.made, room.A, room.tile, room.V, room.which, room.found,
+            )  # fmt: skip
+            self.steps += abs(steps)
+            if steps >= 0 or self.budget.spent:
+                return float(room.found[0]), steps >= 0
+        return float(room.found[0]), False
+
+    def _harder(self, error: float) -> float:
+        """What to do where Newton steps stall at `error`; the better gains stay."""
+        room = self.room
+        np.copyto(room.spare, room.h)
+        start = error
+        if self.free.all():
+            start = self._full_drive()
+            if start > error:
+                np.copyto(room.h, room.spare)
+        return self._nearest() if start > MET and not self.budget.spent else start
+
+    def _full_drive(self) -> float:
+        """Other phases, from which Newton steps start again; return the error."""
+        room = self.room
+        multiple = equalise(self.B, self.p, EQUAL, room.y, room.h, room.made, room.tile)
+        self.steps += EQUAL
+        within = multiple >= BEYOND
+        # where targets are within reach, as many transducers above their limit as below
+        room.y[:] *= (self.mu if within else 10.0 * self.mu) / max(
+            float(np.median(room.h[2])), 1e-30
+        )
+        return self._newton()[0]
+
+    def _nearest(self) -> float:
+        """Steps of `nearest` from the gains at hand; return the error."""
+        room = self.room
+        room.found[1] = 0.0
+        gather(self.B, room.h, room.made, room.tile)
+        chunk = LAST if self.budget.endless else 1
+        for _ in range(0, LAST, chunk):
+            steps = nearest(
+                self.B, self.p, self.free, self.mu, chunk, ENOUGH,
+                room.h, room.made, room.A, room.tile, room.V, room.found,
+            )  # fmt: skip
+            self.steps += abs(steps)
+            if steps >= 0 or self.budget.spent:
+                break
+        error = float(room.found[0])
+        q = room.made[0] + 1j * room.made[1]
+        t = np.where(self.free, np.abs(self.p) * np.exp(1j * np.angle(q)), self.p)
+        room.y[:] = t - q
+        multipliers = np.zeros((2, room.tile.shape[1]), np.float32)
+        multipliers[:, : len(q)] = room.y.real, room.y.imag
+        room.found[1] = evaluate(
+            self.B,
+            multipliers,
+            np.float32(self.mu),
+            room.spare,
+            np.empty_like(room.made),
+            room.tile,
+        )
+        return error
+
+    def refined(self, B: Complexes) -> Refined:
+        """The answer in double precision, for B in it; the multipliers are in `room.y`."""
+        room = self.room
+        h = room.h[0].astype(np.complex128) + 1j * room.h[1]
+        rough = certified(B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0))
+        fine = newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS)
+        best = fine if fine.objective < rough.objective else rough
+        room.y[:] = best.y
+        return best._replace(bound=max(fine.bound, rough.bound))

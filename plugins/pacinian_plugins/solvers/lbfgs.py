@@ -1,0 +1,173 @@
+"""All phases and amplitudes at once by L-BFGS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+from scipy import optimize
+
+import pacinian as pc
+from pacinian.checks import integer, number
+from pacinian.solving.phases import choose
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.types import Complexes, Floats
+
+FLAT = 1e-5  # relative decrease of f in one step at which it ends
+ROOM, FAR = 10.0, 100.0  # drive looked at, over what a focus needs; targets, over what it reaches
+OPEN, AT_LIMIT = 0.99, 0.999  # |h|: at most so much at the start, where sines are flat; held above
+MANY = 256  # points from which the Gram matrix costs more than the steps that it saves
+IN_PROPORTION = 1e-3  # error up to which `scale="max"` counts proportions as kept
+ROUNDS = 12  # of lower and lower targets for `scale="max"`
+
+
+@dataclass(frozen=True)
+class Lbfgs(pc.Solver):
+    """Quasi-Newton descent on phases and amplitudes of all transducers, as in levitate's `minimize`.
+
+    steps: at most so many. tolerance: error || |p| - t || / ||t|| at which it ends. memory: how many
+    past steps and gradients are kept.
+
+    Minimises 1/2 sum_m (|p_m| - t_m)^2, with |p_m - t_m exp(j phi_m)|^2 where a phase is fixed, by SciPy's
+    L-BFGS (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995). Gains are limit sin(v_n) exp(j theta_n):
+    the limit is kept without bounds (levitate bounds amplitudes: no better, and slower). It starts from
+    back-propagation with Gerchberg-Saxton phases, or from the last gains, and ends in a local minimum.
+    `scale="max"`: targets as strong as one focus, lowered until they are met within 0.1 %.
+    """
+
+    name: ClassVar[str] = "lbfgs"
+
+    steps: int = 1000
+    tolerance: float = 1e-5
+    memory: int = 10
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
+        tolerance = number("tolerance", self.tolerance, low=0.0, high=1.0, above=True)
+        object.__setattr__(self, "tolerance", tolerance)
+        object.__setattr__(self, "memory", integer("memory", self.memory, low=1))
+
+    def solve(
+        self,
+        propagator: pc.Propagator,
+        targets: pc.Targets,
+        limits: pc.Limits,
+        warm: pc.Solution | None,
+        budget: pc.Budget,
+        out: pc.Gains,
+    ) -> pc.Result:
+        """Write the gains; see `pacinian.Solver.solve`."""
+        B = propagator.B
+        parts = B.view(B.real.dtype)
+        d = np.einsum("mn,mn->m", parts, parts).astype(np.float64)  # (M,) of B B^H [Pa^2]
+        t = np.where(d > 0.0, targets.amplitudes, 0.0)
+        if not t.any():
+            return pc.Result(note="no transducer reaches the points")
+        reach = float(np.sqrt(B.shape[1] * d[t > 0.0]).mean())  # [Pa] of a focus at full drive
+        t, unit = _relative(t, reach, targets.scale, limits.gain)
+        problem = Problem(propagator, t, targets.phases, self.tolerance * float(np.linalg.norm(t)))
+        h = None if warm is None or not warm.gains.any() else warm.gains / unit
+        if h is None:
+            M = len(B)
+            p = targets.complex(np.pi * np.arange(M) ** 2 / M)
+            p = choose(propagator, targets, None) if M <= MANY else p
+            z = np.exp(1j * np.angle(p)) * (t / np.where(d > 0.0, d, 1.0))
+            h = problem.back(np.asarray(z, np.complex128))
+        end = self._descend(problem, h, budget)
+        steps = end.steps
+        if targets.scale == "max":
+            for _ in range(ROUNDS):
+                if end.late or end.error <= IN_PROPORTION:
+                    break
+                problem = replace(problem, t=problem.t * (1.0 - end.error))
+                end = self._descend(problem, end.h, budget)
+                steps += end.steps
+        out[:] = unit * end.h
+        held = unit == limits.gain and float(np.abs(end.h).max()) >= AT_LIMIT
+        return pc.Result(iterations=steps, limited=held, late=end.late)
+
+    def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
+        """From h, (N,), down to a minimum, or as far as the budget goes."""
+        late = False
+
+        def look(intermediate_result: optimize.OptimizeResult) -> None:
+            nonlocal late
+            late = budget.spent
+            if late or intermediate_result.fun <= 0.5:
+                raise StopIteration
+
+        start = np.concatenate([np.arcsin(np.minimum(np.abs(h), OPEN)), np.angle(h)])
+        result = optimize.minimize(
+            problem.value, start, method="L-BFGS-B", jac=True, callback=look,
+            options={
+                "maxiter": self.steps, "maxfun": 2 * self.steps, "maxcor": self.memory,
+                "ftol": FLAT, "gtol": 0.0,
+            },
+        )  # fmt: skip
+        error = self.tolerance * float(np.sqrt(2.0 * result.fun))
+        return End(Problem.gains(result.x), error, int(result.nit), late)
+
+
+class End(NamedTuple):
+    """Where a descent ended."""
+
+    h: Complexes  # (N,), |h| <= 1
+    error: float  # || |p| - t || / ||t||
+    steps: int
+    late: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """f of v and theta, and its gradient.
+
+    t: (M,) [Pa] at |h| = 1. phases: (M,), NaN where free. unit: [Pa] of the residual: f = 1/2 where it is met.
+    """
+
+    propagator: pc.Propagator
+    t: Floats
+    phases: Floats
+    unit: float
+
+    @staticmethod
+    def gains(x: Floats) -> Complexes:
+        """h = sin(v) exp(j theta), (N,), for x = v, theta, (2 N,)."""
+        v, theta = np.split(x, 2)
+        return np.asarray(np.sin(v) * np.exp(1j * theta))
+
+    def value(self, x: Floats) -> tuple[float, Floats]:
+        """f = 1/2 ||r||^2 and df/dx: with B^H r = y, df = Re(y^H dh)."""
+        v, theta = np.split(x, 2)
+        sine, turn = np.sin(v), np.exp(1j * theta)
+        p = self.propagator.apply(sine * turn).astype(np.complex128)
+        angle = np.where(np.isnan(self.phases), np.angle(p), self.phases)
+        r = (p - self.t * np.exp(1j * angle)) / self.unit
+        s = self.propagator.adjoint(r).conj() * turn
+        slope = np.concatenate([s.real * np.cos(v), -s.imag * sine], dtype=np.float64) / self.unit
+        return float(np.vdot(r, r).real) / 2.0, slope
+
+    def back(self, z: Complexes) -> Complexes:
+        """The multiple of B^H z whose strength is that of t."""
+        h = self.propagator.adjoint(z)
+        made = np.abs(self.propagator.apply(h)).astype(np.float64)
+        square = float(made @ made)
+        return h * (float(made @ self.t) / square if square else 0.0)
+
+
+def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
+    """Targets [Pa] at |h| = 1, and that unit of h as a gain; `reach`: of a focus at a gain of 1 [Pa]."""
+    need = float(np.linalg.norm(t)) / reach
+    if scale == "max":
+        return t / need, limit or 1.0
+    unit = ROOM * need if limit is None else min(limit, ROOM * need)
+    return t * (min(1.0, FAR * unit / need) / unit), unit
+
+
+@pc.hookimpl
+def register_solvers() -> Iterable[type[pc.Solver]]:
+    """This plug-in's solver."""
+    return [Lbfgs]
