@@ -17,20 +17,21 @@ if TYPE_CHECKING:
 TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
 
 
-@compiled("void(c8[:, ::1], f4[:, :, ::1], c16[:, ::1])")
-def gram(B: Complexes, scratch: Singles, out: Complexes) -> None:
-    """Write B B^H, (M, M), exactly Hermitian; sums over 512 columns are single, over tiles double.
+@compiled("void(c8[:, ::1], i8, i8, f4[:, :, ::1], c16[:, ::1])")
+def gram(B: Complexes, start: int, stop: int, scratch: Singles, out: Complexes) -> None:
+    """Write B B^H, (M, M), exactly Hermitian, of the columns start..stop.
 
-    scratch: (2, M + M % 2, TILE). Rows are taken two by two, so that each number loaded is used twice:
-    2 times as fast as BLAS for M = 16 to 24, and no slower to M = 128.
+    Sums over a tile are single, over tiles double. scratch: (2, M + M % 2, TILE). Rows are taken two by
+    two, so that each number loaded is used twice: 2 times as fast as BLAS for M = 16 to 24, and no
+    slower to M = 128.
     """
-    M, N = B.shape
-    even = scratch.shape[1]
+    M = B.shape[0]
+    even, tile = scratch.shape[1], scratch.shape[2]
     out[:] = 0.0
     scratch[:] = f4(0.0)
     re, im = scratch[0], scratch[1]
-    for first in range(0, N, TILE):
-        count = min(TILE, N - first)
+    for first in range(start, stop, tile):
+        count = min(tile, stop - first)
         for m in range(M):
             row = B[m, first : first + count]
             for n in range(count):

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from scipy.linalg import blas, lapack
+from scipy.linalg import blas
 
 from pacinian.acoustics.propagation import Precision, Wave
 from pacinian.solving import kernels, passes
-from pacinian.types import Complexes, Floats, Gains
+from pacinian.solving.factor import Factor
+from pacinian.solving.rooms import give, take
+from pacinian.types import Complexes, Floats, Gains, Singles
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
 
 A = TypeVar("A", Floats, Complexes)
+
+
+MANY = 128  # rows from which the Gram matrix is made by all cores
+FEW = 10  # rows of the Gram matrix are made anew one by one up to a share of 1 / FEW
 
 
 @dataclass
@@ -32,29 +41,6 @@ class Work:
     solved: int = 0
     solutions_scaled: int = 0
     solutions_kept: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Factor:
-    """A Cholesky factor of a matrix, (M, M), complex128; definite: whether the matrix has one."""
-
-    matrix: Complexes
-    upper: Complexes
-    definite: bool
-
-    @property
-    def reciprocal_condition(self) -> float:
-        """LAPACK's estimate; 0 where the matrix is not positive definite."""
-        if not self.definite:
-            return 0.0
-        norm = float(np.abs(self.matrix).sum(axis=0).max())
-        reciprocal, _ = lapack.zpocon(self.upper, norm)
-        return float(reciprocal)
-
-    def solve(self, y: Complexes) -> Complexes:
-        """(B B^H + mu I)^-1 y, for y of shape (M,) or (M, K)."""
-        x, _ = lapack.zpotrs(self.upper, y)
-        return cast("Complexes", x.reshape(y.shape))
 
 
 class Propagator:
@@ -81,6 +67,7 @@ class Propagator:
         self._gram: Complexes | None = None
         self._power: float | None = None
         self._factors: dict[float, Factor] = {}
+        self._spent: list[Factor] = []  # of points that have moved: their space is used again
         self._stale = np.ones(count, dtype=bool)  # rows of the Gram matrix
         self._moved = True  # whether any row is
 
@@ -102,6 +89,7 @@ class Propagator:
         if not count:
             return 0
         self.version += 1
+        self._spent.extend(self._factors.values())
         self._factors.clear()
         self._power = None
         try:
@@ -142,15 +130,15 @@ class Propagator:
             self.work.grams_kept += 1
             return self._gram
         self.work.grams_built += 1
-        if self._gram is None or self._stale.sum() > len(self._stale) / 4:
-            made = gram(self._B)
+        made, rows = self._gram, np.flatnonzero(self._stale)
+        if made is None or len(rows) > len(self._stale) / FEW:
+            made = gram(self._B, made)
         else:
-            rows, made = self._stale, self._gram
             made.flags.writeable = True
-            fresh = (self._B @ self._B[rows].conj().T).conj().T
-            made[rows] = fresh
-            made[:, rows] = fresh.conj().T
-            made[rows, rows] = made[rows, rows].real
+            for m in rows:  # a row of B B^H is conj(B b_m^H)
+                made[:, m] = self.apply(self._B[m].conj())
+                made[m] = made[:, m].conj()
+                made[m, m] = made[m, m].real
         made.flags.writeable = False
         self._gram, self._moved = made, False
         self._stale[:] = False
@@ -174,7 +162,8 @@ class Propagator:
             self.work.factors_kept += 1
             return kept
         self.work.factors_built += 1
-        factor = self._factors[mu] = cholesky(self.gram, mu)
+        buffer = self._spent.pop().upper if self._spent else None
+        factor = self._factors[mu] = Factor.of(self.gram, mu, buffer)
         return factor
 
     def apply(self, g: Complexes) -> Complexes:
@@ -201,21 +190,47 @@ def _sealed(array: A) -> A:
     return view
 
 
-def gram(B: Complexes) -> Complexes:
-    """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS."""
+def gram(B: Complexes, out: Complexes | None = None) -> Complexes:
+    """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS.
+
+    out: (M, M), to write it to.
+    """
     M = len(B)
-    if B.dtype == np.complex64:
+    if out is None:
         out = np.empty((M, M), dtype=np.complex128)
-        scratch = np.empty((2, M + M % 2, kernels.TILE), dtype=np.float32)
-        kernels.gram(np.ascontiguousarray(B), scratch, out)
+    out.flags.writeable = True
+    if B.dtype == np.complex64:
+        _single_gram(np.ascontiguousarray(B), out)
+    else:
+        upper = blas.zherk(1.0, B.T, trans=2)  # conj(B B^H), upper triangle
+        np.add(np.triu(upper).conj(), np.triu(upper, 1).T, out=out)
+    return out
+
+
+def _single_gram(B: Gains, out: Complexes) -> None:
+    """Write B B^H to `out`; many rows on all cores, each with a share of the columns."""
+    M, N = B.shape
+    workers = 1 if M < MANY else min(os.cpu_count() or 1, 1 + N // 512)
+
+    def part(start: int, stop: int, out: Complexes) -> Complexes:
+        scratch = take(_columns, M, 0)
+        kernels.gram(B, start, stop, scratch, out)
+        give(_columns, M, 0, scratch)
         return out
-    upper = blas.zherk(1.0, B.T, trans=2)  # conj(B B^H), upper triangle
-    return np.asarray(np.triu(upper).conj() + np.triu(upper, 1).T)
+
+    if workers == 1:
+        part(0, N, out)
+        return
+    edges = [N * k // workers for k in range(workers + 1)]
+    with ThreadPoolExecutor(workers) as pool:
+        parts = [
+            pool.submit(part, start, stop, np.empty_like(out) if start else out)
+            for start, stop in itertools.pairwise(edges)
+        ]
+    for done in parts[1:]:
+        out += done.result()
 
 
-def cholesky(gram: Complexes, mu: float) -> Factor:
-    """A Cholesky factor of `gram` + mu I."""
-    shifted = gram.copy()
-    shifted.reshape(-1)[:: len(gram) + 1] += mu
-    upper, info = lapack.zpotrf(shifted, overwrite_a=0)
-    return Factor(shifted, upper, info == 0)
+def _columns(M: int, N: int) -> Singles:
+    """Room for the Gram kernel's columns."""
+    return np.empty((2, M + M % 2, kernels.TILE), dtype=np.float32)

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.propagator import cholesky, gram
+from pacinian.solving.factor import Factor
+from pacinian.solving.propagator import gram
 
 ARRAY = pc.lattice(0.05, 0.05)
 
@@ -45,8 +46,9 @@ def test_only_rows_whose_point_moved_are_rebuilt() -> None:
     assert propagator.place(points) == 1
     assert (propagator.work.rows_built, propagator.work.rows_kept) == (9, 15)
     assert propagator.factor(1.0) is not first
+    np.testing.assert_allclose(propagator.factor(1.0).solve(propagator.gram @ np.ones(8) + 1), np.ones(8))
     assert propagator.work.factors_built == 2
-    assert propagator.work.factors_kept == 1
+    assert propagator.work.factors_kept == 2
 
 
 def test_after_a_point_on_a_transducer_nothing_stale_is_left() -> None:
@@ -88,8 +90,8 @@ def test_a_factor_solves_and_knows_its_condition() -> None:
     A = rng.normal(size=(6, 6)) + 1j * rng.normal(size=(6, 6))
     G = A @ A.conj().T
     y = rng.normal(size=6) + 1j * rng.normal(size=6)
-    factor = cholesky(G, 0.1)
+    factor = Factor.of(G, 0.1)
     np.testing.assert_allclose((G + 0.1 * np.eye(6)) @ factor.solve(y), y, atol=1e-10)
     exact = 1 / np.linalg.cond(G + 0.1 * np.eye(6), 1)
     assert exact / 3 < factor.reciprocal_condition < exact * 3
-    assert cholesky(-G, 0.0).reciprocal_condition == 0.0
+    assert Factor.of(-G, 0.0).reciprocal_condition == 0.0

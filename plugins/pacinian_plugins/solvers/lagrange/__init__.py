@@ -11,8 +11,9 @@ from scipy import linalg
 
 import pacinian as pc
 from pacinian.checks import integer, number
+from pacinian.solving.factor import Factor
 from pacinian.solving.phases import choose, choose_into
-from pacinian.solving.propagator import cholesky, gram
+from pacinian.solving.propagator import gram
 from pacinian.solving.rooms import give, take
 from pacinian_plugins.solvers.lagrange.dual import Dual, Point
 from pacinian_plugins.solvers.lagrange.polish import Polish, Room, deliver
@@ -66,7 +67,7 @@ class Lagrange(pc.Solver):
         if not mu:
             return pc.Result(note="no transducer reaches the points")
         M, N = propagator.B.shape
-        if M <= N and targets.scale == "exact":
+        if M <= N and (targets.scale == "exact" or targets.all_free):
             return self._polished(propagator, targets, limits, warm, budget, out, mu)
         p = choose(propagator, targets, None if warm is None else warm.phases)
         problem = Problem.of(propagator, mu)
@@ -106,7 +107,8 @@ class Lagrange(pc.Solver):
         y *= mu * share / unit
         p *= share / unit
         polish = Polish(propagator.single, propagator.gram, p, room.free, mu, room, budget)
-        end = polish.run(y)
+        strongest = targets.scale == "max" and room.free.all()
+        end = polish.strongest(y) if strongest else polish.run(y)
         bound, objective, scale = end.bound, end.objective, unit / max(share, 1.0)
         if out.dtype == np.complex64:
             deliver(room.h, scale, out)
@@ -147,7 +149,7 @@ class Problem:
             "tuple[Complexes, Complexes]", linalg.qr(B.astype(np.complex128), mode="economic")
         )
         G = gram(R)
-        return cls(B, Q, Dual(R, G, cholesky(G, mu), mu))
+        return cls(B, Q, Dual(R, G, Factor.of(G, mu), mu))
 
     def down(self, p: Complexes) -> Complexes:
         """Targets (M,) in the dual's equations."""

@@ -72,7 +72,7 @@ def descend(
     One equation per sample where its phase is `free`, along the phasor of the pressure made, two where it
     is fixed. G: B B^H, (M, M). p: targets, (M,) [Pa]. y: multipliers to start from, (M,), in place. h, made, tile,
     V, which: as in `sweeps`. A: room, (2M + 4, 2M + 4). found: ||asked - made|| / ||p||, the sum of
-    c(x_n), the number at their limit.
+    c(x_n), the number at their limit; ||F|| / ||p|| and how many steps in a row did little, to go on with.
     Returns the number of steps, negative if they came to nothing.
     """
     M, N = B.shape
@@ -83,7 +83,7 @@ def descend(
     for m in range(M):
         size += p[m].real ** 2 + p[m].imag ** 2
     size = np.sqrt(size)
-    last, slow, step = np.inf, 0, 0
+    step = 0
     while True:
         for m in range(M):
             ys[0, m], ys[1, m] = y[m].real, y[m].imag
@@ -96,10 +96,11 @@ def descend(
         short = np.sqrt(short) / size
         if short <= enough:
             return step
-        slow = slow + 1 if short > STALLED * last else 0
-        if slow > 1 or step >= steps:
+        if step > 0 or found[4] < 0.0:  # not where the last call ended
+            found[4] = max(found[4], 0.0) + 1.0 if short > STALLED * found[3] else 0.0
+        if found[4] > 1.0 or step >= steps:
             return -step - 1
-        last = short
+        found[3] = short
         held = 0
         for n in range(N):
             held += 1 if h[2, n] > f4(mu) else 0

@@ -27,7 +27,7 @@ from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
     import pacinian as pc
-    from pacinian.solving.propagator import Factor
+    from pacinian.solving.factor import Factor
     from pacinian.types import Complexes, Reals
 
 ARMIJO = 1e-4  # share of the promised ascent that a step must bring

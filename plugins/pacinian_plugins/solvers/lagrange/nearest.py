@@ -56,24 +56,24 @@ def shortened(h: Singles, d: Singles, length: np.float32, new: Singles) -> float
 
 @compiled(
     "i8(c8[:, ::1], c16[::1], b1[::1], f8, i8, f8, f4[:, ::1], f8[:, ::1], f8[:, ::1],"
-    "f4[:, :, ::1], f4[:, ::1], f8[::1])"
+    "f4[:, :, ::1], f4[:, ::1], f4[:, ::1], b1[::1], f8[::1])"
 )
 def nearest(
     B: Gains, p: Complexes, free: Flags, mu: float, steps: int, enough: float,
-    h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, found: Floats,
+    h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, W: Singles, held: Flags,
+    found: Floats,
 ) -> int:  # fmt: skip
     """Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1, from the gains h, (3, N), in place.
 
     made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. found: that error, and
-    the damping, to go on with it. A, tile, V: as in `tangent.step`.
+    the damping, to go on with it. A, tile, V: as in `tangent.step`. W, held: room, (7, N) and (N,).
     Returns the number of steps, negative if more may help.
     """
     M, N = B.shape
     rows = tile.shape[1]
     u, y, bend = np.zeros((2, rows), f4), np.zeros((2, rows), f4), np.zeros(M)
     spare, q = np.zeros((2, rows), f4), np.zeros((2, M))
-    x, d, new = np.empty((2, N), f4), np.empty((2, N), f4), np.empty((2, N), f4)
-    D, held = np.empty(N, f4), np.empty(N, np.bool_)
+    x, d, new, D = W[0:2], W[2:4], W[4:6], W[6]
     size, power = 0.0, 0.0
     for m in range(M):
         size += p[m].real ** 2 + p[m].imag ** 2

@@ -36,6 +36,9 @@ MET, NEARLY = (
     1e-3,
 )  # relative errors that will do: in any case, and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
+QUICK = 5_000_000  # M M N of the steps between two looks at the clock
+MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
+IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
 BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
 
 
@@ -52,6 +55,8 @@ class Room:
     A: Floats
     tile: Singles
     V: Singles
+    W: Singles
+    held: Flags
     which: Indices
     found: Floats
 
@@ -69,8 +74,10 @@ class Room:
             np.zeros((K, K)),
             np.zeros((2, M + -M % 4, TILE), np.float32),
             np.zeros((K, 2 * TILE), np.float32),
+            np.zeros((7, N), np.float32),
+            np.zeros(N, np.bool_),
             np.zeros(TILE, np.int64),
-            np.zeros(3),
+            np.zeros(5),
         )
 
 
@@ -134,23 +141,55 @@ class Polish:
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
+        return self._certified(error)
+
+    def _certified(self, error: float) -> Polished:
+        """What has been found, with its proof."""
+        room = self.room
         held = certify(
             self.p, self.free, self.mu, room.y, room.h, room.made, float(room.found[1]), room.found
         )
         bound, objective = room.found[:2].tolist()
         return Polished(error, self.steps, self.budget.spent, int(held), bound, objective)
 
+    def strongest(self, y: Complexes) -> Polished:
+        """Find gains for the largest multiple of the targets, all of free phase, from multipliers y, (M,).
+
+        It stands in p then. Full drive shows about where it is; Newton steps on shares of that find it.
+        """
+        room, p = self.room, self.p.copy()
+        room.y[:] = y
+        top = self._equalise(MOST_EQUAL)
+        start, weak, strong = room.y.copy(), 0.0, 1.01
+        best = self._certified(1.0)
+        while strong - weak > FINE and not (self.budget.spent and weak):
+            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
+            if share < WEAKEST:
+                break
+            self.p[:], room.y[:] = (share * top) * p, start
+            error, _ = self._newton()
+            if error > IN_PROPORTION:
+                strong = share
+                continue
+            weak, best = share, self._certified(error)
+            np.copyto(room.spare, room.h)
+        if weak:
+            np.copyto(room.h, room.spare)
+        return best
+
     def _newton(self) -> tuple[float, bool]:
-        """Steps of `descend`, one at a time where there is a deadline; return the error, and if it is the last."""
+        """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
         room = self.room
-        chunk = STEPS if self.budget.endless else 1
+        M, N = self.B.shape
+        chunk = STEPS if self.budget.endless else max(1, QUICK // (M * M * N))
+        room.found[3:5] = np.inf, -1.0
         for _ in range(0, STEPS, chunk):
             steps = descend(
                 self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y,
                 room.h, room.made, room.A, room.tile, room.V, room.which, room.found,
             )  # fmt: skip
             self.steps += abs(steps)
-            if steps >= 0 or self.budget.spent:
+            if steps >= 0 or room.found[4] > 1.0 or self.budget.spent:
                 return float(room.found[0]), steps >= 0
         return float(room.found[0]), False
 
@@ -167,15 +206,20 @@ class Polish:
 
     def _full_drive(self) -> float:
         """Other phases, from which Newton steps start again; return the error."""
-        room = self.room
-        multiple = equalise(self.B, self.p, EQUAL, room.y, room.h, room.made, room.tile)
-        self.steps += EQUAL
-        within = multiple >= BEYOND
-        # where targets are within reach, as many transducers above their limit as below
-        room.y[:] *= (self.mu if within else 10.0 * self.mu) / max(
-            float(np.median(room.h[2])), 1e-30
-        )
+        if self._equalise(EQUAL) < BEYOND:
+            self.room.y[:] *= 10.0  # all the further beyond the limit
         return self._newton()[0]
+
+    def _equalise(self, steps: int) -> float:
+        """Steps of `equalise`, and multipliers with as many transducers beyond their limit as below it.
+
+        Returns the multiple of the targets that full drive comes nearest to.
+        """
+        room = self.room
+        multiple = float(equalise(self.B, self.p, steps, room.y, room.h, room.made, room.tile))
+        self.steps += steps
+        room.y[:] *= self.mu / max(float(np.median(room.h[2])), 1e-30)
+        return multiple
 
     def _nearest(self) -> float:
         """Steps of `nearest` from the gains at hand; return the error."""
@@ -186,7 +230,7 @@ class Polish:
         for _ in range(0, LAST, chunk):
             steps = nearest(
                 self.B, self.p, self.free, self.mu, chunk, ENOUGH,
-                room.h, room.made, room.A, room.tile, room.V, room.found,
+                room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
             )  # fmt: skip
             self.steps += abs(steps)
             if steps >= 0 or self.budget.spent:
