@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.propagation import matrix
+from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.checks import FAR, kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
 from pacinian.plugins import registry
@@ -22,18 +22,19 @@ from pacinian.solving.evidence import bound, judge, violations
 from pacinian.solving.keep import ROUNDING, keep
 from pacinian.solving.problem import Budget, Limits, Targets
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.acoustics.propagation import Precision
     from pacinian.types import ArrayLike, Complexes, Floats, Gains
 
 AIR = Air()
 FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
+MOST = 1e6  # times as strong: beyond that a problem is solved anew
 
 
 class Session:
@@ -117,6 +118,11 @@ class Session:
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
         self._solved_with = (self._solver, limits, self.propagator.version)
         return self.last
+
+    def forget(self) -> None:
+        """Forget all that was solved and cached: the next solve is a cold one."""
+        self.last = self._base = self._solved_with = None
+        self.propagator.forget()
 
     def certify(self, gains: ArrayLike) -> Solution:
         """The evidence of the last solution, for `gains`, (N,), as emitted: rounded by a device, say.
@@ -207,7 +213,8 @@ class Session:
             return math.nan
         top = (math.inf if limits.gain is None else limits.gain) * (1.0 - ROUNDING)
         strongest = math.sqrt(kernels.peak(self._work))
-        return c if strongest < top and c * strongest < top else math.nan
+        held = strongest >= top or c * strongest >= top
+        return c if not held and 1.0 / MOST < c < MOST else math.nan
 
     def _scaled(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
         """What was solved last, c times as strong."""
@@ -241,9 +248,13 @@ class Session:
         kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
-        finite, scaled = keep(g, limits, targets.scale)
+        finite, scaled = keep(g, limits, "exact" if limits.asked else targets.scale)
         p = propagator.apply(g)
         out[:] = g
+        objective = result.objective
+        if scaled and result.mu == result.mu:
+            rest = targets.complex(np.angle(p)) - p
+            objective = float(np.vdot(rest, rest).real + result.mu * np.vdot(g, g).real) / 2.0
         broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
         status = Status.failed
         if finite:
@@ -253,7 +264,7 @@ class Session:
             )  # fmt: skip
         return Solution(
             out, targets, p, status, result.solver or solver.name, result.iterations,
-            result.bound, result.objective, result.multipliers, result.mu, broken,
+            result.bound, objective, result.multipliers, result.mu, broken,
             self._clock() - start, result.note,
         )  # fmt: skip
 
@@ -286,7 +297,15 @@ def solve(
 
     Arguments and errors as in `Session` and `Session.solve`.
     """
-    session = Session(array, medium, solver, precision=precision)
-    return session.solve(
+    kind("array", array, Array)
+    medium = AIR if medium is None else medium
+    kind("medium", medium, Air)
+    key = array, medium, str(precision)
+    session = take(key, lambda: Session(array, medium, solver, precision=precision))
+    session.solver = solver
+    solution = session.solve(
         points, amplitudes, phases, limits=limits, scale=scale, deadline=deadline, out=out
     )
+    session.forget()
+    give(key, session)
+    return solution

@@ -49,12 +49,14 @@ class Air:
         if self.temperature is not None:
             set_("temperature", number("temperature", self.temperature, low=-80.0, high=100.0))
             c, rho = _ideal_gas(self.temperature, self.humidity, self.ambient_pressure)
-        set_("speed_of_sound", number("speed_of_sound", self.speed_of_sound, low=0.0) or c)
+        if self.speed_of_sound:
+            c = number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
+        set_("speed_of_sound", c)
         set_("density", number("density", self.density, low=0.0) or rho)
         if self.absorption is not None:
             set_("absorption", number("absorption", self.absorption, low=0.0, high=1e3))
         if not isinstance(self.attenuation, str):
-            power = number("attenuation", self.attenuation, low=0.0, high=8.0)
+            power = number("attenuation", self.attenuation, low=0.0, high=2.0)
         elif self.attenuation in POWERS:
             power = POWERS[self.attenuation]
         else:

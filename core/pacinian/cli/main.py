@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from pacinian.cli.bench import bench
 from pacinian.cli.demo import demo
 from pacinian.cli.paper import paper
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
 from pacinian.cli.replay import replay
 from pacinian.cli.schema import schema
+from pacinian.cli.stress import stress
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ def cli() -> None:
     """Mid-air haptics: a scene goes in, gains for an ultrasound transducer array come out."""
 
 
-for command in (demo, render, replay, plugins, paper, schema):
+for command in (demo, render, replay, plugins, bench, stress, paper, schema):
     cli.add_command(command)
 
 

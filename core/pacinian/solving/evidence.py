@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
+QUIETEST = 1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
 
 
 def violations(
@@ -24,8 +25,8 @@ def violations(
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
         loud = np.abs(propagator.quiet.apply(g))
-        reach = np.sqrt(max(propagator.quiet.power, 1e-60))  # [Pa]: what rounding is measured by
-        over = (loud - limit) / np.maximum(limit, TOLERANCE * reach)
+        full = np.sqrt(max(len(g) * propagator.quiet.power, 1e-60))  # [Pa]: about full drive
+        over = (loud - limit) / np.maximum(limit, QUIETEST * full)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
     if limits.exact is not None:

@@ -55,9 +55,29 @@ def choose_into(
     propagator: Propagator, targets: Targets, start: Floats | None, p: Complexes, free: Flags
 ) -> float:
     """As `choose`, into p; and into `free`, (M,), where a phase is free and counts. Returns ||t||."""
-    steps = COLD if start is None else WARM
-    if start is None:
-        start = _spread(len(p))
+    if not targets.free.any():
+        p[:], free[:] = targets.complex(targets.phases), False
+        return targets.norm
+    first, steps = beginning(len(p), start)
+    if len(p) > len(propagator.array):
+        return _choose_tall(propagator, targets, first, steps, p, free)
     return float(
-        kernels.choose(propagator.gram, targets.amplitudes, targets.phases, start, steps, p, free)
+        kernels.choose(propagator.gram, targets.amplitudes, targets.phases, first, steps, p, free)
     )
+
+
+def _choose_tall(
+    propagator: Propagator, targets: Targets, start: Floats, steps: int, p: Complexes, free: Flags
+) -> float:
+    """The same steps through the transducers, of which there are fewer than points."""
+    p[:], free[:] = targets.complex(start), targets.free & (targets.amplitudes > 0.0)
+    for _ in range(steps):
+        q = propagator.apply(propagator.adjoint(p))
+        chosen = free & (q != 0.0)
+        p[chosen] = targets.amplitudes[chosen] * np.exp(1j * np.angle(q[chosen]))
+    return targets.norm
+
+
+def beginning(count: int, start: Floats | None) -> tuple[Floats, int]:
+    """Phases to start from [rad], (count,), and how many steps to take from there."""
+    return (_spread(count), COLD) if start is None else (start, WARM)

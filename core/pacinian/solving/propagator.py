@@ -15,7 +15,7 @@ from pacinian.acoustics.propagation import Precision, Wave
 from pacinian.solving import kernels, passes
 from pacinian.solving.factor import Factor
 from pacinian.solving.rooms import give, take
-from pacinian.types import Complexes, Floats, Gains, Singles
+from pacinian.types import Complexes, Floats, Gains, Indices
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
@@ -63,6 +63,7 @@ class Propagator:
     def _forget(self, count: int) -> None:
         self._points = np.empty((count, 3))
         self._B = np.empty((count, len(self.array)), dtype=self.dtype)
+        self._rows = np.arange(count)
         self._fresh = True  # nothing is kept of what was before
         self._gram: Complexes | None = None
         self._power: float | None = None
@@ -71,6 +72,12 @@ class Propagator:
         self._stale = np.ones(count, dtype=bool)  # rows of the Gram matrix
         self._moved = True  # whether any row is
 
+    def forget(self) -> None:
+        """Forget the points; the space stays."""
+        self._fresh = True
+        self.quiet = None
+        self._factors.clear()
+
     def place(self, points: Floats) -> int:
         """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
 
@@ -78,11 +85,7 @@ class Propagator:
         """
         if len(points) != len(self._points):
             self._forget(len(points))
-        moved = (
-            np.arange(len(points))
-            if self._fresh
-            else np.flatnonzero((points != self._points).any(axis=1))
-        )
+        moved = self._rows if self._fresh else _different(points, self._points)
         count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
@@ -130,7 +133,8 @@ class Propagator:
             self.work.grams_kept += 1
             return self._gram
         self.work.grams_built += 1
-        made, rows = self._gram, np.flatnonzero(self._stale)
+        made = self._gram
+        rows = () if made is None else np.flatnonzero(self._stale)
         if made is None or len(rows) > len(self._stale) / FEW:
             made = gram(self._B, made)
         else:
@@ -183,6 +187,11 @@ class Propagator:
         return x
 
 
+def _different(a: Floats, b: Floats) -> Indices:
+    """The rows in which a and b, (M, 3), differ."""
+    return np.flatnonzero((a != b).any(axis=1))
+
+
 def _sealed(array: A) -> A:
     """A view that cannot be written to: solvers are given the caches themselves."""
     view = array.view()
@@ -213,9 +222,10 @@ def _single_gram(B: Gains, out: Complexes) -> None:
     workers = 1 if M < MANY else min(os.cpu_count() or 1, 1 + N // 512)
 
     def part(start: int, stop: int, out: Complexes) -> Complexes:
-        scratch = take(_columns, M, 0)
+        key = "columns", M
+        scratch = take(key, lambda: np.empty((2, M + M % 2, kernels.TILE), np.float32))
         kernels.gram(B, start, stop, scratch, out)
-        give(_columns, M, 0, scratch)
+        give(key, scratch)
         return out
 
     if workers == 1:
@@ -229,8 +239,3 @@ def _single_gram(B: Gains, out: Complexes) -> None:
         ]
     for done in parts[1:]:
         out += done.result()
-
-
-def _columns(M: int, N: int) -> Singles:
-    """Room for the Gram kernel's columns."""
-    return np.empty((2, M + M % 2, kernels.TILE), dtype=np.float32)

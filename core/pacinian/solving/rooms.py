@@ -1,4 +1,4 @@
-"""Space for solvers to work in, used again: none is allocated from one solve to the next."""
+"""Space to work in, used again: none is allocated from one solve to the next."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, TypeVar, cast
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Hashable
 
-MOST = 4  # rooms kept
+MOST = 8  # rooms kept
 
 T = TypeVar("T")
 
-_free: OrderedDict[object, object] = OrderedDict()
+_free: OrderedDict[Hashable, object] = OrderedDict()
 
 
-def take(kind: Callable[[int, int], T], M: int, N: int) -> T:
-    """A room made by `kind(M, N)`, maybe used before; it is the caller's until given back."""
-    room = _free.pop((kind, M, N), None)
-    return kind(M, N) if room is None else cast("T", room)
+def take(key: Hashable, make: Callable[[], T]) -> T:
+    """A room for `key`, maybe used before, else made; it is the caller's until given back."""
+    room = _free.pop(key, None)
+    return make() if room is None else cast("T", room)
 
 
-def give(kind: Callable[[int, int], T], M: int, N: int, room: T) -> None:
-    """Give a room back, for the next that takes one of its kind and size; from any thread."""
-    _free[kind, M, N] = room
+def give(key: Hashable, room: object) -> None:
+    """Give a room back, for the next that takes one for that key; from any thread."""
+    _free[key] = room
     while len(_free) > MOST:
         try:
             _free.popitem(last=False)

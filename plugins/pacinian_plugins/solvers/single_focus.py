@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class SingleFocus(pc.Solver):
     """All transducers in phase at the focus: g = t u* / sum |u| with u = b / |b|, equal strength for all.
 
-    Nothing makes a focus stronger within |g| <= limit. Of several points only the strongest is made.
+    Nothing makes a focus stronger within |g| <= limit. Of several points only the strongest that sound reaches is made.
     Transducers that do not reach it stay off. A fixed phase is met; a free one is 0.
     """
 
@@ -33,7 +33,8 @@ class SingleFocus(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains of the strongest target; see `pacinian.Solver.solve`."""
-        m = int(np.argmax(targets.amplitudes))
+        reached = np.abs(propagator.B).max(axis=1) > 0.0
+        m = int(np.argmax(targets.amplitudes * reached))
         b = propagator.B[m]  # (N,)
         size = np.abs(b)  # [Pa]
         reach = float(size.sum(dtype=np.float64))  # [Pa] at full drive

@@ -46,7 +46,9 @@ def test_only_rows_whose_point_moved_are_rebuilt() -> None:
     assert propagator.place(points) == 1
     assert (propagator.work.rows_built, propagator.work.rows_kept) == (9, 15)
     assert propagator.factor(1.0) is not first
-    np.testing.assert_allclose(propagator.factor(1.0).solve(propagator.gram @ np.ones(8) + 1), np.ones(8))
+    np.testing.assert_allclose(
+        propagator.factor(1.0).solve(propagator.gram @ np.ones(8) + 1), np.ones(8)
+    )
     assert propagator.work.factors_built == 2
     assert propagator.work.factors_kept == 2
 

@@ -13,7 +13,8 @@ from numba import int64 as i8
 from numpy import float32 as f4
 
 from pacinian.acoustics.compiled import compiled
-from pacinian_plugins.solvers.lagrange.small import SEALED, factor, substitute, turned
+from pacinian.solving.kernels import SEALED
+from pacinian_plugins.solvers.lagrange.small import factor, substitute, turned
 from pacinian_plugins.solvers.lagrange.sweeps import curvature, evaluate
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ ENOUGH = 1e-12  # ||F|| / ||p|| to stop at
 
 
 def saturate(x: Complexes, mu: float) -> tuple[Complexes, Floats, float]:
-    """h(x) and |x|, both (N,), and the sum of c(x_n); see `dual`."""
+    """h(x) and |x|, both (N,), and the sum of c(x_n); see `convex.dual`."""
     size = np.abs(x)
     cost = np.where(size <= mu, size * size / (2.0 * mu), size - mu / 2.0).sum()
     return x / np.maximum(size, mu), size, float(cost)

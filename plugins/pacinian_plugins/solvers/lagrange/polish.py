@@ -1,7 +1,7 @@
 """Pressures as asked under the gain limit alone: phases, multipliers and gains found together.
 
 People feel amplitude, not phase, so p = t exp(j phi) with phi free, and y = r exp(j phi) at the optimum
-of the dual (see `dual`), r real. Steps go on in this order for as long as the error asks for it:
+of the dual (see `convex.dual`), r real. Steps go on in this order for as long as the error asks for it:
 
 1. The regularised pseudo-inverse, for phases by Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
 2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, u = p / |p| of the pressures made: M real
@@ -18,9 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.compiled import compiled
 from pacinian.solving.passes import TILE, gather
-from pacinian_plugins.solvers.lagrange.descend import descend
+from pacinian_plugins.solvers.lagrange.attempt import attempt, certify, deliver
 from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
 from pacinian_plugins.solvers.lagrange.equalise import equalise
 from pacinian_plugins.solvers.lagrange.nearest import nearest
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats, Gains, Indices, Singles
 
+SMALL = 16  # samples up to which `begin` solves for the start
+FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
 ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MET, NEARLY = (
     1e-4,
@@ -49,6 +50,7 @@ class Room:
     p: Complexes
     free: Flags
     y: Complexes
+    L: Complexes
     h: Singles
     spare: Singles
     made: Floats
@@ -68,6 +70,7 @@ class Room:
             np.zeros(M, np.complex128),
             np.zeros(M, np.bool_),
             np.zeros(M, np.complex128),
+            np.zeros((min(M, SMALL), min(M, SMALL)), np.complex128),
             np.zeros((3, N), np.float32),
             np.zeros((3, N), np.float32),
             np.zeros((2, M)),
@@ -77,7 +80,7 @@ class Room:
             np.zeros((7, N), np.float32),
             np.zeros(N, np.bool_),
             np.zeros(TILE, np.int64),
-            np.zeros(5),
+            np.zeros(8),
         )
 
 
@@ -92,35 +95,6 @@ class Polished(NamedTuple):
     objective: float
 
 
-@compiled("f8(c16[::1], b1[::1], f8, c16[::1], f4[:, ::1], f8[:, ::1], f8, f8[::1])")
-def certify(
-    p: Complexes, free: Flags, mu: float, y: Complexes, h: Singles, made: Floats, cost: float,
-    proof: Floats,
-) -> float:  # fmt: skip
-    """Write D(y) and 1/2 ||p - made||^2 + mu/2 ||h||^2 for the phases made; return the share at the limit."""
-    value, miss, power, held = -cost, 0.0, 0.0, 0
-    for m in range(len(p)):
-        q, t = complex(made[0, m], made[1, m]), p[m]
-        a = abs(q)
-        if free[m] and a > 0.0:
-            t = abs(t) / a * q
-        value += (np.conj(y[m]) * t).real - 0.5 * abs(y[m]) ** 2
-        miss += abs(t - q) ** 2
-    for n in range(h.shape[1]):
-        square = np.float64(h[0, n]) ** 2 + np.float64(h[1, n]) ** 2
-        power += square
-        held += 1 if square > (1.0 - 1e-5) ** 2 else 0
-    proof[0], proof[1] = value, 0.5 * (miss + mu * power)
-    return held
-
-
-@compiled("void(f4[:, ::1], f8, c8[::1])")
-def deliver(h: Singles, unit: float, out: Gains) -> None:
-    """Write the gains, (N,), of those in units of the limit."""
-    for n in range(len(out)):
-        out[n] = complex(unit * np.float64(h[0, n]), unit * np.float64(h[1, n]))
-
-
 @dataclass(eq=False)
 class Polish:
     """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come."""
@@ -132,36 +106,38 @@ class Polish:
     mu: float
     room: Room
     budget: pc.Budget
+    unit: float
+    out: Gains
     steps: int = 0
 
-    def run(self, y: Complexes) -> Polished:
-        """Find gains, from multipliers y, (M,)."""
+    def run(self) -> Polished:
+        """Write gains, from the multipliers in `room.y`."""
         room = self.room
-        room.y[:] = y
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
-        return self._certified(error)
+            certify(
+                self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found
+            )
+            deliver(room.h, self.unit, self.out)
+        return self._done(error)
 
-    def _certified(self, error: float) -> Polished:
+    def _done(self, error: float) -> Polished:
         """What has been found, with its proof."""
-        room = self.room
-        held = certify(
-            self.p, self.free, self.mu, room.y, room.h, room.made, float(room.found[1]), room.found
-        )
-        bound, objective = room.found[:2].tolist()
+        bound, objective, held = self.room.found[5:].tolist()
         return Polished(error, self.steps, self.budget.spent, int(held), bound, objective)
 
-    def strongest(self, y: Complexes) -> Polished:
-        """Find gains for the largest multiple of the targets, all of free phase, from multipliers y, (M,).
+    def strongest(self) -> Polished:
+        """Write gains for the largest multiple of the targets, all of free phase.
 
         It stands in p then. Full drive shows about where it is; Newton steps on shares of that find it.
         """
         room, p = self.room, self.p.copy()
-        room.y[:] = y
         top = self._equalise(MOST_EQUAL)
         start, weak, strong = room.y.copy(), 0.0, 1.01
-        best = self._certified(1.0)
+        best = self._done(1.0)
+        if not top > 0.0:
+            return best
         while strong - weak > FINE and not (self.budget.spent and weak):
             share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
             if share < WEAKEST:
@@ -171,22 +147,21 @@ class Polish:
             if error > IN_PROPORTION:
                 strong = share
                 continue
-            weak, best = share, self._certified(error)
+            weak, best = share, self._done(error)
             np.copyto(room.spare, room.h)
         if weak:
-            np.copyto(room.h, room.spare)
+            deliver(room.spare, self.unit, self.out)
         return best
 
     def _newton(self) -> tuple[float, bool]:
         """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
-        room = self.room
-        M, N = self.B.shape
-        chunk = STEPS if self.budget.endless else max(1, QUICK // (M * M * N))
-        room.found[3:5] = np.inf, -1.0
+        room, endless = self.room, self.budget.endless
+        chunk = STEPS if endless else max(1, QUICK // (len(self.p) * self.B.size))
+        room.found[3:5] = FRESH
         for _ in range(0, STEPS, chunk):
-            steps = descend(
-                self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y,
-                room.h, room.made, room.A, room.tile, room.V, room.which, room.found,
+            steps = attempt(
+                self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y, room.h, room.made,
+                room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
             )  # fmt: skip
             self.steps += abs(steps)
             if steps >= 0 or room.found[4] > 1.0 or self.budget.spent:
@@ -259,4 +234,4 @@ class Polish:
         fine = newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS)
         best = fine if fine.objective < rough.objective else rough
         room.y[:] = best.y
-        return best._replace(bound=max(fine.bound, rough.bound))
+        return best

@@ -6,14 +6,28 @@ from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
+from numba import complex128 as c16
+from numba import float64 as f8
+from numba import int64 as i8
 
 from pacinian.acoustics.compiled import compiled
+from pacinian.solving.kernels import GIVEN, SEALED, choose
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Floats, Indices, Singles
+    from pacinian.types import Complexes, Flags, Floats, Indices, Singles
 
-SEALED = numba.types.Array(numba.complex128, 2, "C", readonly=True)
 LOST = 1e-14  # of the largest diagonal element: a pivot below it is rounding
+
+
+@compiled("f8(f8, f8, f8, i8)")
+def within(size: float, relative: float, mu: float, N: int) -> float:
+    """By how much to scale targets of norm `size` [Pa per unit limit] so that single precision can work.
+
+    Up to the lower bound, 2 sqrt(mu), nothing reaches its limit: ||g|| <= ||p|| / (2 sqrt(mu)). Beyond the
+    upper one the answer hardly changes. relative: mu over trace(G) / M.
+    """
+    root = np.sqrt(mu / relative)
+    return float(min(max(size, np.sqrt(mu)), 1e3 * N * root) / size)
 
 
 @compiled("i8(f8[:, ::1], i8, i8)")
@@ -81,3 +95,46 @@ def turned(G: Complexes, sample: Indices, u: Singles, scale: float, A: Floats) -
             z = row[sample[j]]
             vr, vi = np.float64(u[0, j]), np.float64(u[1, j])
             A[i, j] = scale * (z.real * (ur * vr + ui * vi) - z.imag * (ur * vi - ui * vr))
+
+
+@compiled(
+    numba.int64(
+        SEALED, GIVEN, GIVEN, GIVEN, i8, f8, f8, f8, i8, c16[::1], numba.boolean[::1], c16[::1],
+        c16[:, ::1], f8[::1],
+    ),
+    finite=False,
+)  # fmt: skip
+def begin(
+    G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, mu: float, relative: float,
+    unit: float, N: int, p: Complexes, free: Flags, y: Complexes, L: Complexes, found: Floats,
+) -> int:  # fmt: skip
+    """Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.
+
+    G: (M, M); for few samples it is quicker to solve here than by LAPACK. found: by how much the targets
+    are scaled, as by `within`.
+    """
+    M = len(p)
+    norm = choose(G, t, phi, start, steps, p, free)
+    share = within(norm / unit, relative, mu, N)
+    found[0] = share
+    for m in range(M):
+        p[m] *= share / unit
+        y[m] = mu * p[m]
+    for i in range(M):
+        for j in range(i):
+            total = G[i, j]
+            for k in range(j):
+                total -= L[i, k] * np.conj(L[j, k])
+            L[i, j] = total / L[j, j].real
+        pivot = G[i, i].real + mu
+        for k in range(i):
+            pivot -= L[i, k].real ** 2 + L[i, k].imag ** 2
+        L[i, i] = np.sqrt(max(pivot, LOST * mu))
+        for k in range(i):
+            y[i] -= L[i, k] * y[k]
+        y[i] /= L[i, i].real
+    for i in range(M - 1, -1, -1):
+        y[i] /= L[i, i].real
+        for k in range(i):
+            y[k] -= np.conj(L[i, k]) * y[i]
+    return M

@@ -101,8 +101,10 @@ def directions(
             weight = weight if along else weight - f4(1.0) / size
         elif limited:
             weight = f4(1.0) / size
-        top = max(size, mu) / size * np.sqrt(weight)
-        cr, ci = h[0, n] * top, h[1, n] * top  # the phasor of x, weighted
+        root = np.sqrt(weight)
+        cr, ci = root, f4(0.0)  # any phase will do below the limit
+        if limited:
+            cr, ci = h[0, n] * root, h[1, n] * root
         turn[0, k] = cr if along else -ci
         turn[1, k] = ci if along else cr
     for i in range(len(sample)):

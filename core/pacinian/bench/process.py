@@ -1,0 +1,142 @@
+"""A contestant's process: started, asked with a time limit, killed when it hangs, started anew."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import tempfile
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pacinian.errors import PacinianError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+START = 300.0  # [s] to start, and to compile what there is to compile
+THREADS = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "RAYON_NUM_THREADS",
+)
+HERE = Path(__file__).parent
+
+
+class WorkerError(PacinianError):
+    """A contestant that crashed, hung, or told nonsense."""
+
+
+class Worker:
+    """A process that answers one JSON line with one.
+
+    name: of the contestant. command: what to run. threads: how many its libraries may use.
+    It is started when it is first needed, and again after it was ended for a fault.
+    """
+
+    def __init__(self, name: str, command: Sequence[str], threads: int) -> None:
+        self.name, self.command, self.threads = name, list(command), threads
+        self.versions: dict[str, str] = {}
+        self._process: subprocess.Popen[str] | None = None
+        self._offers: list[tuple[str, str]] = []
+
+    @classmethod
+    def of(cls, name: str, python: str, threads: int) -> Worker:
+        """Of the contestant `workers/{name}.py`, run by that Python."""
+        files = (HERE / "worker.py", HERE / "workers" / f"{name}.py")
+        return cls(name, [python, "-P", *(str(file) for file in files)], threads)
+
+    def offers(self) -> list[tuple[str, str]]:
+        """Its (solver, mode) pairs. Raises WorkerError."""
+        if self._process is None:
+            self._start()
+        return self._offers
+
+    def ask(self, message: dict[str, Any], limit: float) -> dict[str, Any]:
+        """Send a message, return the answer. Raises WorkerError, also after `limit` seconds."""
+        self.offers()
+        process = self._process
+        if process is None or process.stdin is None:
+            raise WorkerError("is not running")
+        try:
+            process.stdin.write(json.dumps(message) + "\n")
+            process.stdin.flush()
+        except OSError:  # it has ended; reading tells how
+            pass
+        told = self._read(limit)
+        if "error" in told:
+            raise WorkerError(f"failed: {told['error']}")
+        return told
+
+    def close(self) -> None:
+        """End the process."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                with contextlib.suppress(OSError):
+                    stream.close()
+        self._errors.close()
+
+    def _start(self) -> None:
+        environment = {
+            **os.environ,
+            **dict.fromkeys(THREADS, str(self.threads)),
+            "CUDA_VISIBLE_DEVICES": "",
+            "PYTHONWARNINGS": "ignore",
+        }
+        self._errors = tempfile.TemporaryFile(mode="w+", errors="replace")  # noqa: SIM115
+        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+        try:
+            self._process = subprocess.Popen(
+                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
+                text=True, encoding="utf-8", env=environment,
+            )  # fmt: skip
+        except OSError as error:
+            self._errors.close()
+            raise WorkerError(f"cannot be started: {error}") from error
+        threading.Thread(target=_pump, args=(self._process, self._lines), daemon=True).start()
+        told = self._read(START)
+        try:
+            self._offers = [(str(solver), str(mode)) for solver, mode in told["offers"]]
+            self.versions = dict(told["versions"])
+        except (KeyError, TypeError, ValueError) as error:
+            self.close()
+            raise WorkerError(f"does not say what it offers: {error!r}") from error
+
+    def _read(self, limit: float) -> dict[str, Any]:
+        try:
+            line = self._lines.get(timeout=limit)
+        except queue.Empty:
+            self.close()
+            raise WorkerError(f"timed out after {limit:g} s") from None
+        if not line:
+            said = self._last_words()
+            self.close()
+            raise WorkerError(f"crashed: {said}")
+        try:
+            return dict(json.loads(line))
+        except (ValueError, TypeError) as error:
+            self.close()
+            raise WorkerError(f"answered nonsense: {error}") from None
+
+    def _last_words(self) -> str:
+        self._errors.seek(0)
+        lines = self._errors.read().strip().splitlines()
+        return lines[-1] if lines else "without a word"
+
+
+def _pump(process: subprocess.Popen[str], lines: queue.SimpleQueue[str]) -> None:
+    """Pass on what it says; an empty line when it has ended."""
+    with contextlib.suppress(OSError, ValueError):
+        for line in process.stdout or ():
+            lines.put(line)
+    lines.put("")

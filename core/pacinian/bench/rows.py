@@ -1,0 +1,112 @@
+"""What is measured, one row each: CSV as it comes, JSON at the end."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from pacinian.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from types import TracebackType
+
+KINDS: dict[str, Callable[[Any], Any]] = {"int": int, "float": float, "str": str}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One solver on one problem.
+
+    family: "pacinian", a peer, or "reference". mode: "cold", "warm" (all points have moved by 1 mm),
+    "one moved", "rescaled" (only the strength has changed) or "reference". threads: allowed.
+    units, N, M, level, seed: the problem. p50, p99: run time [s] of `samples` solves.
+    error, scale, mean_pressure [Pa]: see `evaluate.Score`; error_8bit: after rounding to 8 bits.
+    drive: the largest |g| as returned. traced: bytes that one solve holds at most, as far as Python knows;
+    resident: most memory of its process so far [bytes]. status: "ok", or what went wrong; then NaN.
+    """
+
+    family: str
+    solver: str
+    mode: str
+    threads: int
+    units: int
+    N: int
+    M: int
+    level: float
+    seed: int
+    status: str = "ok"
+    p50: float = math.nan
+    p99: float = math.nan
+    samples: int = 0
+    error: float = math.nan
+    error_8bit: float = math.nan
+    scale: float = math.nan
+    mean_pressure: float = math.nan
+    drive: float = math.nan
+    traced: float = math.nan
+    resident: float = math.nan
+
+    @property
+    def ok(self) -> bool:
+        """Whether it was measured."""
+        return self.status == "ok"
+
+
+COLUMNS = [field.name for field in fields(Row)]
+
+
+class Writer:
+    """Writes rows to a CSV file, each at once, so that an interrupted run keeps what it measured."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("w", newline="", encoding="utf-8")
+        self._writer = csv.DictWriter(self._file, COLUMNS)
+        self._writer.writeheader()
+        self._file.flush()
+
+    def write(self, row: Row) -> None:
+        """Append a row."""
+        self._writer.writerow(asdict(row))
+        self._file.flush()
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+
+def read(path: Path) -> list[Row]:
+    """The rows of a CSV file. Raises RecordingError."""
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            return [row(found) for found in csv.DictReader(file)]
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise RecordingError(path, f"is no benchmark: {error!r}") from error
+
+
+def row(values: dict[str, Any]) -> Row:
+    """A row from its columns, as text or as JSON has them."""
+    read: dict[str, Any] = {}
+    for field in fields(Row):
+        value = values[field.name]
+        kind = KINDS[str(field.type)]
+        read[field.name] = math.nan if value is None and kind is float else kind(value)
+    return Row(**read)
+
+
+def plain(row: Row) -> dict[str, Any]:
+    """A row for JSON, which has no NaN: null instead."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in asdict(row).items()
+    }

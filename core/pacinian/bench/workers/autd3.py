@@ -1,0 +1,106 @@
+"""autd3-pattern-holo 0.12: GS-PAT, Gerchberg-Saxton, naive, greedy. Rust; 8-bit phases and intensities."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+core: Any = import_module("autd3_core")
+holo: Any = import_module("autd3_pattern_holo")
+pattern: Any = import_module("autd3_pattern")
+
+UNIT = 249  # transducers
+FULL = 255  # intensity
+
+
+def versions() -> dict[str, str]:
+    """Of the libraries that matter."""
+    return {name: version(name) for name in ("autd3", "autd3-pattern-holo", "numpy")}
+
+
+def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:
+    """GS-PAT with its own 100 steps and with 10; the rest as they come. Its threads only where allowed."""
+    parallel = threads > 1
+    gspat, few = (holo.GspatOption(repeat=n, parallel=parallel) for n in (100, 10))
+    gs, naive = holo.GsOption(parallel=parallel), holo.NaiveOption(parallel=parallel)
+    return {
+        ("autd3-gspat", "cold"): linear(holo.gspat, gspat),
+        ("autd3-gspat-10", "cold"): linear(holo.gspat, few),
+        ("autd3-gs", "cold"): linear(holo.gs, gs),
+        ("autd3-naive", "cold"): linear(holo.naive, naive),
+        ("autd3-greedy", "cold"): greedy,
+    }
+
+
+def linear(method: Any, option: Any) -> Callable[[dict[str, Any]], Any]:
+    """A method that writes phases and intensities; `Clamp`, the default, takes the pascals asked as they are."""
+
+    def prepare(problem: dict[str, Any]) -> Any:
+        geometry, length, q, t, phases, intensities = given(problem)
+
+        def solve() -> None:
+            method(geometry, foci(q, t), length, option, phases, intensities)
+
+        def read(output: None) -> Any:
+            return gains(phases, intensities), q
+
+        return solve, read
+
+    return prepare
+
+
+def greedy(problem: dict[str, Any]) -> Any:
+    """Phases one by one, 16 levels, in random order, at full drive."""
+    geometry, length, q, t, phases, intensities = given(problem)
+    option = holo.GreedyOption()
+    full = core.Intensity(FULL)
+    intensities.copy_from(np.full((geometry_size(problem), UNIT), FULL, np.uint8))
+
+    def solve() -> None:
+        holo.greedy(geometry, foci(q, t), length, full, option, phases)
+
+    def read(output: None) -> Any:
+        return gains(phases, intensities), q
+
+    return solve, read
+
+
+def given(problem: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Geometry [mm], wavelength, points [m], targets [Pa], and buffers to write to."""
+    r = np.array(problem["positions"])
+    units = geometry_size(problem)
+    geometry = core.Geometry(
+        [core.Autd3(1e3 * r[UNIT * unit], np.array([1.0, 0.0, 0.0, 0.0])) for unit in range(units)]
+    )
+    theirs = np.concatenate([device.positions() for device in geometry]) / 1e3
+    if theirs.shape != r.shape or np.abs(theirs - r).max() > 1e-6:
+        raise ValueError("the array is not made of AUTD3 units")
+    length = core.Length.from_mm(1e3 * 2.0 * np.pi / problem["wavenumber"])
+    buffers = pattern.PhaseBuffer(units), pattern.IntensityBuffer(units)
+    return geometry, length, np.array(problem["frames"][0]), np.array(problem["targets"]), *buffers
+
+
+def geometry_size(problem: dict[str, Any]) -> int:
+    """How many units."""
+    return len(problem["positions"]) // UNIT
+
+
+def foci(q: Any, t: Any) -> list[Any]:
+    """Their targets; part of what is timed."""
+    points, amplitudes = (1e3 * q).tolist(), t.tolist()
+    return [
+        holo.AmplitudeTarget(point, amplitude * holo.Pa)
+        for point, amplitude in zip(points, amplitudes, strict=True)
+    ]
+
+
+def gains(phases: Any, intensities: Any) -> Any:
+    """From levels to (N,); their waves are exp(+jkr), so the phase is turned."""
+    phase, intensity = phases.to_numpy().ravel(), intensities.to_numpy().ravel()
+    return intensity / FULL * np.exp(-2j * np.pi / 256 * phase)

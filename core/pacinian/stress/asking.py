@@ -1,0 +1,59 @@
+"""What the families of problems are made from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.array import lattice
+from pacinian.acoustics.propagation import matrix
+from pacinian.solving.problem import Limits
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.types import ArrayLike, Floats
+
+SMALL = lattice(0.05, 0.05)  # 36 ideal transducers
+HEIGHT = 0.1  # [m]
+PHASES: dict[str, ArrayLike | None] = {"free": None, "fixed": 0.0}
+NO_LIMIT = Limits(gain=None)
+
+
+def scattered(count: int, seed: int = 0, width: float = 0.06, height: float = HEIGHT) -> Floats:
+    """Random points [m], (count, 3), above the small array."""
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-width / 2, width / 2, (count, 2)).T
+    return np.stack([x, y, np.full(count, height)], axis=1)
+
+
+def asked(
+    array: Array, points: Floats, level: float, shares: ArrayLike = 1.0, medium: Air | None = None
+) -> Floats:
+    """Amplitudes [Pa], (M,), in proportion to `shares`; their 2-norm: `level` times what one focus reaches."""
+    if not len(points):
+        return np.zeros(0)
+    t = np.broadcast_to(np.asarray(shares, dtype=np.float64), (len(points),))
+    reach = np.abs(matrix(array, points, medium)).sum(axis=1).mean()
+    return np.asarray(t / np.linalg.norm(t) * level * reach)
+
+
+def half(count: int) -> Floats:
+    """Phases of which every second is free, (count,)."""
+    return np.where(np.arange(count) % 2, np.nan, np.arange(count))
+
+
+def row(condition: float) -> Floats:
+    """Five points [m], (5, 3), in a row, as close as makes B's condition number `condition`."""
+
+    def points(spacing: float) -> Floats:
+        x = np.arange(-2, 3) * spacing
+        return np.stack([x, np.full(5, 0.003), np.full(5, HEIGHT)], axis=1)
+
+    low, high = 1e-7, 0.012  # [m]
+    for _ in range(40):
+        middle = float(np.sqrt(low * high))
+        s = np.linalg.svd(matrix(SMALL, points(middle)), compute_uv=False)
+        low, high = (middle, high) if s[0] > condition * s[-1] else (low, middle)
+    return points(high)

@@ -1,0 +1,159 @@
+"""Any limits together, and more samples than transducers: convex problems, one for each choice of phases."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.solving.least_squares import Reduced
+from pacinian.solving.phases import choose
+from pacinian.solving.propagator import gram
+from pacinian_plugins.solvers.lagrange.convex import least_squares, strongest
+
+if TYPE_CHECKING:
+    import pacinian as pc
+    from pacinian.types import Complexes, Flags, Floats
+    from pacinian_plugins.solvers.lagrange.convex import Answer
+
+MET = 1e-4  # relative error at which free phases need not be chosen anew
+GAIN = 0.02  # a round of new phases that lowers the error by less is the last
+
+
+class Found(NamedTuple):
+    """What a choice of phases came to, in units of the limit."""
+
+    answer: Answer
+    made: Complexes  # (M,)
+    error: float  # ||p - made|| / ||p||, free phases being as made
+    bound: float = math.nan  # for the phases made
+    objective: float = math.nan
+
+
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """Least squares, or the largest multiple, under all of `limits`, for points that stay.
+
+    A: B, or R where B = Q R has more rows than columns, and below it the quiet points' rows.
+    unit: one unit of gain [-].
+    """
+
+    propagator: pc.Propagator
+    targets: pc.Targets
+    limits: pc.Limits
+    budget: pc.Budget
+    mu: float
+    unit: float
+    A: Complexes
+    gram: Complexes
+    reduced: Reduced | None
+
+    @classmethod
+    def of(
+        cls, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, budget: pc.Budget,
+        mu: float,
+    ) -> Constrained:  # fmt: skip
+        """The problem for where the points are now."""
+        B = propagator.B
+        M, N = B.shape
+        reduced = Reduced.of(B) if M > N and limits.exact is None else None
+        parts = [B if reduced is None else reduced.R]
+        if propagator.quiet is not None:
+            parts.append(propagator.quiet.B)
+        A = np.ascontiguousarray(np.concatenate(parts))
+        G = propagator.gram if reduced is None and len(parts) == 1 else gram(A)
+        return cls(propagator, targets, limits, budget, mu, limits.gain or 1.0, A, G, reduced)
+
+    def nearest(self, rounds: int) -> Found:
+        """The nearest pressures that the limits allow; free phases are chosen anew while that helps."""
+        targets = self.targets
+        p = choose(self.propagator, targets, None) / self.unit
+        exact = self.limits.exactly(len(p)) if self.limits.exact is not None else None
+        best: Found | None = None
+        start: Complexes | None = None
+        for _ in range(rounds):
+            down = self._down(p)
+            answer = least_squares(
+                self.A, down, mu=self.mu,
+                gram=self.gram, exact=exact, quiet=self._quiet, gain=self.limits.gain is not None,
+                power=self._power, start=start, budget=self.budget,
+            )  # fmt: skip
+            found = self._proven(self._found(answer), p, down, exact)
+            improved = best is None or found.error < (1.0 - GAIN) * best.error
+            better = best is None or (answer.kept, -found.error) > (best.answer.kept, -best.error)
+            best = found if better else best
+            if not improved or answer.late or found.error <= MET or not targets.free.any():
+                break
+            p, start = targets.complex(np.angle(found.made)) / self.unit, answer.y
+        assert best is not None  # rounds >= 1
+        return best
+
+    def strongest(self) -> Found:
+        """The largest multiple of the targets that the limits allow.
+
+        Where none of these proportions can be made: the nearest to them, of any strength.
+        """
+        p = choose(self.propagator, self.targets, None) / self.unit
+        quiet, power, limited = self._quiet, self._power, self.limits.gain is not None
+        if self.reduced is None:
+            answer = strongest(
+                self.A,
+                p,
+                gram=self.gram,
+                quiet=quiet,
+                gain=limited,
+                power=power,
+                budget=self.budget,
+            )
+            if answer.strength > 0.0:
+                return self._found(answer)
+        some = None if quiet is None else np.zeros_like(quiet)  # of any strength
+        return self._found(
+            least_squares(
+                self.A,
+                self._down(p),
+                mu=self.mu,
+                gram=self.gram,
+                quiet=some,
+                gain=False,
+                budget=self.budget,
+            )
+        )
+
+    def _proven(self, found: Found, p: Complexes, down: Complexes, exact: Flags | None) -> Found:
+        """With bound and objective for the phases made, not those of p: the dual is linear in p."""
+        answer, soft = found.answer, slice(None) if exact is None else ~exact
+        asked = self.targets.complex(np.angle(found.made)) / self.unit
+        turned = self._down(asked)
+        moved = float(np.vdot(answer.y[: len(down)], turned - down).real)
+        before, after = (float(np.linalg.norm((a - found.made)[soft])) ** 2 for a in (p, asked))
+        return found._replace(
+            bound=answer.bound + moved + _lost(asked, turned),
+            objective=answer.objective + _lost(p, down) + (after - before) / 2.0,
+        )
+
+    def _down(self, p: Complexes) -> Complexes:
+        """Targets (M,) in the rows of A."""
+        return p if self.reduced is None else self.reduced.down(p)
+
+    @property
+    def _quiet(self) -> Floats | None:
+        quiet = self.limits.quiet
+        return None if quiet is None else np.asarray(quiet[1], np.float64) / self.unit
+
+    @property
+    def _power(self) -> float | None:
+        power = self.limits.power
+        return None if power is None else power / self.unit**2
+
+    def _found(self, answer: Answer) -> Found:
+        M = len(self.targets.amplitudes)
+        made = answer.made[:M] if self.reduced is None else self.propagator.B @ answer.h
+        return Found(answer, made, self.targets.miss(made * self.unit))
+
+
+def _lost(p: Complexes, down: Complexes) -> float:
+    """1/2 of the squared part of targets p, (M,), that no gains can make [Pa^2]."""
+    return max(float(np.vdot(p, p).real - np.vdot(down, down).real), 0.0) / 2.0

@@ -1,0 +1,77 @@
+"""Where to start: pseudo-inverses with more or less regularisation, whichever proves the most."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import lapack
+
+from pacinian_plugins.solvers.lagrange.convex import discs, products
+from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Flags
+    from pacinian_plugins.solvers.lagrange.convex.dual import Dual, Point
+
+RIDGE = 1e-13  # of the rows' mean square and mu
+SHARE = (
+    0.25  # of transducers at their limit from which other starts than the plain one are looked at
+)
+MORE = (1e1, 1e2, 1e3, 1e4, 1e5)  # times mu
+PLAIN = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0)  # mu where there is none, times the rows' mean square
+
+
+def begin(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
+    """The best of y, (R,), if given, and of the answers if nothing had a limit, for several mu."""
+    none = np.zeros(len(gram), np.bool_)
+    best, mu = dual.at(unlimited(dual, gram, dual.mu, none)), dual.mu
+    promise = np.inf
+    if y is not None:
+        warm = dual.at(y)
+        if warm.value > best.value:
+            best, mu, promise = warm, dual.mu + warm.nu, 0.0  # smoothing starts at its least
+    made = dual.make(best.h)
+    loud = dual.rows.quiet & (np.abs(made) > dual.rows.limit)
+    if y is None and (best.nu > 0.0 or _held(dual, best) > SHARE or loud.any()):
+        for near in (none, loud) if loud.any() else (none,):
+            for more in MORE:
+                point = dual.at(unlimited(dual, gram, more * dual.mu, near))
+                if point.value > best.value:
+                    best, mu = point, more * dual.mu
+        made = dual.make(best.h)
+    g = np.empty_like(best.h)
+    discs.clip(best.x, dual.weight, mu - dual.mu, dual.limit, g)
+    return State(best, made, g, best.r, promise=promise)
+
+
+def begin_strongest(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
+    """The same where the strength is asked for: Re(y^H c) = 1."""
+    assert dual.along is not None
+    none, scale = np.zeros(len(gram), np.bool_), products.mean_square(gram) or 1.0
+    points = [dual.at(unlimited(dual, gram, mu * scale, none)) for mu in PLAIN]
+    if y is not None and (whole := float(np.vdot(dual.along, y).real)) > 0.0:
+        points.append(dual.at(y / whole))
+    best = max(points, key=lambda point: point.value)
+    g = np.empty_like(best.h)
+    discs.clip(best.x, dual.weight, float(np.abs(best.x).mean()), dual.limit, g)
+    return State(best, dual.make(best.h), g, best.r)
+
+
+def unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
+    """The y, (R,), if nothing has a limit; quiet rows are left out, but for `near` ones."""
+    rows = dual.rows
+    own = np.where(rows.soft | near, 1.0, np.where(rows.quiet, 1.0 / rows.weight, 0.0))
+    ridge = RIDGE * (products.mean_square(gram) + mu)
+    i = np.arange(len(gram))
+    S = gram.copy()
+    S[i, i] += mu * own + ridge
+    L = factor(S, ridge, lapack.zpotrf)
+    y = mu * lapack.zpotrs(L, rows.p if dual.along is None else dual.along)[0].reshape(-1)
+    if dual.along is not None:
+        y /= float(np.vdot(dual.along, y).real)
+    return np.asarray(y)
+
+
+def _held(dual: Dual, point: Point) -> float:
+    return float(np.mean(np.abs(point.x) > dual.mu * dual.limit))

@@ -1,0 +1,128 @@
+"""`pacinian bench`, as a user runs it, on problems so small that it takes seconds."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+import pacinian as pc
+from pacinian.bench import peers
+from pacinian.bench.rows import read
+from pacinian.cli.main import cli
+
+FAKE = Path(__file__).parents[1] / "bench" / "fake.py"
+TINY = ("--units", "1", "--points", "2,3", "--levels", "0.5", "--seeds", "1", "--seconds", "0")
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(cli, ["bench", *arguments])
+
+
+def test_a_tiny_run_writes_and_tells_everything(tmp_path: Path) -> None:
+    result = run(
+        *TINY, "--quick", "--solvers", "pseudo-inverse,gs-pat", "--out", str(tmp_path), "--json"
+    )
+    assert result.exit_code == 0, result.output
+    told = json.loads(result.stdout)
+    assert json.loads((tmp_path / "bench.json").read_text())["rows"] == told["rows"]
+    assert not told["interrupted"]
+    assert told["versions"]["pacinian"]["numpy"]
+    rows = read(tmp_path / "bench.csv")
+    assert len(rows) == len(told["rows"]) == 2 * (2 + 2 * 4)
+    assert all(row.ok and row.p50 > 0.0 for row in rows)
+    good = [row for row in rows if row.solver == "pseudo-inverse"]
+    assert all(row.error < 1e-4 and row.samples >= 1 for row in good)
+    assert {row.mode for row in good} == {"cold", "warm", "one moved", "rescaled"}
+    names = {"bench.csv", "bench.json", "pareto-0.5.png", "growth.png"}
+    assert {Path(file).name for file in told["files"]} == names
+    assert names == {file.name for file in tmp_path.iterdir()}
+
+
+def test_without_json_it_prints_tables(tmp_path: Path) -> None:
+    result = run(*TINY, "--quick", "--solvers", "auto", "--out", str(tmp_path / "new" / "folder"))
+    assert result.exit_code == 0, result.output
+    for word in ("Level 0.5", "N = 249", "roofline", "auto", "warm", "Targets", "wrote"):
+        assert word in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--points", "4;5"), "no list of numbers"),
+        (("--units", "a"), "no list of numbers"),
+        (("--seeds", "0"), "--seeds"),
+        (("--threads", "0"), "--threads"),
+    ],
+)
+def test_a_bad_argument_is_told(tmp_path: Path, arguments: Any, says: str) -> None:
+    result = run(*arguments, "--out", str(tmp_path))
+    assert result.exit_code == 2
+    assert says in result.stderr
+
+
+def test_what_is_not_there_is_told_before_the_work(tmp_path: Path) -> None:
+    assert isinstance(run("--solvers", "magic", "--out", str(tmp_path)).exception, pc.UnknownPlugin)
+    assert isinstance(run("--units", "2", "--out", str(tmp_path)).exception, pc.ArgumentError)
+    (tmp_path / "file").write_text("")
+    result = run("--out", str(tmp_path / "file" / "folder"))
+    assert result.exit_code == 2
+    assert "--out" in result.stderr
+
+
+def test_missing_peers_are_told_with_the_command_to_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = run("--quick", "--out", str(tmp_path), "--peers", str(tmp_path / "none"))
+    assert result.exit_code == 2
+    assert f".ci/peers {tmp_path / 'none'}" in result.stderr
+    monkeypatch.setenv(peers.VARIABLE, str(tmp_path / "elsewhere"))
+    result = run("--peers", "--quick", "--out", str(tmp_path))  # the value may be left out
+    assert f".ci/peers {tmp_path / 'elsewhere'}" in result.stderr
+    monkeypatch.delenv(peers.VARIABLE)
+    assert peers.folder().parts[-2:] == ("pacinian", "peers")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands for Python")
+def test_a_peer_is_measured_beside_ours_and_its_faults_are_told(tmp_path: Path) -> None:
+    for peer, how in (("autd3", "works"), ("levitate", "crashes"), ("acoustools", "dies at once")):
+        python = tmp_path / peer / "bin" / "python"
+        python.parent.mkdir(parents=True)
+        python.write_text(f"#!/bin/sh\nexec {sys.executable} {FAKE} '{how}'\n")
+        python.chmod(0o755)
+    out = tmp_path / "out"
+    result = run(*TINY, "--quick", "--solvers", "auto", "--out", str(out), "--peers", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    rows = read(out / "bench.csv")
+    status = {row.family: row.status for row in rows}
+    assert status == {
+        "reference": "ok", "pacinian": "ok", "autd3": "ok", "levitate": "crashed: last words",
+    }  # fmt: skip
+    assert "crashed: last words" in result.stdout
+    assert "acoustools left out: it crashed: no such library" in result.stderr
+    one = [row for row in rows if row.family == "autd3"]
+    assert all(row.error > 0.0 for row in one)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-m", "pacinian", "bench", "--quick", "--units", "1", "--seeds", "500",
+         "--out", str(tmp_path), "--json"],
+        stdout=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    table, limit = tmp_path / "bench.csv", time.monotonic() + 60
+    while not (table.exists() and table.read_text().count("\n") > 3) and time.monotonic() < limit:
+        time.sleep(0.02)  # for another process, which has no clock of ours
+    os.killpg(child.pid, signal.SIGINT)  # as a terminal does
+    out, _ = child.communicate(timeout=60)
+    assert child.returncode == 130
+    told = json.loads(out)
+    assert told["interrupted"]
+    assert len(told["rows"]) == len(read(table)) >= 3
