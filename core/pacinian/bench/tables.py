@@ -156,16 +156,21 @@ def short(value: float) -> str:
         return "-"
     for least, digits in ((10.0, 0), (1.0, 1), (0.1, 2), (0.01, 3)):
         if abs(value) >= least:
-            return f"{value:.{digits}f}"
+            return f"{value:.{digits}f}".replace("0.", ".", 1 if abs(value) < 1.0 else 0)
     return f"{value:.0e}".replace("e-0", "e-") if value else "0"
 
 
 def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
     """A table whose texts are taken as they are: a unit in brackets is no markup."""
+    line = Text(title, no_wrap=True, overflow="ignore")
     table = Table(
-        title=Text(title), title_justify="left", box=SIMPLE_HEAD, collapse_padding=True,
-        padding=0, show_edge=False,
-    )  # fmt: skip
+        title=line,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        collapse_padding=True,
+        padding=0,
+        show_edge=False,
+    )
     for n, name in enumerate(head):
         table.add_column(Text(name), justify="right" if n else "left", no_wrap=True)
     for row in rows:

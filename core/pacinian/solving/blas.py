@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -15,16 +15,18 @@ if TYPE_CHECKING:
 FEW = 4_096  # elements of B up to which BLAS does not think of a second thread
 MANY = 1_000_000  # from which several threads are worth their while
 
+_NOTHING = nullcontext()
 _inside = 0
 
 
-@contextmanager
-def one_thread(elements: int = FEW) -> Generator[None]:
+def one_thread(elements: int = FEW) -> AbstractContextManager[None]:
     """Keep BLAS to one thread for `FEW` to `MANY` elements of B; costs 25 us, nested nothing."""
+    return _NOTHING if _inside or not FEW <= elements < MANY else _limited()
+
+
+@contextmanager
+def _limited() -> Generator[None]:
     global _inside  # noqa: PLW0603
-    if _inside or not FEW <= elements < MANY:
-        yield
-        return
     _inside += 1
     try:
         with _controller().limit(limits=1):

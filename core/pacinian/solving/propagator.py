@@ -6,7 +6,7 @@ import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 from scipy.linalg import blas
@@ -54,6 +54,7 @@ class Propagator:
         self.array, self.medium = array, medium
         self.precision: Precision = precision
         self.dtype = np.dtype(np.complex64 if precision == "single" else np.complex128)
+        self._single = precision == "single"
         self.work = Work()
         self.version = 0
         self.quiet: Propagator | None = None
@@ -95,15 +96,18 @@ class Propagator:
         self._spent.extend(self._factors.values())
         self._factors.clear()
         self._power = None
+        every = count == len(points)
+        here = points if every else points[moved]
+        where = slice(None) if every else moved
         try:
-            self._wave.matrix(points if count == len(points) else points[moved], self._B, moved)
+            self._wave.matrix(here, self._B, moved)
         except BaseException:
             self._forget(0)
             raise
         self._fresh = False
-        self._stale[moved] = True
+        self._stale[where] = True
         self._moved = True
-        self._points[moved] = points if count == len(points) else points[moved]
+        self._points[where] = here
         return count
 
     @property
@@ -124,7 +128,9 @@ class Propagator:
     @property
     def single(self) -> Gains:
         """B in single precision, for the kernels; not to be written to."""
-        return self._B.astype(np.complex64, copy=False)
+        if self._single:
+            return cast("Gains", self._B)
+        return self._B.astype(np.complex64)
 
     @property
     def gram(self) -> Complexes:
@@ -154,7 +160,7 @@ class Propagator:
         if self._power is None:
             M = len(self._points)
             if len(self.array) >= M:
-                self._power = float(self.gram.trace().real) / max(1, M)
+                self._power = kernels.trace(self.gram) / max(1, M)
             else:
                 self._power = float(np.vdot(self._B, self._B).real) / M
         return self._power
@@ -172,15 +178,15 @@ class Propagator:
 
     def apply(self, g: Complexes) -> Complexes:
         """P = B g [Pa], shape (M,), complex128, for gains of shape (N,)."""
-        if self._B.dtype != np.complex64:
+        if not self._single:
             return np.asarray(self._B @ g, np.complex128)
         p = np.empty(len(self._B), dtype=np.complex128)
-        passes.apply(self.single, np.ascontiguousarray(g, dtype=np.complex64), p)
+        passes.apply(self.single, np.asarray(g, np.complex64, order="C"), p)
         return p
 
     def adjoint(self, y: Complexes) -> Complexes:
         """B^H y, shape (N,), of B's precision, for y of shape (M,)."""
-        if self._B.dtype != np.complex64:
+        if not self._single:
             return np.asarray((y.conj() @ self._B).conj())
         x = np.empty(self._B.shape[1], dtype=np.complex64)
         passes.adjoint(self.single, np.ascontiguousarray(y, dtype=np.complex128), x)

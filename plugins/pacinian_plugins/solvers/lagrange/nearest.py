@@ -65,8 +65,9 @@ def nearest(
 ) -> int:  # fmt: skip
     """Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1, from the gains h, (3, N), in place.
 
-    made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. found: that error, and
-    the damping, to go on with it. A, tile, V: as in `tangent.step`. W, held: room, (7, N) and (N,).
+    made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. A, tile, V: as in
+    `tangent.step`. W, held: room, (7, N) and (N,). found: that error, the damping (1) and how many steps
+    in a row did little (4), to go on with.
     Returns the number of steps, negative if more may help.
     """
     M, N = B.shape
@@ -82,7 +83,7 @@ def nearest(
     cost = misfit(p, free, made, u, y, bend)
     best = cost + mu / 2.0 * power
     damping = found[1] if found[1] > 0.0 else DAMPED
-    taken, idle = 0, 0
+    taken, idle = 0, found[4]
     while 2.0 * cost > enough * enough * size and idle < 2 and damping <= MOST:
         if taken == steps:
             taken = -taken
@@ -102,10 +103,10 @@ def nearest(
             cost = misfit(p, free, made, u, y, bend)
             damping *= 10.0
             continue
-        idle = idle + 1 if best - now < FINISHED * best else 0
+        idle = idle + 1.0 if best - now < FINISHED * best else 0.0
         damping *= 3.0 if length < f4(0.5) else 0.25
         best = now
         h[0], h[1] = new[0], new[1]
         made[:] = q
-    found[0], found[1] = np.sqrt(2.0 * cost / size), damping
+    found[0], found[1], found[4] = np.sqrt(2.0 * cost / size), damping, idle
     return taken

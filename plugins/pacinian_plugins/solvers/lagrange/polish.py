@@ -37,6 +37,7 @@ MET, NEARLY = (
     1e-3,
 )  # relative errors that will do: in any case, and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
+TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
 QUICK = 5_000_000  # M M N of the steps between two looks at the clock
 MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
@@ -53,6 +54,7 @@ class Room:
     L: Complexes
     h: Singles
     spare: Singles
+    other: Singles
     made: Floats
     A: Floats
     tile: Singles
@@ -71,6 +73,7 @@ class Room:
             np.zeros(M, np.bool_),
             np.zeros(M, np.complex128),
             np.zeros((min(M, SMALL), min(M, SMALL)), np.complex128),
+            np.zeros((3, N), np.float32),
             np.zeros((3, N), np.float32),
             np.zeros((3, N), np.float32),
             np.zeros((2, M)),
@@ -169,15 +172,28 @@ class Polish:
         return float(room.found[0]), False
 
     def _harder(self, error: float) -> float:
-        """What to do where Newton steps stall at `error`; the better gains stay."""
-        room = self.room
+        """What to do where Newton steps stall at `error`; the best gains stay, and their residual as y."""
+        room, starts = self.room, [error]
         np.copyto(room.spare, room.h)
-        start = error
         if self.free.all():
-            start = self._full_drive()
-            if start > error:
+            starts.append(self._full_drive())
+            if starts[1] <= MET or self.budget.spent:
+                return starts[1]
+        np.copyto(room.other, room.h)
+        if len(starts) == 1 or starts[0] < starts[1] or len(self.p) * self.B.size <= TWICE:
+            np.copyto(room.h, room.spare)
+            error = self._nearest()
+            np.copyto(room.spare, room.h)
+        else:
+            error = np.inf
+        if len(starts) > 1 and (error == np.inf or len(self.p) * self.B.size <= TWICE):
+            np.copyto(room.h, room.other)
+            again = self._nearest()
+            if again > error:
                 np.copyto(room.h, room.spare)
-        return self._nearest() if start > MET and not self.budget.spent else start
+            error = min(error, again)
+        self._residual()
+        return error
 
     def _full_drive(self) -> float:
         """Other phases, from which Newton steps start again; return the error."""
@@ -199,9 +215,9 @@ class Polish:
     def _nearest(self) -> float:
         """Steps of `nearest` from the gains at hand; return the error."""
         room = self.room
-        room.found[1] = 0.0
+        room.found[1], room.found[4] = 0.0, 0.0
         gather(self.B, room.h, room.made, room.tile)
-        chunk = LAST if self.budget.endless else 1
+        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * len(self.p) * self.B.size))
         for _ in range(0, LAST, chunk):
             steps = nearest(
                 self.B, self.p, self.free, self.mu, chunk, ENOUGH,
@@ -210,21 +226,19 @@ class Polish:
             self.steps += abs(steps)
             if steps >= 0 or self.budget.spent:
                 break
-        error = float(room.found[0])
+        return float(room.found[0])
+
+    def _residual(self) -> None:
+        """Make the multipliers the residual of the gains at hand: the proof, at the nearest pressures."""
+        room = self.room
+        gather(self.B, room.h, room.made, room.tile)
         q = room.made[0] + 1j * room.made[1]
         t = np.where(self.free, np.abs(self.p) * np.exp(1j * np.angle(q)), self.p)
         room.y[:] = t - q
-        multipliers = np.zeros((2, room.tile.shape[1]), np.float32)
-        multipliers[:, : len(q)] = room.y.real, room.y.imag
-        room.found[1] = evaluate(
-            self.B,
-            multipliers,
-            np.float32(self.mu),
-            room.spare,
-            np.empty_like(room.made),
-            room.tile,
-        )
-        return error
+        y = np.zeros((2, room.tile.shape[1]), np.float32)
+        y[:, : len(q)] = room.y.real, room.y.imag
+        spent = np.empty_like(room.made)
+        room.found[1] = evaluate(self.B, y, np.float32(self.mu), room.other, spent, room.tile)
 
     def refined(self, B: Complexes) -> Refined:
         """The answer in double precision, for B in it; the multipliers are in `room.y`."""
