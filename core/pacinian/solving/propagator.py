@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar, cast
 
+import numba
 import numpy as np
 from scipy.linalg import blas
 
@@ -225,7 +225,7 @@ def gram(B: Complexes, out: Complexes | None = None) -> Complexes:
 def _single_gram(B: Gains, out: Complexes) -> None:
     """Write B B^H to `out`; many rows on all cores, each with a share of the columns."""
     M, N = B.shape
-    workers = 1 if M < MANY else min(os.cpu_count() or 1, 1 + N // 512)
+    workers = 1 if M < MANY else min(numba.get_num_threads(), 1 + N // 512)
 
     def part(start: int, stop: int, out: Complexes) -> Complexes:
         key = "columns", M

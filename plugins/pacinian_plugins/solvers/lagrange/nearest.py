@@ -14,7 +14,6 @@ from pacinian_plugins.solvers.lagrange.tangent import movable, step
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Gains, Singles
 
-FINISHED = 1e-5  # two steps that lower the cost by a smaller share are the last
 DAMPED, MOST = 1e-3, 1e3  # damping to start with, and to give up at, in units of the mean |x|
 SHORTEST = f4(1e-3)  # of a step
 
@@ -56,18 +55,19 @@ def shortened(h: Singles, d: Singles, length: np.float32, new: Singles) -> float
 
 @compiled(
     "i8(c8[:, ::1], c16[::1], b1[::1], f8, i8, f8, f4[:, ::1], f8[:, ::1], f8[:, ::1],"
-    "f4[:, :, ::1], f4[:, ::1], f4[:, ::1], b1[::1], f8[::1])"
+    "f4[:, :, ::1], f4[:, ::1], f4[:, ::1], b1[::1], f8[::1], f8)"
 )
 def nearest(
     B: Gains, p: Complexes, free: Flags, mu: float, steps: int, enough: float,
     h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, W: Singles, held: Flags,
-    found: Floats,
+    found: Floats, finished: float,
 ) -> int:  # fmt: skip
     """Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1, from the gains h, (3, N), in place.
 
     made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. A, tile, V: as in
     `tangent.step`. W, held: room, (7, N) and (N,). found: that error, the damping (1) and how many steps
-    in a row did little (4), to go on with.
+    in a row did little (4), to go on with. finished: two steps that lower the cost by a smaller share
+    are the last.
     Returns the number of steps, negative if more may help.
     """
     M, N = B.shape
@@ -103,7 +103,7 @@ def nearest(
             cost = misfit(p, free, made, u, y, bend)
             damping *= 10.0
             continue
-        idle = idle + 1.0 if best - now < FINISHED * best else 0.0
+        idle = idle + 1.0 if best - now < finished * best else 0.0
         damping *= 3.0 if length < f4(0.5) else 0.25
         best = now
         h[0], h[1] = new[0], new[1]

@@ -37,6 +37,10 @@ MET, NEARLY = (
     1e-3,
 )  # relative errors that will do: in any case, and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
+ROUGH, FINISHED = (
+    3e-4,
+    1e-5,
+)  # gains of a step of 4 that are too little to go on: for a look, for good
 TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
 QUICK = 5_000_000  # M M N of the steps between two looks at the clock
 MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
@@ -180,18 +184,14 @@ class Polish:
             if starts[1] <= MET or self.budget.spent:
                 return starts[1]
         np.copyto(room.other, room.h)
-        if len(starts) == 1 or starts[0] < starts[1] or len(self.p) * self.B.size <= TWICE:
-            np.copyto(room.h, room.spare)
-            error = self._nearest()
-            np.copyto(room.spare, room.h)
-        else:
-            error = np.inf
-        if len(starts) > 1 and (error == np.inf or len(self.p) * self.B.size <= TWICE):
-            np.copyto(room.h, room.other)
-            again = self._nearest()
-            if again > error:
-                np.copyto(room.h, room.spare)
-            error = min(error, again)
+        both = len(starts) == 2 and len(self.p) * self.B.size <= TWICE
+        if both:  # a look at where each leads
+            for side, start in enumerate((room.spare, room.other)):
+                np.copyto(room.h, start)
+                starts[side] = self._nearest(ROUGH)
+                np.copyto(start, room.h)
+        np.copyto(room.h, room.spare if starts[0] <= starts[-1] else room.other)
+        error = self._nearest(FINISHED)
         self._residual()
         return error
 
@@ -212,7 +212,7 @@ class Polish:
         room.y[:] *= self.mu / max(float(np.median(room.h[2])), 1e-30)
         return multiple
 
-    def _nearest(self) -> float:
+    def _nearest(self, finished: float) -> float:
         """Steps of `nearest` from the gains at hand; return the error."""
         room = self.room
         room.found[1], room.found[4] = 0.0, 0.0
@@ -222,6 +222,7 @@ class Polish:
             steps = nearest(
                 self.B, self.p, self.free, self.mu, chunk, ENOUGH,
                 room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
+                finished,
             )  # fmt: skip
             self.steps += abs(steps)
             if steps >= 0 or self.budget.spent:

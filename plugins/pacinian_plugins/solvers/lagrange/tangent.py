@@ -14,7 +14,7 @@ import numpy as np
 from numpy import float32 as f4
 
 from pacinian.acoustics.compiled import compiled
-from pacinian.solving.passes import TILE, gather, spread
+from pacinian.solving.passes import TILE, gather, load, spread
 from pacinian_plugins.solvers.lagrange.small import factor, substitute
 from pacinian_plugins.solvers.lagrange.sweeps import gramian
 
@@ -78,40 +78,44 @@ def phasor(u: Singles, equation: int, M: int, share: float) -> tuple[np.float32,
 
 
 @compiled(
-    "void(c8[:, ::1], f4[:, ::1], f8[::1], i8[::1], f4[:, ::1], b1[::1], f4[::1], f8[:, ::1], f4[:, ::1])"
+    "void(c8[:, ::1], f4[:, ::1], f8[::1], i8[::1], f4[:, ::1], b1[::1], f4[::1], f8[:, ::1],"
+    "f4[:, :, ::1], f4[:, ::1])"
 )
 def coupling(
     B: Gains, u: Singles, share: Floats, order: Indices, h: Singles, held: Flags, D: Singles,
-    A: Floats, V: Singles,
+    A: Floats, tile: Singles, V: Singles,
 ) -> None:  # fmt: skip
-    """Write W D^-1 W^T, (2M, 2M), to the lower triangle of A. V: room, (2M rounded up to 4, 2 TILE)."""
+    """Write W D^-1 W^T, (2M, 2M), to the lower triangle of A.
+
+    tile: as in `passes`. V: room, (2M rounded up to 4, 2 TILE): of each transducer one direction, then of
+    those that are free the other.
+    """
     M, N = B.shape
     K = 2 * M
     A[:K, :K] = 0.0
-    turn = np.empty((2, 2 * TILE), f4)
-    which = np.empty(2 * TILE, np.int64)
+    cr, ci = np.empty(TILE, f4), np.empty(TILE, f4)
+    which = np.empty(TILE, np.int64)
     for first in range(0, N, TILE):
-        columns = 0
-        for n in range(first, min(first + TILE, N)):
-            weight = f4(1.0) / np.sqrt(D[n])
-            which[columns] = n
-            if held[n]:
-                turn[0, columns], turn[1, columns] = -h[1, n] * weight, h[0, n] * weight
-                columns += 1
+        count = min(TILE, N - first)
+        load(B, first, count, tile)
+        free = 0
+        for n in range(count):
+            weight = f4(1.0) / np.sqrt(D[first + n])
+            cr[n], ci[n] = weight, f4(0.0)
+            if held[first + n]:
+                cr[n], ci[n] = -h[1, first + n] * weight, h[0, first + n] * weight
             else:
-                which[columns + 1] = n
-                turn[0, columns], turn[1, columns] = weight, f4(0.0)
-                turn[0, columns + 1], turn[1, columns + 1] = f4(0.0), weight
-                columns += 2
+                which[free] = n
+                free += 1
         for k in range(K):
             ur, ui = phasor(u, order[k], M, share[k])
-            row, b = V[k, :columns], B[order[k] % M]
-            for n in range(columns):
-                re, im = b[which[n]].real, b[which[n]].imag
-                row[n] = re * (ur * turn[0, n] + ui * turn[1, n]) + im * (
-                    ui * turn[0, n] - ur * turn[1, n]
-                )
-        gramian(V, K, columns, f4(1.0), A)
+            row, a, b = V[k, : count + free], tile[0, order[k] % M], tile[1, order[k] % M]
+            for n in range(count):
+                row[n] = a[n] * (ur * cr[n] + ui * ci[n]) + b[n] * (ui * cr[n] - ur * ci[n])
+            for f in range(free):
+                n = which[f]
+                row[count + f] = cr[n] * (a[n] * ui - b[n] * ur)
+        gramian(V, K, count + free, f4(1.0), A)
 
 
 @compiled(
@@ -130,7 +134,7 @@ def step(
     K = 2 * M
     order, share, q = np.empty(K, np.int64), np.empty(K), np.empty(K)
     positive = ordered(bend, order, share)
-    coupling(B, u, share, order, h, held, D, A, V)
+    coupling(B, u, share, order, h, held, D, A, tile, V)
     for k in range(K):
         A[k, k] += 1.0 if k < positive else -1.0
     factor(A, K, positive)
