@@ -83,3 +83,47 @@ def test_solving(benchmark: Any, units: int, M: int) -> None:
     t *= 0.5 * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
     solution = benchmark(pc.solve, array, q, t)
     benchmark.extra_info["error"] = solution.error
+
+
+def test_the_field_of_a_plane_beside_the_autd3_emulator(
+    benchmark: Any, need: Callable[..., Any]
+) -> None:
+    """200 x 200 points from 9 units; the emulator's own grid, all its threads, recording not counted."""
+    need("autd3_emulator")
+    from autd3.commands import Pattern, SetSilencer
+    from autd3_core import Autd3, Duration, Geometry, Velocity
+    from autd3_emulator import Emulator, Grid, RmsRecordOption
+    from autd3_pattern import IntensityBuffer, PhaseBuffer
+
+    places = [[192.0 * x, 151.4 * y, 0.0] for y in range(3) for x in range(3)]
+    devices = Geometry([Autd3(np.array(place), np.array([1.0, 0, 0, 0])) for place in places])
+    period = Duration.from_micros(25)
+    full = np.full((9, 249), 255, np.uint8)
+
+    def drive(recorder: Any) -> None:
+        recorder.send(SetSilencer.disable())
+        phase = PhaseBuffer.from_array(np.zeros((9, 249), np.uint8))
+        recorder.send(Pattern(phase, IntensityBuffer.from_array(full)))
+        recorder.tick(period)
+
+    record = Emulator(devices).record(drive)
+    option = RmsRecordOption(Velocity.from_m_s(340.0))
+    array = pc.autd(3, 3, pc.Transducer(pressure=4.3859003539))
+    first = array.positions[0]
+    side = np.linspace(0.2, 0.4, 200)
+    x, y = np.meshgrid(side, side)
+    q = np.stack([x, y, np.full_like(x, 0.2)], axis=-1) + first
+    g = np.ones(len(array), np.complex64)
+    theirs: Any = None
+
+    def emulate() -> None:
+        nonlocal theirs
+        grid = Grid((200.0, 400.0), (200.0, 400.0), 200.0, 200.0 / 199.0, "xyz")
+        theirs = record.sound_field(grid, option).next(period).to_numpy()
+
+    emulated = median(emulate, 3)
+    ours = benchmark(pc.field, array, g, q)
+    assert np.sort(np.abs(ours).ravel() / np.sqrt(2.0))[-1] == pytest.approx(theirs.max(), rel=1e-3)
+    benchmark.extra_info["times_faster_than_autd3_emulator"] = round(
+        emulated / benchmark.stats.stats.median, 1
+    )

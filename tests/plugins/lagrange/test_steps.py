@@ -13,7 +13,8 @@ from pacinian.solving.kernels import choose
 from pacinian.solving.phases import beginning
 from pacinian_plugins.solvers.lagrange import double, small, sweeps, tangent
 from pacinian_plugins.solvers.lagrange.equalise import equalise
-from pacinian_plugins.solvers.lagrange.polish import Polish, Room
+from pacinian_plugins.solvers.lagrange.polish import Polish
+from pacinian_plugins.solvers.lagrange.room import Room
 
 f4 = np.float32
 

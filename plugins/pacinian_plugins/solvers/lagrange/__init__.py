@@ -15,7 +15,8 @@ from pacinian.solving.evidence import violations
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
 from pacinian_plugins.solvers.lagrange.constrained import Constrained
-from pacinian_plugins.solvers.lagrange.polish import SMALL, Polish, Room
+from pacinian_plugins.solvers.lagrange.polish import Polish
+from pacinian_plugins.solvers.lagrange.room import SMALL, Room
 from pacinian_plugins.solvers.lagrange.small import begin, within
 
 if TYPE_CHECKING:

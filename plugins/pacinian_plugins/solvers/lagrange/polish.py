@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.solving.passes import TILE, gather
+from pacinian.solving.passes import gather
 from pacinian_plugins.solvers.lagrange.attempt import attempt, certify, deliver
 from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
 from pacinian_plugins.solvers.lagrange.equalise import equalise
@@ -27,68 +27,20 @@ from pacinian_plugins.solvers.lagrange.sweeps import evaluate
 
 if TYPE_CHECKING:
     import pacinian as pc
-    from pacinian.types import Complexes, Flags, Floats, Gains, Indices, Singles
+    from pacinian.types import Complexes, Flags, Gains
+    from pacinian_plugins.solvers.lagrange.room import Room
 
-SMALL = 16  # samples up to which `begin` solves for the start
 FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
 ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
-MET, NEARLY = (
-    1e-4,
-    1e-3,
-)  # relative errors that will do: in any case, and where steps have converged
+MET = 1e-4  # relative error that will do in any case
+NEARLY = 1e-3  # and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
-ROUGH, FINISHED = (
-    3e-4,
-    1e-5,
-)  # gains of a step of 4 that are too little to go on: for a look, for good
+ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
 TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
 QUICK = 5_000_000  # M M N of the steps between two looks at the clock
 MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
 BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
-
-
-@dataclass(frozen=True, eq=False)
-class Room:
-    """Space for the kernels, for M samples and N transducers: made once."""
-
-    p: Complexes
-    free: Flags
-    y: Complexes
-    L: Complexes
-    h: Singles
-    spare: Singles
-    other: Singles
-    made: Floats
-    A: Floats
-    tile: Singles
-    V: Singles
-    W: Singles
-    held: Flags
-    which: Indices
-    found: Floats
-
-    @classmethod
-    def of(cls, M: int, N: int) -> Room:
-        """Room for M samples, each of them two equations."""
-        K = 2 * M + 4
-        return cls(
-            np.zeros(M, np.complex128),
-            np.zeros(M, np.bool_),
-            np.zeros(M, np.complex128),
-            np.zeros((min(M, SMALL), min(M, SMALL)), np.complex128),
-            np.zeros((3, N), np.float32),
-            np.zeros((3, N), np.float32),
-            np.zeros((3, N), np.float32),
-            np.zeros((2, M)),
-            np.zeros((K, K)),
-            np.zeros((2, M + -M % 4, TILE), np.float32),
-            np.zeros((K, 2 * TILE), np.float32),
-            np.zeros((7, N), np.float32),
-            np.zeros(N, np.bool_),
-            np.zeros(TILE, np.int64),
-            np.zeros(8),
-        )
 
 
 class Polished(NamedTuple):
@@ -181,9 +133,13 @@ class Polish:
         np.copyto(room.spare, room.h)
         if self.free.all():
             starts.append(self._full_drive())
-            if starts[1] <= MET or self.budget.spent:
+            if starts[1] <= MET:
                 return starts[1]
         np.copyto(room.other, room.h)
+        if self.budget.spent:
+            np.copyto(room.h, room.spare if starts[0] <= starts[-1] else room.other)
+            self._residual()
+            return min(starts)
         both = len(starts) == 2 and len(self.p) * self.B.size <= TWICE
         if both:  # a look at where each leads
             for side, start in enumerate((room.spare, room.other)):

@@ -1,0 +1,120 @@
+"""What warm starts and skips save, as ratios within one run.
+
+`extra_info` holds, for level 0.5: `cold_over_roofline` (B, its Gram matrix, one product each way),
+`warm_over_parts` (every sample moved by 1 mm, over B, the Gram matrix and two Newton steps),
+`stronger_over_cold` and `same_over_cold` (only the strength of all targets changed, or nothing),
+`one_moved_over_cold` (one sample of M).
+"""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.solving.propagator import gram
+
+SOLVER = pc.solver("lagrange")
+
+
+def median(*functions: Callable[[], object], repeats: int = 200) -> list[float]:
+    """Median times of functions called in turn, so that all see the same machine."""
+    times: list[list[float]] = [[] for _ in functions]
+    for _ in range(repeats):
+        for function, own in zip(functions, times, strict=True):
+            begin = time.perf_counter()
+            function()
+            own.append(time.perf_counter() - begin)
+    return [float(np.median(own)) for own in times]
+
+
+@pytest.mark.parametrize(("units", "M"), [(1, 4), (1, 16), (1, 64), (3, 16), (3, 64), (3, 256)])
+def test_what_a_session_saves(benchmark: Any, units: int, M: int) -> None:
+    array = pc.autd(units, units, pc.Transducer(pressure=4.386))
+    rng = np.random.default_rng(1)
+    q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
+    t = rng.uniform(0.3, 1.0, M)
+    t *= 0.5 * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
+    out = np.empty(len(array), np.complex64)
+    directions = rng.normal(size=(32, M, 3))
+    moves = q + 0.5e-3 * directions / np.linalg.norm(directions, axis=2, keepdims=True)
+    warm, one, same = (pc.Session(array, solver=SOLVER) for _ in range(3))
+    parts = pc.Propagator(array, pc.Air())
+    count, single = iter(range(10**9)), q.copy()
+    factors = {False: 1.0, True: 0.99}
+    weak = 0.4 * t  # nothing is at its limit
+
+    def every_moved() -> None:
+        warm.solve(moves[next(count) % 32], t, out=out)
+
+    def one_moved() -> None:
+        single[0, 0] += 1e-6
+        one.solve(single, t, out=out)
+
+    def stronger() -> None:
+        factors[True], factors[False] = factors[False], factors[True]
+        same.solve(q, factors[True] * weak, out=out)
+
+    def unchanged() -> None:
+        same.solve(q, factors[True] * weak, out=out)
+
+    g, z = np.ones(len(array), np.complex64), np.ones(M, complex)
+
+    def rows() -> None:
+        parts.forget()
+        parts.place(q)
+
+    def products() -> None:
+        gram(parts.B)
+
+    def there_and_back() -> None:
+        parts.apply(g)
+        parts.adjoint(z)
+
+    benchmark(lambda: pc.solve(array, q, t, solver=SOLVER))
+    repeats = 200 if M < 256 else 20
+    cold, moved, row, stronger_, same_, build, product, pair = median(
+        lambda: pc.solve(array, q, t, solver=SOLVER), every_moved, one_moved, stronger, unchanged,
+        rows, products, there_and_back, repeats=repeats,
+    )  # fmt: skip
+    room = _Steps(array, q, t)
+    (step,) = median(room.two_steps, repeats=repeats)
+    roofline = build + product + pair
+    benchmark.extra_info["cold_over_roofline"] = round(cold / roofline, 2)
+    benchmark.extra_info["warm_over_parts"] = round(moved / (build + product + step), 2)
+    benchmark.extra_info["stronger_over_cold"] = round(stronger_ / cold, 3)
+    benchmark.extra_info["same_over_cold"] = round(same_ / cold, 3)
+    benchmark.extra_info["one_moved_over_cold"] = round(row / cold, 2)
+    assert same.propagator.work.solutions_scaled > 0
+    assert one.propagator.work.rows_built < M + 2 * repeats
+
+
+class _Steps:
+    """Two Newton steps of `lagrange` alone, with what they start from."""
+
+    def __init__(self, array: pc.Array, q: Any, t: Any) -> None:
+        from pacinian_plugins.solvers.lagrange.room import Room
+
+        self.propagator = pc.Propagator(array, pc.Air())
+        self.propagator.place(q)
+        self.p = pc.solve(array, q, t, solver=SOLVER).asked
+        self.mu = 1e-6 * self.propagator.power
+        self.free = np.ones(len(q), np.bool_)
+        self.y = self.mu * self.propagator.factor(self.mu).solve(self.p)
+        self.room, self.out = Room.of(len(q), len(array)), np.empty(len(array), np.complex64)
+
+    def _attempt(self, steps: int) -> None:
+        from pacinian_plugins.solvers.lagrange.attempt import attempt
+
+        room = self.room
+        room.y[:] = self.y
+        room.found[3:5] = np.inf, -1.0
+        attempt(
+            self.propagator.single, self.propagator.gram, self.p, self.free, self.mu, steps, 0.0,
+            room.y, room.h, room.made, room.A, room.tile, room.V, room.which, room.found, 1.0, self.out,
+        )  # fmt: skip
+
+    def two_steps(self) -> None:
+        self._attempt(2)
