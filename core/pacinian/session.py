@@ -145,6 +145,7 @@ class Session:
             proven = bound(B, asked, y, last.mu, limits.gain)
         rest = asked - p
         objective = float(np.vdot(rest, rest).real + last.mu * np.vdot(g, g).real) / 2.0
+        broken = violations(self.propagator, limits, last.targets, p, g)
         return dataclasses.replace(
             last,
             gains=g,
@@ -153,14 +154,14 @@ class Session:
                 self.propagator,
                 last.targets,
                 p,
-                broken=bool(last.violations),
+                broken=bool(broken),
                 late=last.status is Status.deadline,
                 scaled=last.status is Status.scaled,
                 limited=last.status is Status.limited,
             ),
             bound=proven,
             objective=objective,
-            violations=violations(self.propagator, limits, last.targets, p, g),
+            violations=broken,
         )
 
     def _problem(
@@ -187,7 +188,8 @@ class Session:
         """Put the points, and the quiet points, where they are now."""
         if limits.asked and (unkept := limits.asked - self._solver.keeps):
             raise UnsupportedLimit(self._solver.name, min(unkept))
-        limits.exactly(len(q))
+        if limits.exact is not None:
+            limits.exactly(len(q))
         propagator = self.propagator
         propagator.place(q)
         if limits.quiet is None:

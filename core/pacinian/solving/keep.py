@@ -41,5 +41,6 @@ def keep(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:
     # what rounding cannot push over
     rounding = 2.0**-21 if g.dtype == np.complex64 else 2.0**-50
     highest = math.inf if limits.gain is None else limits.gain * (1.0 - rounding)
-    kernels.restrain(g, factor, highest)
+    if factor != 1.0 or strongest > highest:
+        kernels.restrain(g, factor, highest)
     return True, over

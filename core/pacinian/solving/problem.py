@@ -151,10 +151,10 @@ class Limits:
         if self.quiet is not None:
             object.__setattr__(self, "quiet", _quiet(self.quiet))
 
-    @property
-    def asked(self) -> set[str]:
+    @functools.cached_property
+    def asked(self) -> frozenset[str]:
         """Names of the limits that a solver must keep by itself: the session keeps the others."""
-        return {name for name in ("quiet", "exact") if getattr(self, name) is not None}
+        return frozenset(name for name in ("quiet", "exact") if getattr(self, name) is not None)
 
     def exactly(self, count: int) -> Flags:
         """Which of `count` samples are to be met exactly, (count,). Raises ArgumentError."""

@@ -123,7 +123,7 @@ class Lagrange(pc.Solver):
 
         Returns by how much they are scaled to be within the numbers' range, and the unit [gain].
         """
-        M, N = propagator.B.shape
+        M, N = len(targets.amplitudes), len(propagator.array)
         start = None if warm is None else warm.phases
         if M <= SMALL and limits.gain is not None:
             first, steps = beginning(M, start)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy import linalg
 
 from pacinian.solving.passes import gather
 from pacinian_plugins.solvers.lagrange.attempt import attempt, certify, deliver
@@ -36,6 +37,12 @@ MET = 1e-4  # relative error that will do in any case
 NEARLY = 1e-3  # and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
 ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
+FAR = 0.2  # relative error from which a start is not worth going on from
+SOFT, FEW = (
+    (1e-1, 3e-2, 1e-2, 3e-3, 1e-3),
+    3,
+)  # regularisation over trace(G) / M, and steps with each
+LARGE = 200_000_000  # M M N up to which 3 and 4 are tried: some seconds
 TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
 QUICK = 5_000_000  # M M N of the steps between two looks at the clock
 MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
@@ -112,43 +119,71 @@ class Polish:
             deliver(room.spare, self.unit, self.out)
         return best
 
-    def _newton(self) -> tuple[float, bool]:
+    def _newton(self, steps: int = STEPS) -> tuple[float, bool]:
         """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
         room, endless = self.room, self.budget.endless
-        chunk = STEPS if endless else max(1, QUICK // (len(self.p) * self.B.size))
+        chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
         room.found[3:5] = FRESH
-        for _ in range(0, STEPS, chunk):
-            steps = attempt(
+        for _ in range(0, steps, chunk):
+            taken = attempt(
                 self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y, room.h, room.made,
                 room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
             )  # fmt: skip
-            self.steps += abs(steps)
-            if steps >= 0 or room.found[4] > 1.0 or self.budget.spent:
-                return float(room.found[0]), steps >= 0
+            self.steps += abs(taken)
+            if taken >= 0 or room.found[4] > 1.0 or self.budget.spent:
+                return float(room.found[0]), taken >= 0
         return float(room.found[0]), False
 
     def _harder(self, error: float) -> float:
         """What to do where Newton steps stall at `error`; the best gains stay, and their residual as y."""
-        room, starts = self.room, [error]
+        room, work = self.room, len(self.p) * self.B.size
         np.copyto(room.spare, room.h)
-        if self.free.all():
-            starts.append(self._full_drive())
-            if starts[1] <= MET:
-                return starts[1]
+        first = second = error
         np.copyto(room.other, room.h)
-        if self.budget.spent:
-            np.copyto(room.h, room.spare if starts[0] <= starts[-1] else room.other)
-            self._residual()
-            return min(starts)
-        both = len(starts) == 2 and len(self.p) * self.B.size <= TWICE
-        if both:  # a look at where each leads
-            for side, start in enumerate((room.spare, room.other)):
-                np.copyto(room.h, start)
-                starts[side] = self._nearest(ROUGH)
-                np.copyto(start, room.h)
-        np.copyto(room.h, room.spare if starts[0] <= starts[-1] else room.other)
-        error = self._nearest(FINISHED)
+        if self.free.all():
+            if error > FAR or work > LARGE:  # asked of samples that the array does not tell apart
+                first = self._softened(error)
+            if not self.budget.spent:
+                second = self._full_drive()
+                if second <= MET:
+                    return second
+                np.copyto(room.other, room.h)
+        if first != second and work <= TWICE:  # a look at where each leads
+            np.copyto(room.h, room.spare)
+            first = self._nearest(ROUGH)
+            np.copyto(room.spare, room.h)
+            np.copyto(room.h, room.other)
+            second = self._nearest(ROUGH)
+            np.copyto(room.other, room.h)
+        np.copyto(room.h, room.spare if first <= second else room.other)
+        error = self._nearest(FINISHED) if work <= LARGE else min(first, second)
         self._residual()
+        return error
+
+    def _softened(self, error: float) -> float:
+        """Newton steps with more regularisation than asked, less and less of it while that helps.
+
+        The best gains are in `room.spare`, with `error` to start from; returns their error.
+        """
+        room, mu, G = self.room, self.mu, self.G
+        power = float(np.trace(G).real) / len(G)
+        diagonal = np.arange(len(G))
+        for share in SOFT:
+            soft = share * power
+            if share == SOFT[0]:
+                shifted = np.array(G)
+                shifted[diagonal, diagonal] += soft
+                room.y[:] = soft * linalg.solve(shifted, self.p, assume_a="pos")
+            else:
+                room.y[:] *= soft / self.mu
+            self.mu = soft
+            found, _ = self._newton(FEW)
+            if found < error:
+                error = found
+                np.copyto(room.spare, room.h)
+            elif share != SOFT[0] or self.budget.spent:
+                break
+        self.mu = mu
         return error
 
     def _full_drive(self) -> float:
