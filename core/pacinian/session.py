@@ -16,9 +16,9 @@ from pacinian.checks import FAR, kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
-from pacinian.solving import kernels
+from pacinian.solving import evidence, kernels
 from pacinian.solving.blas import one_thread
-from pacinian.solving.evidence import bound, judge, violations
+from pacinian.solving.evidence import judge, violations
 from pacinian.solving.keep import ROUNDING, keep
 from pacinian.solving.problem import Budget, Limits, Targets
 from pacinian.solving.propagator import Propagator
@@ -108,8 +108,8 @@ class Session:
         kind("limits", limits, Limits)
         q, targets = self._problem(points, amplitudes, phases, scale)
         out = self._checked(out)
-        self._place(q, limits)
         warm, self.last = self.last, None
+        self._place(q, limits)
         if warm is not None and (c := self._multiple(targets, limits)) == c:
             self.last = self._scaled(c, targets, out, start)
             return self.last
@@ -142,9 +142,11 @@ class Session:
         p: Complexes = B @ g
         asked, y, proven = last.targets.complex(np.angle(p)), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
-            proven = bound(B, asked, y, last.mu, limits.gain)
+            proven = evidence.bound(B, asked, y, last.mu, limits.gain)
         rest = asked - p
         objective = float(np.vdot(rest, rest).real + last.mu * np.vdot(g, g).real) / 2.0
+        if last.targets.scale == "max":
+            objective = math.nan
         broken = violations(self.propagator, limits, last.targets, p, g)
         return dataclasses.replace(
             last,
@@ -191,15 +193,16 @@ class Session:
         if limits.exact is not None:
             limits.exactly(len(q))
         propagator = self.propagator
+        quiet = None if limits.quiet is None else np.asarray(limits.quiet[0], np.float64)
+        if quiet is not None:
+            near("limits.quiet[0]", quiet, propagator.origin)
         propagator.place(q)
-        if limits.quiet is None:
+        if quiet is None:
             propagator.quiet = None
             return
-        where = np.asarray(limits.quiet[0], np.float64)
-        near("limits.quiet[0]", where, propagator.origin)
         if propagator.quiet is None:
             propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
-        if propagator.quiet.place(where):
+        if propagator.quiet.place(quiet):
             propagator.version += 1
 
     def _multiple(self, targets: Targets, limits: Limits) -> float:
@@ -210,8 +213,13 @@ class Session:
         c = targets.multiple(base.targets)
         if c == 1.0:
             return c if base.status not in (Status.deadline, Status.failed) else math.nan
-        linear = base.status in (Status.ok, Status.approximate) and targets.scale == "exact"
-        if not linear or limits.asked or limits.power is not None or not c > 0.0:
+        met = base.status in (Status.ok, Status.approximate) and targets.scale == "exact"
+        if (
+            not (met and self._solver.linear)
+            or limits.asked
+            or limits.power is not None
+            or not c > 0.0
+        ):
             return math.nan
         top = (math.inf if limits.gain is None else limits.gain) * (1.0 - ROUNDING)
         strongest = math.sqrt(kernels.peak(self._work))
@@ -253,10 +261,11 @@ class Session:
         finite, scaled = keep(g, limits, "exact" if limits.asked else targets.scale)
         p = propagator.apply(g)
         out[:] = g
-        objective = result.objective
-        if scaled and result.mu == result.mu:
-            rest = targets.complex(np.angle(p)) - p
-            objective = float(np.vdot(rest, rest).real + result.mu * np.vdot(g, g).real) / 2.0
+        bound, objective = result.bound, result.objective
+        if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
+            rest = targets.miss(p) * targets.norm
+            objective = (rest * rest + result.mu * float(np.vdot(g, g).real)) / 2.0
+            bound = min(bound, objective)  # what is above it is rounding
         broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
         status = Status.failed
         if finite:
@@ -266,7 +275,7 @@ class Session:
             )  # fmt: skip
         return Solution(
             out, targets, p, status, result.solver or solver.name, result.iterations,
-            result.bound, objective, result.multipliers, result.mu, broken,
+            bound, objective, result.multipliers, result.mu, broken,
             self._clock() - start, result.note,
         )  # fmt: skip
 
@@ -295,9 +304,10 @@ def solve(
     out: Complexes | None = None,
     precision: Precision = "single",
 ) -> Solution:
-    """Find gains that make `amplitudes` at `points`: a session of one solve, with no state kept.
+    """Find gains that make `amplitudes` at `points`: a session of one solve.
 
-    Arguments and errors as in `Session` and `Session.solve`.
+    Nothing that was computed is kept; the space of small problems is, for the next call. Arguments and
+    errors as in `Session` and `Session.solve`.
     """
     kind("array", array, Array)
     medium = AIR if medium is None else medium
@@ -309,5 +319,5 @@ def solve(
         points, amplitudes, phases, limits=limits, scale=scale, deadline=deadline, out=out
     )
     session.forget()
-    give(key, session)
+    give(key, session, len(solution.sound_pressure) * len(array))
     return solution

@@ -43,6 +43,9 @@ class Solver(ABC):
     """What users call it."""
     keeps: ClassVar[frozenset[str]] = frozenset()
     """Limits that it keeps by itself: "quiet", "exact". The session keeps `gain` and `power`."""
+    linear: ClassVar[bool] = False
+    """Whether targets c times as strong have gains c times as strong while no limit is reached: the
+    session then need not ask again."""
 
     @abstractmethod
     def solve(

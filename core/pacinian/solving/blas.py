@@ -3,36 +3,50 @@
 from __future__ import annotations
 
 import functools
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+import threading
+from contextlib import nullcontext
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import ThreadpoolController
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from contextlib import AbstractContextManager
 
 FEW = 4_096  # elements of B up to which BLAS does not think of a second thread
 MANY = 1_000_000  # from which several threads are worth their while
 
-_NOTHING = nullcontext()
-_inside = 0
+
+def one_thread(elements: int = FEW) -> AbstractContextManager[object]:
+    """Keep BLAS to one thread for `FEW` to `MANY` elements of B; costs 25 us, nested nothing.
+
+    The threads are the process's: what there was comes back when the last that asked is done.
+    """
+    return ONE if FEW <= elements < MANY else NOTHING
 
 
-def one_thread(elements: int = FEW) -> AbstractContextManager[None]:
-    """Keep BLAS to one thread for `FEW` to `MANY` elements of B; costs 25 us, nested nothing."""
-    return _NOTHING if _inside or not FEW <= elements < MANY else _limited()
+class _One:
+    """Limits while anyone is inside, from any thread."""
+
+    def __init__(self) -> None:
+        self._inside = 0
+        self._lock = threading.Lock()
+        self._limiter: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if not self._inside:
+                self._limiter = _controller().limit(limits=1)
+            self._inside += 1
+
+    def __exit__(self, *error: object) -> None:
+        with self._lock:
+            self._inside -= 1
+            if not self._inside:
+                self._limiter.restore_original_limits()
 
 
-@contextmanager
-def _limited() -> Generator[None]:
-    global _inside  # noqa: PLW0603
-    _inside += 1
-    try:
-        with _controller().limit(limits=1):
-            yield
-    finally:
-        _inside -= 1
+NOTHING, ONE = nullcontext(), _One()
 
 
 @functools.cache

@@ -14,14 +14,21 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
+ROUNDED = 1e-5  # of a limit: what rounding to levels or to single precision adds
 QUIETEST = 1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
 
 
 def violations(
     propagator: Propagator, limits: Limits, targets: Targets, p: Complexes, g: Complexes
 ) -> dict[str, float]:
-    """Of the limits that a solver must keep, those that gains g, (N,), with pressures p, (M,), do not."""
+    """By how much gains g, (N,), with pressures p, (M,), break limits: see `Solution.violations`."""
     found: dict[str, float] = {}
+    for name, top, value in (
+        ("gain", limits.gain, float(np.abs(g).max())),
+        ("power", limits.power, float(np.vdot(g, g).real)),
+    ):
+        if top is not None and value > (1.0 + ROUNDED) * top:
+            found[name] = value / top - 1.0
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
         loud = np.abs(propagator.quiet.apply(g))
@@ -67,8 +74,10 @@ def judge(
     if not targets.norm:
         return Status.silent
     if broken:
-        return Status.infeasible
+        return Status.deadline if late else Status.infeasible
     if targets.scale == "max":
+        if late:
+            return Status.deadline
         scaled = False
         reached = float(np.linalg.norm(p)) / targets.norm
         p = p / (reached or 1.0)

@@ -28,16 +28,18 @@ def keep(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:
         return False, False
     if not strongest:
         return True, False
-    factor = math.inf if scale == "max" else 1.0
+    factor, most = math.inf if scale == "max" else 1.0, 1.0
     if limits.gain is not None:
         factor = min(factor, limits.gain / strongest)
     if limits.power is not None:
         share = np.abs(g) / strongest  # 0..1, so that squares neither vanish nor overflow
         root = strongest * math.sqrt(float((share.astype(np.float64) ** 2).sum()))
-        factor = min(factor, math.sqrt(limits.power) * (1.0 - 2.0**-21) / root)
+        power = math.sqrt(limits.power) * (1.0 - 2.0**-21) / root
+        most = min(power, 1.0)
+        factor = min(factor, power)
     over = factor < 1.0 - ROUNDING
     if not over and scale != "max":
-        factor = 1.0
+        factor = most
     # what rounding cannot push over
     rounding = 2.0**-21 if g.dtype == np.complex64 else 2.0**-50
     highest = math.inf if limits.gain is None else limits.gain * (1.0 - rounding)

@@ -6,7 +6,7 @@ import functools
 import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -103,6 +103,8 @@ class Targets:
     def multiple(self, other: Targets) -> float:
         """The c for which these targets are c times `other`, in the same phases; NaN if there is none."""
         t, before = self.amplitudes, other.amplitudes
+        if not len(t):
+            return math.nan
         if self.scale != other.scale or len(t) != len(before):
             return math.nan
         if not (self.all_free and other.all_free) and not np.array_equal(
@@ -132,7 +134,7 @@ class Limits:
     """What a solution must keep.
 
     gain: |g_n| <= gain for every transducer, 1e-6..1e6; 1 is full drive; None lifts the limit.
-    power: sum |g_n|^2 <= power, kept by scaling down as a whole; None for no limit.
+    power: sum |g_n|^2 <= power; None for no limit.
     quiet: ((K, 3) points [m], limit [Pa], one or (K,)): |p| <= limit there, without the hand's shadow.
     exact: indices of the samples to meet exactly, or a flag for each.
     A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it. Limits that
@@ -150,6 +152,8 @@ class Limits:
                 object.__setattr__(self, name, number(f"limits.{name}", value, low=low, high=high))
         if self.quiet is not None:
             object.__setattr__(self, "quiet", _quiet(self.quiet))
+        if self.exact is not None:
+            object.__setattr__(self, "exact", _exact(self.exact))
 
     @functools.cached_property
     def asked(self) -> frozenset[str]:
@@ -169,6 +173,18 @@ class Limits:
             raise ArgumentError("limits.exact", f"must be indices below {count}, or {count} flags")
         flags[given.astype(np.intp)] = True
         return flags
+
+
+def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:
+    """Indices or flags of exact samples, copied."""
+    try:
+        chosen = np.array(given)
+    except ValueError:
+        chosen = np.array("")
+    if chosen.ndim != 1 or (chosen.size and chosen.dtype.kind not in "biu"):
+        raise ArgumentError("limits.exact", "must be a list of indices, or a flag for each sample")
+    chosen.flags.writeable = False
+    return chosen
 
 
 def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:

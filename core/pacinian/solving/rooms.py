@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
 MOST = 8  # rooms kept
+LARGEST = 1_000_000  # M N of those that are: to make larger ones takes no time that counts
 
 T = TypeVar("T")
 
@@ -21,8 +22,10 @@ def take(key: Hashable, make: Callable[[], T]) -> T:
     return make() if room is None else cast("T", room)
 
 
-def give(key: Hashable, room: object) -> None:
-    """Give a room back, for the next that takes one for that key; from any thread."""
+def give(key: Hashable, room: object, size: int = 0) -> None:
+    """Give a room of size M N back, for the next that takes one for that key; from any thread."""
+    if size > LARGEST:
+        return
     _free[key] = room
     while len(_free) > MOST:
         try:

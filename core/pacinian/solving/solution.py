@@ -59,8 +59,9 @@ class Solution:
     bound: a lower bound of the objective 1/2 ||p - B g||^2 + mu/2 ||g||^2 for the phases found [Pa^2]
     and objective: its value at these gains; NaN where the solver proves none.
     multipliers: y, (M,) [Pa], and mu [Pa^2], from which the bound follows: `Session.certify`.
-    violations: of limits that are not kept: "quiet", the loudest point against its limit less 1;
-    "exact", the relative error of the samples to be met exactly.
+    violations: of limits that are not kept: "quiet", the loudest point over its limit, less 1 (a limit below
+    1 % of full drive counts as that); "exact", the relative error of the samples to be met exactly;
+    "gain" and "power", which only `Session.certify` can find broken, over their limits, less 1.
     seconds: how long it took [s]. note: what the solver has to say, such as why `auto` chose it.
     """
 

@@ -32,6 +32,7 @@ class Auto(pc.Solver):
     """
 
     name: ClassVar[str] = "auto"
+    linear: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     error: float = 1e-3
@@ -72,12 +73,12 @@ class Auto(pc.Solver):
         count = len(targets.amplitudes)
         solver, why = self._several, "several points"
         if limits.asked or limits.power is not None:
-            why = "limits that only it keeps"
+            why = "limits besides that of gains"
         elif count == 1:
             solver, why = self._focus, "one point"
         elif count > len(out) and targets.scale == "exact":
             result = self._many.solve(propagator, targets, limits, warm, budget, out)
-            if self._enough(propagator, targets, limits, out):
+            if budget.spent or self._enough(propagator, targets, limits, out):
                 return _named(result, self._many, "more points than transducers, no limit touched")
             out[:] = 0.0
             why = "more points than transducers, at their limit"

@@ -80,6 +80,7 @@ class Greedy(pc.Solver):
     """
 
     name: ClassVar[str] = "greedy"
+    linear: ClassVar[bool] = True
 
     levels: int = 16
     passes: int = 3

@@ -34,6 +34,7 @@ class GsPat(pc.Solver):
     """
 
     name: ClassVar[str] = "gs-pat"
+    linear: ClassVar[bool] = True
 
     steps: int = 50
 

@@ -40,6 +40,7 @@ class Lbfgs(pc.Solver):
     """
 
     name: ClassVar[str] = "lbfgs"
+    linear: ClassVar[bool] = True
 
     steps: int = 1000
     tolerance: float = 1e-5

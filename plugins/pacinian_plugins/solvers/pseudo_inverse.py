@@ -36,6 +36,7 @@ class PseudoInverse(pc.Solver):
     """
 
     name: ClassVar[str] = "pseudo-inverse"
+    linear: ClassVar[bool] = True
 
     rcond: float | None = None
 

@@ -22,6 +22,7 @@ class SingleFocus(pc.Solver):
     """
 
     name: ClassVar[str] = "single-focus"
+    linear: ClassVar[bool] = True
 
     def solve(
         self,

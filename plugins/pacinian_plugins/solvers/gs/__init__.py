@@ -27,6 +27,7 @@ class Gs(pc.Solver):
     """
 
     name: ClassVar[str] = "gs"
+    linear: ClassVar[bool] = True
 
     steps: int = 100
     amplitudes: bool = True
@@ -63,6 +64,7 @@ class WeightedGs(pc.Solver):
     """
 
     name: ClassVar[str] = "weighted-gs"
+    linear: ClassVar[bool] = True
 
     steps: int = 100
     exponent: float = 0.5

@@ -12,6 +12,7 @@ import pacinian as pc
 from pacinian.checks import integer, number
 from pacinian.solving import kernels
 from pacinian.solving.evidence import violations
+from pacinian.solving.keep import keep
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
 from pacinian_plugins.solvers.lagrange.constrained import Constrained
@@ -40,6 +41,7 @@ class Lagrange(pc.Solver):
     """
 
     name: ClassVar[str] = "lagrange"
+    linear: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     mu: float = 1e-6
@@ -62,17 +64,32 @@ class Lagrange(pc.Solver):
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
-        if len(targets.amplitudes) <= len(out) and (targets.scale == "exact" or targets.all_free):
-            result = self._polished(propagator, targets, limits, warm, budget, out, mu)
-            if not self._broken(propagator, targets, limits, out) or budget.spent:
+        strongest = targets.scale == "max"
+        if len(targets.amplitudes) > len(out) or (
+            strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
+        ):
+            return self._constrained(propagator, targets, limits, budget, out, mu)
+        result = self._polished(propagator, targets, limits, warm, budget, out, mu)
+        if budget.spent or not self._broken(propagator, targets, limits, out):
+            return result
+        first = out.copy()
+        second = self._constrained(propagator, targets, limits, budget, out, mu)
+        if strongest and not limits.asked:
+            for g in (first, out):
+                keep(g, limits, targets.scale)  # as strong as they may be
+            weaker = np.linalg.norm(propagator.apply(out)) < np.linalg.norm(propagator.apply(first))
+            if weaker:
+                out[:] = first
                 return result
-        return self._constrained(propagator, targets, limits, budget, out, mu)
+        return second
 
     def _broken(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
         """Whether gains, (N,), break a limit other than that of the gains."""
-        if limits.power is not None and targets.scale == "exact":
+        if limits.power is not None:
+            if targets.scale == "max":
+                return True  # the strongest for the gain limit is not that for power
             power = float(np.vdot(out, out).real)
             if not power <= WHOLE * limits.power:
                 return True
@@ -112,7 +129,7 @@ class Lagrange(pc.Solver):
             mu=mu,
             note=held(end.held, N),
         )
-        give(key, room)
+        give(key, room, M * N)
         return result
 
     def _begin(
@@ -156,7 +173,7 @@ class Lagrange(pc.Solver):
         return pc.Result(
             iterations=answer.steps,
             limited=reached and (at_limit > 0 or bool(limits.asked) or limits.power is not None),
-            late=answer.late,
+            late=answer.late or budget.spent,
             bound=problem.unit**2 * found.bound if exact else math.nan,
             objective=problem.unit**2 * found.objective if exact else math.nan,
             mu=mu,

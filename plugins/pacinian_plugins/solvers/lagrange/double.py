@@ -8,6 +8,7 @@ import numpy as np
 from scipy import linalg
 
 if TYPE_CHECKING:
+    import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
 
 ENOUGH = 1e-12  # ||F|| / ||p|| to stop at
@@ -44,7 +45,14 @@ def certified(
 
 
 def newton(
-    B: Complexes, G: Complexes, p: Complexes, free: Flags, mu: float, y: Complexes, steps: int
+    B: Complexes,
+    G: Complexes,
+    p: Complexes,
+    free: Flags,
+    mu: float,
+    y: Complexes,
+    steps: int,
+    budget: pc.Budget | None = None,
 ) -> Refined:
     """Steps from multipliers y, (M,), as long as they bring F down.
 
@@ -63,7 +71,7 @@ def newton(
         if not short < last:
             break
         last, best = short, y
-        if short <= ENOUGH * np.linalg.norm(p):
+        if short <= ENOUGH * np.linalg.norm(p) or (budget is not None and budget.spent):
             break
         held = size > mu
         A = (u.conj()[:, None] * G[np.ix_(sample, sample)] * u).real / mu

@@ -78,15 +78,17 @@ class Polish:
 
     def run(self) -> Polished:
         """Write gains, from the multipliers in `room.y`."""
-        room = self.room
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
-            certify(
-                self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found
-            )
-            deliver(room.h, self.unit, self.out)
+            self._prove()
         return self._done(error)
+
+    def _prove(self) -> None:
+        """Write the gains at hand, and their proof by the multipliers at hand."""
+        room = self.room
+        certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
+        deliver(room.h, self.unit, self.out)
 
     def _done(self, error: float) -> Polished:
         """What has been found, with its proof."""
@@ -100,11 +102,10 @@ class Polish:
         """
         room, p = self.room, self.p.copy()
         top = self._equalise(MOST_EQUAL)
-        start, weak, strong = room.y.copy(), 0.0, 1.01
-        best = self._done(1.0)
-        if not top > 0.0:
-            return best
-        while strong - weak > FINE and not (self.budget.spent and weak):
+        start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
+        best: Polished | None = None
+        y = start
+        while top > 0.0 and strong - weak > FINE and not (best and self.budget.spent):
             share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
             if share < WEAKEST:
                 break
@@ -113,20 +114,24 @@ class Polish:
             if error > IN_PROPORTION:
                 strong = share
                 continue
-            weak, best = share, self._done(error)
+            weak, best, y = share, self._done(error), room.y.copy()
             np.copyto(room.spare, room.h)
-        if weak:
-            deliver(room.spare, self.unit, self.out)
-        return best
+        if best is None:  # none keeps proportions: what the last came to, or full drive
+            self._prove()
+            return self._done(error)
+        np.copyto(room.h, room.spare)
+        deliver(room.h, self.unit, self.out)
+        room.y[:] = y
+        return best._replace(steps=self.steps, late=self.budget.spent)
 
-    def _newton(self, steps: int = STEPS) -> tuple[float, bool]:
+    def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
         """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
         room, endless = self.room, self.budget.endless
         chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
         room.found[3:5] = FRESH
         for _ in range(0, steps, chunk):
             taken = attempt(
-                self.B, self.G, self.p, self.free, self.mu, chunk, ENOUGH, room.y, room.h, room.made,
+                self.B, self.G, self.p, self.free, mu or self.mu, chunk, ENOUGH, room.y, room.h, room.made,
                 room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
             )  # fmt: skip
             self.steps += abs(taken)
@@ -165,7 +170,7 @@ class Polish:
 
         The best gains are in `room.spare`, with `error` to start from; returns their error.
         """
-        room, mu, G = self.room, self.mu, self.G
+        room, G, last = self.room, self.G, 1.0
         power = float(np.trace(G).real) / len(G)
         diagonal = np.arange(len(G))
         for share in SOFT:
@@ -175,15 +180,14 @@ class Polish:
                 shifted[diagonal, diagonal] += soft
                 room.y[:] = soft * linalg.solve(shifted, self.p, assume_a="pos")
             else:
-                room.y[:] *= soft / self.mu
-            self.mu = soft
-            found, _ = self._newton(FEW)
+                room.y[:] *= soft / last
+            last = soft
+            found, _ = self._newton(FEW, soft)
             if found < error:
                 error = found
                 np.copyto(room.spare, room.h)
             elif share != SOFT[0] or self.budget.spent:
                 break
-        self.mu = mu
         return error
 
     def _full_drive(self) -> float:
@@ -197,9 +201,15 @@ class Polish:
 
         Returns the multiple of the targets that full drive comes nearest to.
         """
-        room = self.room
-        multiple = float(equalise(self.B, self.p, steps, room.y, room.h, room.made, room.tile))
-        self.steps += steps
+        room, multiple = self.room, 0.0
+        chunk = steps if self.budget.endless else max(1, QUICK // (8 * self.B.size))
+        for _ in range(0, steps, chunk):
+            multiple = float(
+                equalise(self.B, self.p, min(chunk, steps), room.y, room.h, room.made, room.tile)
+            )
+            self.steps += chunk
+            if self.budget.spent:
+                break
         room.y[:] *= self.mu / max(float(np.median(room.h[2])), 1e-30)
         return multiple
 
@@ -237,7 +247,7 @@ class Polish:
         room = self.room
         h = room.h[0].astype(np.complex128) + 1j * room.h[1]
         rough = certified(B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0))
-        fine = newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS)
+        fine = newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS, self.budget)
         best = fine if fine.objective < rough.objective else rough
         room.y[:] = best.y
         return best

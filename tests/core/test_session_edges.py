@@ -1,0 +1,185 @@
+"""Deadlines, limits that change, strength under several limits, and what must not leak between solves."""
+
+import threading
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+import pacinian as pc
+from pacinian.solving import blas
+
+ARRAY = pc.autd()
+
+
+def points(count: int, seed: int = 0) -> Any:
+    rng = np.random.default_rng(seed)
+    return np.c_[rng.uniform(-0.05, 0.05, (count, 2)), np.full(count, 0.2)]
+
+
+def strength(solution: pc.Solution) -> float:
+    return float(np.linalg.norm(solution.sound_pressure))
+
+
+def test_what_ran_out_of_time_is_said_and_not_kept() -> None:
+    q, session = points(4), pc.Session(ARRAY)
+    limits = pc.Limits(quiet=(q[:1] + np.array([0.03, 0.0, 0.0]), 1.0))
+    t = np.full(4, 300.0)
+    late = session.solve(q, t, limits=limits, deadline=0.0)
+    assert late.status in (pc.Status.deadline, pc.Status.ok)
+    assert session.solve(q, t, limits=limits).status is pc.Status.ok
+    assert session.propagator.work.solutions_kept == 0 or late.status is pc.Status.ok
+
+
+@pytest.mark.parametrize("phases", [None, 0.0])
+def test_the_strongest_found_in_no_time_is_marked(phases: float | None) -> None:
+    solution = pc.solve(ARRAY, points(32), np.ones(32), phases, scale="max", deadline=0.0)
+    assert solution.status is pc.Status.deadline
+
+
+@pytest.mark.parametrize("before", [1.0, 10.0, 1e4])
+def test_one_solve_leaves_nothing_to_the_next(before: float) -> None:
+    q = points(4)
+    alike, t = np.repeat(q[:1], 4, axis=0), [1.0, 2.0, 3.0, 4.0]  # proportions that nothing makes
+    first = pc.solve(ARRAY, alike, t, scale="max")
+    pc.solve(ARRAY, q, np.full(4, before))
+    again = pc.solve(ARRAY, alike, t, scale="max")
+    assert again.status is first.status
+    assert again.note == first.note
+    np.testing.assert_array_equal(again.gains, first.gains)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e3, 1e4])
+def test_the_strongest_with_a_silent_sample(unit: float) -> None:
+    q = points(4)
+    t = np.array([0.0, 1.0, 1.0, 1.0]) * unit
+    with_zero = pc.solve(ARRAY, q, t, scale="max")
+    assert with_zero.status is pc.Status.ok
+    assert abs(with_zero.sound_pressure[0]) < 1e-2 * strength(with_zero)
+    scaled = pc.solve(ARRAY, q, t, scale="max", solver="pseudo-inverse")
+    assert strength(with_zero) > 1.02 * strength(scaled)
+
+
+@pytest.mark.parametrize(
+    "limits", [{"power": 5.0}, {"power": 50.0}, {"power": 120.0}, {"gain": None, "power": 10.0}]
+)
+def test_the_strongest_under_a_power_limit_is_no_weaker_than_by_scaling(limits: Any) -> None:
+    q = points(4)
+    ours, scaled = (
+        pc.solve(ARRAY, q, np.ones(4), scale="max", solver=name, limits=pc.Limits(**limits))
+        for name in ("lagrange", "pseudo-inverse")
+    )
+    assert strength(ours) >= 0.999 * strength(scaled)
+    assert np.linalg.norm(ours.gains) ** 2 <= limits["power"] * (1 + 1e-5)
+
+
+def test_a_certificate_is_refused_after_a_solve_that_failed() -> None:
+    q, session = points(4), pc.Session(ARRAY)
+    gains = session.solve(q, np.full(4, 100.0)).gains
+    for bad in ({"limits": pc.Limits(quiet=([[99.0, 0.0, 0.0]], 1.0))}, {}):
+        moved = q + 0.01
+        if not bad:
+            moved[0] = ARRAY.positions[0]
+        with pytest.raises(pc.ArgumentError):
+            session.solve(moved, np.full(4, 100.0), **bad)
+        with pytest.raises(pc.ArgumentError, match="solved"):
+            session.certify(gains)
+
+
+def test_a_certificate_tells_broken_limits() -> None:
+    q, session = points(4), pc.Session(ARRAY)
+    solution = session.solve(q, np.ones(4), scale="max", limits=pc.Limits(power=100.0))
+    loud = session.certify(3.0 * solution.gains)
+    assert set(loud.violations) == {"gain", "power"}
+    assert loud.status is pc.Status.infeasible
+    assert not session.certify(solution.gains).violations
+
+
+def test_limits_are_copied_when_they_are_made() -> None:
+    q, chosen = points(4), [0]
+    limits = pc.Limits(exact=chosen)
+    chosen[:] = [99]
+    assert pc.solve(ARRAY, q, np.full(4, 50.0), limits=limits).status is pc.Status.ok
+    for bad in ([[0], [1, 2]], "first", 3.5, [0.5]):
+        with pytest.raises(pc.ArgumentError, match=r"limits\.exact"):
+            pc.Limits(exact=bad)
+
+
+def test_nothing_again_and_again_is_silence() -> None:
+    session = pc.Session(ARRAY)
+    for _ in range(3):
+        assert session.solve(np.empty((0, 3)), []).status is pc.Status.silent
+
+
+class Constant(pc.Solver):
+    """Not linear: the same gains whatever is asked."""
+
+    name: ClassVar[str] = "constant"
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        out[:] = 0.3
+        return pc.Result()
+
+
+def test_a_solver_that_is_not_linear_is_asked_again() -> None:
+    q, session = points(2), pc.Session(ARRAY, solver=Constant())
+    session.solve(q, [1.0, 1.0])
+    assert np.abs(session.solve(q, [2.0, 2.0]).gains).max() == pytest.approx(0.3)
+
+
+def test_power_is_kept_to_the_last_digit() -> None:
+    class Over(Constant):
+        name: ClassVar[str] = "over"
+
+        def solve(self, *arguments: Any) -> pc.Result:
+            arguments[-1][:] = np.sqrt(5.0 / 249 * (1 + 1.9e-5))
+            return pc.Result()
+
+    solution = pc.solve(ARRAY, points(2), [1.0, 1.0], solver=Over(), limits=pc.Limits(power=5.0))
+    assert (np.abs(solution.gains.astype(np.complex128)) ** 2).sum() <= 5.0
+
+
+def test_blas_has_its_threads_back_however_two_that_ask_interleave() -> None:
+    pc.solve(ARRAY, points(32), np.ones(32))
+    with threadpool_limits(2):
+        a, b = blas.one_thread(), blas.one_thread()
+        a.__enter__()
+        b.__enter__()
+        a.__exit__(None, None, None)
+        assert {i["num_threads"] for i in threadpool_info() if i["user_api"] == "blas"} == {1}
+        b.__exit__(None, None, None)
+        assert {i["num_threads"] for i in threadpool_info() if i["user_api"] == "blas"} == {2}
+
+
+def test_one_shot_solves_from_several_threads_are_those_of_one() -> None:
+    problems = [(points(4 + k % 5, k), np.full(4 + k % 5, 150.0 + k)) for k in range(12)]
+    expected = [pc.solve(ARRAY, q, t).gains for q, t in problems]
+    wrong: list[int] = []
+
+    def work() -> None:
+        for k, (q, t) in enumerate(problems):
+            if not np.array_equal(pc.solve(ARRAY, q, t).gains, expected[k]):
+                wrong.append(k)
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+@pytest.mark.parametrize("limits", [{}, {"power": 30.0}, {"exact": [0]}])
+@pytest.mark.parametrize("level", [100.0, 2000.0])
+def test_the_objective_is_that_of_the_gains_as_returned(limits: Any, level: float) -> None:
+    q = points(5)
+    solution = pc.solve(ARRAY, q, np.full(5, level), solver="lagrange", limits=pc.Limits(**limits))
+    assert solution.bound <= solution.objective * (1 + 1e-6)
+    if not limits:
+        g = solution.gains.astype(np.complex128)
+        rest = solution.residual
+        exact = (np.vdot(rest, rest).real + solution.mu * np.vdot(g, g).real) / 2
+        assert solution.objective == pytest.approx(exact, rel=1e-6)
