@@ -264,7 +264,7 @@ class Session:
         bound, objective = result.bound, result.objective
         if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
             rest = targets.miss(p) * targets.norm
-            objective = (rest * rest + result.mu * float(np.vdot(g, g).real)) / 2.0
+            objective = (rest * rest + result.mu * kernels.power(g)) / 2.0
             bound = min(bound, objective)  # what is above it is rounding
         broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
         status = Status.failed

@@ -32,7 +32,7 @@ class Transducer:
     def __post_init__(self) -> None:
         frequency = number("frequency", self.frequency, low=1.0, high=1e9)
         object.__setattr__(self, "frequency", frequency)
-        object.__setattr__(self, "pressure", number("pressure", self.pressure, low=1e-9, high=1e9))
+        object.__setattr__(self, "pressure", number("pressure", self.pressure, low=1e-6, high=1e6))
 
 
 IDEAL = Transducer()

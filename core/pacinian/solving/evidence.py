@@ -25,7 +25,7 @@ def violations(
     found: dict[str, float] = {}
     for name, top, value in (
         ("gain", limits.gain, float(np.abs(g).max())),
-        ("power", limits.power, float(np.vdot(g, g).real)),
+        ("power", limits.power, float(np.linalg.norm(g.astype(np.complex128)) ** 2)),
     ):
         if top is not None and value > (1.0 + ROUNDED) * top:
             found[name] = value / top - 1.0

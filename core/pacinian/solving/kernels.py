@@ -161,6 +161,16 @@ def peak(g: Complexes) -> float:
     return largest + health
 
 
+@compiled("f8(c8[::1])", "f8(c16[::1])")
+def power(g: Complexes) -> float:
+    """||g||^2, summed in double precision: squares of small gains vanish in single."""
+    total = 0.0
+    for n in range(g.size):
+        re, im = np.float64(g[n].real), np.float64(g[n].imag)
+        total += re * re + im * im
+    return total
+
+
 @compiled("void(c8[::1], f8, f8)", "void(c16[::1], f8, f8)")
 def restrain(g: Complexes, factor: float, highest: float) -> None:
     """Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it."""

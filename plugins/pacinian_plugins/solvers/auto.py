@@ -78,7 +78,9 @@ class Auto(pc.Solver):
             solver, why = self._focus, "one point"
         elif count > len(out) and targets.scale == "exact":
             result = self._many.solve(propagator, targets, limits, warm, budget, out)
-            if budget.spent or self._enough(propagator, targets, limits, out):
+            if budget.spent:
+                return _named(result._replace(late=True), self._many, "no time for more")
+            if self._enough(propagator, targets, limits, out):
                 return _named(result, self._many, "more points than transducers, no limit touched")
             out[:] = 0.0
             why = "more points than transducers, at their limit"

@@ -51,26 +51,38 @@ class GsPat(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        G, M = propagator.gram, len(targets.amplitudes)
-        d = np.diagonal(G).real
+        M, B = len(targets.amplitudes), propagator.B
+        tall = len(out) < M  # then through the transducers, of which there are fewer
+        parts = B.view(B.real.dtype)
+        d = np.einsum("mn,mn->m", parts, parts, dtype=np.float64)  # of B B^H
         t = np.where(d > 0.0, targets.amplitudes, 0.0)
         if not (scale := float(t.max())):
             return pc.Result(note="no transducer reaches the points")
         t /= scale  # neither tiny nor huge targets leave the range
         d = np.where(d > 0.0, d, 1.0)
-        R = G / d
+        R = None if tall else propagator.gram / d
+
+        def sent(z: Complexes) -> Complexes:
+            """R z."""
+            return propagator.apply(propagator.adjoint(z / d)) if R is None else R @ z
+
         m = np.arange(M)
         start = np.pi * m * m / M if warm is None else np.angle(warm.sound_pressure)
         z: Complexes = t * np.exp(1j * np.where(targets.free, start, targets.phases))
         done, late, block = 0, False, max(1, BLOCK // M**2)
         while done < self.steps and not late:
-            count = min(block, self.steps - done)
-            gerchberg_saxton(R, targets.free, count, z)
+            count = 1 if R is None else min(block, self.steps - done)
+            if R is not None:
+                gerchberg_saxton(R, targets.free, count, z)
+            else:
+                q = sent(z)
+                turn = targets.free & (q != 0.0)
+                z[turn] = t[turn] * np.exp(1j * np.angle(q[turn]))
             done += count
             late = done < self.steps and budget.spent
-        reached = np.abs(R @ z)
+        reached = np.abs(sent(z))
         z *= t / np.where(reached > 0.0, reached, 1.0)
-        made = R @ z
+        made = sent(z)
         angle = np.where(targets.free, np.angle(made), targets.phases)
         power = float(np.vdot(made, made).real)
         if power <= LOST**2 * float(np.vdot(z, z).real):

@@ -71,7 +71,8 @@ class Lbfgs(pc.Solver):
         reach = float(np.sqrt(B.shape[1] * d[t > 0.0]).mean())  # [Pa] of a focus at full drive
         t, unit = _relative(t, reach, targets.scale, limits.gain)
         problem = Problem(propagator, t, targets.phases, self.tolerance * float(np.linalg.norm(t)))
-        h = None if warm is None or not warm.gains.any() else warm.gains / unit
+        near = warm is not None and 1e-6 < float(np.abs(warm.gains).max()) / unit < 1e6
+        h = warm.gains / unit if warm is not None and near else None
         if h is None:
             M = len(B)
             p = targets.complex(np.pi * np.arange(M) ** 2 / M)

@@ -124,7 +124,8 @@ class Constrained:
 
     def _proven(self, found: Found, p: Complexes, down: Complexes, exact: Flags | None) -> Found:
         """With bound and objective for the phases made, not those of p: the dual is linear in p."""
-        answer, soft = found.answer, slice(None) if exact is None else ~exact
+        answer = found.answer
+        soft = ~exact if exact is not None and answer.kept else slice(None)
         asked = self.targets.complex(np.angle(found.made)) / self.unit
         turned = self._down(asked)
         moved = float(np.vdot(answer.y[: len(down)], turned - down).real)

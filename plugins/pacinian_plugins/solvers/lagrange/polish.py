@@ -210,7 +210,8 @@ class Polish:
             self.steps += chunk
             if self.budget.spent:
                 break
-        room.y[:] *= self.mu / max(float(np.median(room.h[2])), 1e-30)
+        reached = room.h[2][room.h[2] > 0.0]
+        room.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
         return multiple
 
     def _nearest(self, finished: float) -> float:
