@@ -61,12 +61,12 @@ class Promise:
 
 
 SILENCE = Near(factor=3.0, limited=False)
-LAGRANGE = Promise(answers=True, near=Near(factor=1.1, limited=True, mu=1e-5, free=True))
+LAGRANGE = Promise(answers=True, near=Near(factor=1.1, limited=True, mu=1e-6, free=True))
 PROMISES = {
     "auto": LAGRANGE,
     "lagrange": LAGRANGE,
     # it cuts at the rounding of sums, not of phases: 14 at most in 26,000 random problems
-    "pseudo-inverse": Promise(answers=True, near=Near(factor=20.0, limited=False)),
+    "pseudo-inverse": Promise(answers=True, near=Near(factor=5.0, limited=False)),
     "single-focus": Promise(answers=True, near=Near(factor=1.1, limited=True), samples=1),
     "gs": Promise(answers=True),
     "gs-pat": Promise(answers=True),
