@@ -104,7 +104,7 @@ class Auto(pc.Solver):
         if targets.miss(propagator.apply(out)) < missed:
             return _named(second, self._dense, "many points close together")
         out[:] = kept
-        return _named(first, self._several, "many points close together")
+        return _named(first._replace(late=second.late), self._several, "many points close together")
 
     def _enough(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
