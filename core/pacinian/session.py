@@ -221,7 +221,7 @@ class Session:
             or not c > 0.0
         ):
             return math.nan
-        top = (math.inf if limits.gain is None else limits.gain) * (1.0 - ROUNDING)
+        top = _top(limits) * (1.0 - ROUNDING)
         strongest = math.sqrt(kernels.peak(self._work))
         held = strongest >= top or c * strongest >= top
         return c if not held and 1.0 / MOST < c < MOST else math.nan
@@ -237,7 +237,7 @@ class Session:
         return Solution(
             out, targets, c * base.sound_pressure, base.status, base.solver, 0,
             c * c * base.bound, c * c * base.objective, None if y is None else c * y, base.mu,
-            base.violations, self._clock() - start, base.note,
+            base.violations, self._clock() - start, base.note, base.gain_limit,
         )  # fmt: skip
 
     def _solved(
@@ -276,7 +276,7 @@ class Session:
         return Solution(
             out, targets, p, status, result.solver or solver.name, result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
-            self._clock() - start, result.note,
+            self._clock() - start, result.note, _top(limits),
         )  # fmt: skip
 
     def _checked(self, out: Complexes | None) -> Complexes:
@@ -288,6 +288,10 @@ class Session:
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
             raise ArgumentError("out", f"must be {dtype}, contiguous, writable, of shape ({N},)")
         return out
+
+
+def _top(limits: Limits) -> float:
+    return math.inf if limits.gain is None else limits.gain
 
 
 def solve(

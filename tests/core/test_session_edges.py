@@ -177,6 +177,15 @@ def test_one_shot_solves_from_several_threads_are_those_of_one() -> None:
     assert not wrong
 
 
+def test_saturation_is_the_share_at_the_limit() -> None:
+    q = points(5)
+    limits = pc.Limits(gain=0.5)
+    for level, low, high in ((10.0, 0.0, 0.0), (800.0, 0.01, 0.99), (1e5, 0.99, 1.0)):
+        solution = pc.solve(ARRAY, q, np.full(5, level), limits=limits)
+        assert low <= solution.saturation <= high
+    assert pc.solve(ARRAY, q, np.ones(5), limits=pc.Limits(gain=None)).saturation == 0.0
+
+
 @pytest.mark.parametrize("limits", [{}, {"power": 30.0}, {"exact": [0]}])
 @pytest.mark.parametrize("level", [100.0, 2000.0])
 def test_the_objective_is_that_of_the_gains_as_returned(limits: Any, level: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
 
     from pacinian.solving.problem import Targets
     from pacinian.types import Complexes, Floats, Gains
+
+
+AT_LIMIT = 1.0 - 1e-5  # of the gain limit: from here a transducer is at it
 
 
 class Status(Enum):
@@ -62,7 +66,8 @@ class Solution:
     violations: of limits that are not kept: "quiet", the loudest point over its limit, less 1 (a limit below
     1 % of full drive counts as that); "exact", the relative error of the samples to be met exactly;
     "gain" and "power", which only `Session.certify` can find broken, over their limits, less 1.
-    seconds: how long it took [s]. note: what the solver has to say, such as why `auto` chose it.
+    gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
+    note: what the solver has to say, such as why `auto` chose it.
     """
 
     gains: Gains
@@ -78,11 +83,17 @@ class Solution:
     violations: Mapping[str, float] = field(default_factory=dict[str, float])
     seconds: float = 0.0
     note: str = ""
+    gain_limit: float = math.inf
 
     @property
     def asked(self) -> Complexes:
         """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
         return self.targets.complex(np.angle(self.sound_pressure))
+
+    @property
+    def saturation(self) -> float:
+        """The share of transducers at the gain limit, 0..1."""
+        return float((np.abs(self.gains) >= AT_LIMIT * self.gain_limit).mean())
 
     @property
     def phases(self) -> Floats:
