@@ -67,7 +67,7 @@ def test_what_a_session_saves(benchmark: Any, units: int, M: int) -> None:
         parts.place(q)
 
     def products() -> None:
-        gram(parts.B)
+        gram(parts.single)
 
     def there_and_back() -> None:
         parts.apply(g)
