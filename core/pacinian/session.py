@@ -18,7 +18,7 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence, kernels
 from pacinian.solving.blas import one_thread
-from pacinian.solving.evidence import judge, violations
+from pacinian.solving.evidence import judge, missed, violations
 from pacinian.solving.keep import ROUNDING, keep
 from pacinian.solving.problem import Budget, Limits, Targets
 from pacinian.solving.propagator import Propagator
@@ -155,7 +155,7 @@ class Session:
             status=judge(
                 self.propagator,
                 last.targets,
-                p,
+                missed(last.targets, p),
                 broken=bool(broken),
                 late=last.status is Status.deadline,
                 scaled=last.status is Status.scaled,
@@ -261,16 +261,16 @@ class Session:
         finite, scaled = keep(g, limits, "exact" if limits.asked else targets.scale)
         p = propagator.apply(g)
         out[:] = g
-        bound, objective = result.bound, result.objective
+        miss, bound, objective = missed(targets, p), result.bound, result.objective
         if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
-            rest = targets.miss(p) * targets.norm
+            rest = miss * targets.norm
             objective = (rest * rest + result.mu * kernels.power(g)) / 2.0
             bound = min(bound, objective)  # what is above it is rounding
         broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
         status = Status.failed
         if finite:
             status = judge(
-                propagator, targets, p,
+                propagator, targets, miss,
                 broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
             )  # fmt: skip
         return Solution(

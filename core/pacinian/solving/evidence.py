@@ -60,17 +60,25 @@ def bound(B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | Non
     return float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost.sum())
 
 
+def missed(targets: Targets, p: Complexes) -> float:
+    """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; with `scale="max"`, of p at the strength asked."""
+    if targets.scale == "exact" or not targets.norm:
+        return targets.miss(p)
+    reached = float(np.linalg.norm(p)) / targets.norm
+    return targets.miss(p / (reached or 1.0))
+
+
 def judge(
     propagator: Propagator,
     targets: Targets,
-    p: Complexes,
+    miss: float,
     *,
     broken: bool,
     late: bool,
     scaled: bool,
     limited: bool,
 ) -> Status:
-    """How it ended, by the pressures achieved, (M,) [Pa], and by what the solver and the limits did."""
+    """How it ended, by what pressures `missed`, and by what the solver and the limits did."""
     if not targets.norm:
         return Status.silent
     if broken:
@@ -79,9 +87,7 @@ def judge(
         if late:
             return Status.deadline
         scaled = False
-        reached = float(np.linalg.norm(p)) / targets.norm
-        p = p / (reached or 1.0)
-    if targets.miss(p) <= TOLERANCE:
+    if miss <= TOLERANCE:
         return Status.ok
     asked = targets.amplitudes > 0.0
     if not propagator.B[asked].any(axis=1).all():
