@@ -61,7 +61,7 @@ class Promise:
 
 
 SILENCE = Near(factor=3.0, limited=False)
-LAGRANGE = Promise(answers=True, near=Near(factor=1.1, limited=True, mu=1e-6, free=True))
+LAGRANGE = Promise(answers=True, near=Near(factor=1.2, limited=True, mu=1e-6, free=True))
 PROMISES = {
     "auto": LAGRANGE,
     "lagrange": LAGRANGE,

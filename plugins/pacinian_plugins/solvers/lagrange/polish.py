@@ -37,6 +37,11 @@ MET = 1e-4  # relative error that will do in any case
 NEARLY = 1e-3  # and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
 ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
+FEW_SAMPLES, OTHERS, GOLDEN = (
+    8,
+    2,
+    0.6180339887,
+)  # up to so many, so many more starts, phases apart by
 FAR = 0.2  # relative error from which a start is not worth going on from
 SOFT, FEW = (
     (1e-1, 3e-2, 1e-2, 3e-3, 1e-3),
@@ -161,9 +166,26 @@ class Polish:
             second = self._nearest(ROUGH)
             np.copyto(room.other, room.h)
         np.copyto(room.h, room.spare if first <= second else room.other)
+        if len(self.p) <= FEW_SAMPLES and self.free.all():
+            self._elsewhere(min(first, second))
         error = self._nearest(FINISHED) if work <= LARGE else min(first, second)
         self._residual()
         return error
+
+    def _elsewhere(self, error: float) -> None:
+        """Look where other phases lead, for few samples; the best gains of all stay, `error` being those at hand."""
+        room, m = self.room, np.arange(len(self.p))
+        np.copyto(room.spare, room.h)
+        for k in range(OTHERS):
+            if self.budget.spent:
+                break
+            room.y[:] = np.abs(self.p) * np.exp(2j * np.pi * GOLDEN * (k + 1) * m * (m + k + 1))
+            self._equalise(EQUAL)
+            found = self._nearest(ROUGH)
+            if found < error:
+                error = found
+                np.copyto(room.spare, room.h)
+        np.copyto(room.h, room.spare)
 
     def _softened(self, error: float) -> float:
         """Newton steps with more regularisation than asked, less and less of it while that helps.
