@@ -15,7 +15,6 @@ from pacinian.solving.evidence import violations
 from pacinian.solving.keep import keep
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
-from pacinian_plugins.solvers.lagrange.constrained import Constrained
 from pacinian_plugins.solvers.lagrange.polish import Polish
 from pacinian_plugins.solvers.lagrange.room import SMALL, Room
 from pacinian_plugins.solvers.lagrange.small import begin, within
@@ -163,6 +162,8 @@ class Lagrange(pc.Solver):
         budget: pc.Budget, out: pc.Gains, mu: float,
     ) -> pc.Result:  # fmt: skip
         """Write the gains that all limits together allow."""
+        from pacinian_plugins.solvers.lagrange.constrained import Constrained  # more to compile
+
         problem = Constrained.of(propagator, targets, limits, budget, mu)
         exact = targets.scale == "exact"
         found = problem.nearest(self.rounds) if exact else problem.strongest()
