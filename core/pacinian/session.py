@@ -95,7 +95,7 @@ class Session:
         phases: None where free, else [rad], broadcast to (M,), NaN where free.
         limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
         strong as the solver can, in these proportions). deadline: seconds from now; then the best so far.
-        out: complex64, shape (N,), contiguous, to write the gains to.
+        out: complex64 (complex128 in double precision), shape (N,), contiguous, to write the gains to.
 
         The result's evidence (pressures, residual, status) is measured here, on the gains as
         returned, whatever the solver says. Gains are finite and |g| <= limits.gain, in every case.
