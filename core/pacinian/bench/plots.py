@@ -118,7 +118,7 @@ def _front(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
 def grow(lines: Sequence[Growth], path: Path) -> None:
     """Run time against N and against M."""
     alongs = sorted({line.along for line in lines}, reverse=True)
-    page = figure(1.0 + 5.5 * len(alongs), 5.6)
+    page = figure(1.0 + 5.5 * len(alongs), 8.0)
     panels = page.subplots(1, len(alongs), sharey=True, squeeze=False)[0]
     for panel, along in zip(panels, alongs, strict=True):
         panel.set(xscale="log", yscale="log")
