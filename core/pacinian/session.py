@@ -11,6 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
+from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.checks import FAR, kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
@@ -84,6 +85,7 @@ class Session:
         amplitudes: ArrayLike,
         phases: ArrayLike | None = None,
         *,
+        facing: Facing | None = None,
         limits: Limits | None = None,
         scale: str = "exact",
         deadline: float | None = None,
@@ -93,6 +95,8 @@ class Session:
 
         points: [m], shape (M, 3). amplitudes: peak sound pressure [Pa], real, not negative, shape (M,).
         phases: None where free, else [rad], broadcast to (M,), NaN where free.
+        facing: of the skin at the points: then pressures, asked and achieved, are those that press along
+        its normals, by the sound that gets there; where none does, the status is `unreachable`.
         limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
         strong as the solver can, in these proportions). deadline: seconds from now; then the best so far.
         out: complex64 (complex128 in double precision), shape (N,), contiguous, to write the gains to.
@@ -106,10 +110,12 @@ class Session:
         if limits is None:
             limits = FULL_DRIVE
         kind("limits", limits, Limits)
+        if facing is not None:
+            kind("facing", facing, Facing)
         q, targets = self._problem(points, amplitudes, phases, scale)
         out = self._checked(out)
         warm, self.last = self.last, None
-        self._place(q, limits)
+        self._place(q, facing, limits)
         if warm is not None and (c := self._multiple(targets, limits)) == c:
             self.last = self._scaled(c, targets, out, start)
             return self.last
@@ -138,7 +144,10 @@ class Session:
         if g.shape != (N,) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
             raise ArgumentError("gains", f"must be {N} finite numbers")
         g = g.astype(np.complex128)
-        B = matrix(self.array, self.propagator.points, self.medium)
+        points, facing = self.propagator.points, self.propagator.facing
+        B = matrix(self.array, points, self.medium)
+        if facing is not None:
+            B *= facing.weights(points, self.array.positions)
         p: Complexes = B @ g
         asked, y, proven = last.targets.complex(np.angle(p)), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
@@ -186,8 +195,8 @@ class Session:
         near("points", q, self.propagator.origin)
         return q, Targets.checked(len(q), amplitudes, phases, scale)
 
-    def _place(self, q: Floats, limits: Limits) -> None:
-        """Put the points, and the quiet points, where they are now."""
+    def _place(self, q: Floats, facing: Facing | None, limits: Limits) -> None:
+        """Put the points, and the quiet points, where they are now; those are in the free field."""
         if limits.asked and (unkept := limits.asked - self._solver.keeps):
             raise UnsupportedLimit(self._solver.name, min(unkept))
         if limits.exact is not None:
@@ -196,7 +205,7 @@ class Session:
         quiet = None if limits.quiet is None else np.asarray(limits.quiet[0], np.float64)
         if quiet is not None:
             near("limits.quiet[0]", quiet, propagator.origin)
-        propagator.place(q)
+        propagator.place(q, facing)
         if quiet is None:
             propagator.quiet = None
             return
@@ -301,6 +310,7 @@ def solve(
     phases: ArrayLike | None = None,
     *,
     solver: str | Solver = "auto",
+    facing: Facing | None = None,
     limits: Limits | None = None,
     scale: str = "exact",
     medium: Air | None = None,
@@ -320,8 +330,9 @@ def solve(
     session = take(key, lambda: Session(array, medium, solver, precision=precision))
     session.solver = solver
     solution = session.solve(
-        points, amplitudes, phases, limits=limits, scale=scale, deadline=deadline, out=out
-    )
+        points, amplitudes, phases,
+        facing=facing, limits=limits, scale=scale, deadline=deadline, out=out,
+    )  # fmt: skip
     session.forget()
     give(key, session, len(solution.sound_pressure) * len(array))
     return solution

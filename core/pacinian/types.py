@@ -25,6 +25,8 @@ Flags: TypeAlias = NDArray[np.bool_]
 """True or false."""
 Indices: TypeAlias = NDArray[np.intp]
 """Indices."""
+Longs: TypeAlias = NDArray[np.int64]
+"""Whole numbers that name things."""
 
 __all__ = [
     "ArrayLike",
@@ -34,6 +36,7 @@ __all__ = [
     "Gains",
     "Indices",
     "Levels",
+    "Longs",
     "Numbers",
     "Reals",
     "Singles",

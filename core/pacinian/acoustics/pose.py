@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import cos, hypot, isfinite, sin
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -28,6 +28,28 @@ def vector(name: str, value: ArrayLike) -> Vector:
             return x, y, z
     x, y, z = numbers(name, value, (3,)).tolist()
     return x, y, z
+
+
+def product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """The rotation b, then the rotation a."""
+    x, y, z, w = a
+    p, q, r, s = b
+    return (
+        w * p + x * s + y * r - z * q,
+        w * q - x * r + y * s + z * p,
+        w * r + x * q - y * p + z * s,
+        w * s - x * p - y * q - z * r,
+    )
+
+
+def turned(rotation: Quaternion, angular_velocity: Vector, seconds: float) -> Quaternion:
+    """`rotation`, turned on at `angular_velocity` [rad/s], about the world's axes, for `seconds` [s]."""
+    rate = hypot(*angular_velocity)
+    if not rate:
+        return rotation
+    half = rate * seconds / 2.0
+    x, y, z = (sin(half) * v / rate for v in angular_velocity)
+    return product((x, y, z, cos(half)), rotation)
 
 
 class Pose(Struct, frozen=True, forbid_unknown_fields=True):

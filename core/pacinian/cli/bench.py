@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
+
+from pacinian.cli.bench_scenes import scenes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,7 +36,7 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
     return read
 
 
-@click.command()
+@click.group(invoke_without_command=True)
 @click.option("--quick", is_flag=True, help="Few problems and one thread: some seconds.")
 @click.option("--large", is_flag=True, help="256 and 1024 points before 9 units instead.")
 @click.option("--solvers", callback=several(str), help="Of ours only these.  [default: all]")
@@ -77,7 +80,10 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
     help="Folder for bench.csv, bench.json and the pictures.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+@click.pass_context
 def bench(
+    context: click.Context,
+    /,
     quick: bool,
     large: bool,
     solvers: list[str] | None,
@@ -93,6 +99,9 @@ def bench(
     Each contestant runs in a process of its own, with one thread and with all, and is evaluated by the
     same plain NumPy code in double precision. Rows are written as they come: Ctrl-C keeps them.
     """
+    if context.invoked_subcommand is not None:
+        _alone(context)
+        return
     from pacinian.bench import report, run
     from pacinian.bench.problems import problems
     from pacinian.plugins.registry import installed
@@ -124,6 +133,13 @@ def bench(
             click.echo(f"wrote {file}")
     if interrupted:
         raise SystemExit(130)
+
+
+def _alone(context: click.Context) -> None:
+    """Refuse options of this command before a command of its own, which has others."""
+    for name in context.params:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise click.UsageError(f"give options after `{context.invoked_subcommand}`, not before")
 
 
 def _root(given: str | None) -> Path | None:
@@ -212,3 +228,6 @@ def _print(rows: Sequence[Row]) -> None:
         if cell.note:
             place = f"N {cell.N}, M {cell.M}, level {cell.level:g}"
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
+
+
+bench.add_command(scenes)

@@ -21,7 +21,9 @@ from pacinian.cli.running import drawable
 )
 @click.option("--solver", default=None, help="Instead of the file's.")
 @click.option("--backend", default=None, help="Instead of the file's.")
-@click.option("--record", default="", help="Record the frames to this file (simulated backend).")
+@click.option(
+    "--record", default="", help="Record every tick to this file: scene, decisions, frame."
+)
 @click.option(
     "--out", default="", callback=drawable, help="Draw the field of the last tick to this PNG."
 )
@@ -39,18 +41,18 @@ def render(
     from msgspec.structs import replace
 
     from pacinian.cli.running import picture, progress, summary, tell
+    from pacinian.rendering.recording import Recorder
     from pacinian.rendering.starting import renderer_of
-    from pacinian.scene.file import Choice, load
+    from pacinian.scene.file import load
 
     file = load(scene)
     if solver:
         file = replace(file, solver=solver)
     if backend:
         file = replace(file, backend=backend)
-    if record:
-        chosen = file.backend if isinstance(file.backend, Choice) else Choice(file.backend)
-        file = replace(file, backend=replace(chosen, options={**chosen.options, "record": record}))
     renderer = renderer_of(file, scene)
+    if record:
+        renderer.recorder = Recorder(record)
     extra: dict[str, Any] = {"seconds": seconds, "scene": str(scene), "record": record}
     with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
         renderer.run(seconds or None, on_tick)

@@ -10,15 +10,32 @@ import click
 @click.command()
 @click.argument("recording")
 @click.option("--backend", default="simulated", show_default=True, help="Where to play it.")
+@click.option(
+    "--again", is_flag=True, help="Render the scenes again instead, and compare with the frames."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
-def replay(recording: str, backend: str, as_json: bool) -> None:
-    """Play a recording's frames on a backend, at the times they had."""
+def replay(recording: str, backend: str, again: bool, as_json: bool) -> None:
+    """Play a recording's frames on a backend, at the times they had.
+
+    With --again, its scenes are rendered once more, as fast as it goes, with the decisions that were
+    made: on the same machine the frames are the same, bit for bit. Exit code 1 if any differs.
+    """
     from pacinian.acoustics.array import Array
     from pacinian.plugins.registry import backend as make
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.replay import replay as play
 
     opened = Recording(recording)
+    if again:
+        from pacinian.rendering.rerender import rerender
+
+        ticks, different = rerender(opened)
+        if as_json:
+            told = {"recording": recording, "ticks": ticks, "different": different}
+            click.echo(json.dumps(told))
+        else:
+            click.echo(f"{ticks} ticks rendered again, {different} frames differ")
+        raise SystemExit(1 if different else 0)
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}

@@ -1,19 +1,21 @@
-"""Recordings: the frames that were emitted, in a file that survives an interruption.
+"""Recordings: every tick's scene, decisions and frame, in a file that survives an interruption.
 
-A stream of MessagePack maps: one header, then one map per frame. It is only ever appended to, so a
-file that was cut off is whole up to its last complete frame.
+A stream of MessagePack maps: one header, then one map per tick. It is only ever appended to, so a file
+that was cut off is whole up to its last complete tick.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import msgpack
 import numpy as np
 
-from pacinian.errors import RecordingError
+from pacinian.errors import ArgumentError, PacinianError, RecordingError
 from pacinian.plugins.backend import Capability, Frame
+from pacinian.rendering.scene_log import Asked, Reader, Writer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,21 +24,46 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 FORMAT = "pacinian recording"
-VERSION = 1
-LARGEST = 1 << 26  # [bytes] one map
-LATEST = 1e9  # [s]
+VERSION = 2
+LARGEST = 1 << 28  # [bytes] one map
+LATEST = 1e12  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Tick:
+    """One tick of a recording.
+
+    frame: what was sent. time: of the scene [s]. asked: the scene, solver and limits; None where they
+    could not be recorded. clock: what the tick read from the clock [s]: all its decisions follow from that.
+    begins: whether the renderer had forgotten everything just before.
+    """
+
+    frame: Frame
+    time: float = 0.0
+    asked: Asked | None = None
+    clock: tuple[float, ...] = ()
+    begins: bool = False
 
 
 class Recorder:
-    """Writes a recording. Raises RecordingError if the file cannot be made."""
+    """Writes a recording. Raises RecordingError if the file cannot be made.
 
-    def __init__(self, path: str | Path, array: Array, capability: Capability) -> None:
+    Give it to a `Renderer`, which opens and closes it. unrecorded: why a scene could not be written (it
+    holds a Python function, say); frames still are. "" if all could.
+    """
+
+    def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
+        self.unrecorded = ""
+        self._pack = msgpack.Packer(use_single_float=False).pack
+        self._writer, self._begins = Writer(), True
         try:
             self._file: IO[bytes] = self.path.open("wb")
         except (OSError, ValueError) as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
-        self._pack = msgpack.Packer(use_single_float=False).pack
+
+    def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:
+        """Write the header. settings: what a replay needs besides."""
         self._write(
             {
                 "format": FORMAT,
@@ -46,36 +73,55 @@ class Recorder:
                 "phases": capability.phases,
                 "amplitudes": capability.amplitudes,
                 "rate": capability.rate,
+                "settings": settings,
             }
         )
 
-    def write(self, frame: Frame) -> None:
-        """Append a frame."""
-        self._write(
-            {
-                "sequence": frame.sequence,
-                "time": frame.time,
-                "phase": frame.phase.astype("<u2", copy=False).tobytes(),
-                "amplitude": frame.amplitude.astype("<u2", copy=False).tobytes(),
-            }
-        )
+    def forget(self) -> None:
+        """The renderer forgets everything: the next tick begins anew."""
+        self._begins = True
+
+    def write(
+        self,
+        frame: Frame,
+        time: float = 0.0,
+        asked: Asked | None = None,
+        clock: list[float] | None = None,
+        *,
+        same: bool = False,
+    ) -> None:
+        """Append a tick; same: whether its frame has the levels of the one before."""
+        values: dict[str, Any] = {"sequence": frame.sequence, "time": frame.time, "t": time}
+        if not same:
+            values["phase"] = frame.phase.astype("<u2", copy=False).tobytes()
+            values["amplitude"] = frame.amplitude.astype("<u2", copy=False).tobytes()
+        if clock is not None:
+            values["clock"] = clock
+        if self._begins:
+            values["begins"], self._begins = True, False
+        if asked is not None and not self.unrecorded:
+            try:
+                values["new"] = self._writer.changes(asked)
+            except ArgumentError as error:
+                self.unrecorded = values["unrecorded"] = str(error)
+        self._write(values)
 
     def close(self) -> None:
         """End the file; may be called twice."""
         try:
             self._file.close()
         except OSError as error:
-            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
 
     def _write(self, values: dict[str, Any]) -> None:
         try:
             self._file.write(self._pack(values))
-        except OSError as error:
-            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
+        except (OSError, ValueError) as error:
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
 
 
 class Recording:
-    """A recording to read: the array's layout, the device's capability, and the frames.
+    """A recording to read: the array's layout, the device's capability, and the ticks.
 
     Raises RecordingError if the file is not one; a cut-off last frame is left out.
     """
@@ -93,41 +139,63 @@ class Recording:
             self.positions: Floats = np.frombuffer(header["positions"], "<f8").reshape(-1, 3)
             self.normals: Floats = np.frombuffer(header["normals"], "<f8").reshape(-1, 3)
             self.capability = Capability(header["phases"], header["amplitudes"], header["rate"])
+            self.settings: dict[str, Any] = dict(header["settings"])
             if len(self.normals) != len(self.positions) or not len(self.positions):
                 raise ValueError("positions and normals do not fit")
+            if not (np.isfinite(self.positions).all() and np.isfinite(self.normals).all()):
+                raise ValueError("positions and normals are not finite")
         except (KeyError, ValueError, TypeError) as error:
             raise RecordingError(self.path, f"has a damaged header: {error}") from error
 
     def __iter__(self) -> Iterator[Frame]:
         """The frames, one at a time."""
-        maps = self._maps()
-        next(maps)
+        return (tick.frame for tick in self.ticks(frames_only=True))
+
+    def ticks(self, *, frames_only: bool = False) -> Iterator[Tick]:
+        """The ticks, one at a time, with scenes unless `frames_only`."""
+        maps, reader = self._maps(), None if frames_only else Reader()
+        next(maps, None)
+        last: Frame | None = None
         for values in maps:
             try:
-                yield self._frame(values)
-            except (KeyError, ValueError, TypeError) as error:
-                raise RecordingError(self.path, f"has a damaged frame: {error}") from error
+                tick = self._tick(values, last, reader)
+            except PacinianError as error:
+                raise RecordingError(self.path, f"has a tick that cannot be: {error}") from error
+            except Exception as error:  # the bytes may say anything
+                raise RecordingError(self.path, f"has a damaged tick: {error}") from error
+            last = tick.frame
+            yield tick
 
-    def _frame(self, values: dict[str, Any]) -> Frame:
+    def _tick(self, values: dict[str, Any], last: Frame | None, reader: Reader | None) -> Tick:
         N, can = len(self.positions), self.capability
-        phase, amplitude = (
-            np.frombuffer(values[k], "<u2").reshape(-1, N) for k in ("phase", "amplitude")
-        )
+        if "phase" in values:
+            phase, amplitude = (
+                np.frombuffer(values[k], "<u2").reshape(-1, N) for k in ("phase", "amplitude")
+            )
+        elif last is not None:
+            phase, amplitude = last.phase, last.amplitude
+        else:
+            raise ValueError("the first tick has no frame")
         if phase.shape != amplitude.shape or not phase.size:
             raise ValueError("phases and amplitudes do not fit")
         if phase.max() >= can.phases or amplitude.max() >= can.amplitudes:
             raise ValueError("levels beyond the device's")
-        time = float(values["time"])
-        if not abs(time) < LATEST:
+        time, t = float(values["time"]), float(values["t"])
+        if not (abs(time) < LATEST and abs(t) < LATEST):
             raise ValueError(f"its time is {time} s")
-        return Frame(int(values["sequence"]), time, phase, amplitude)
+        asked = None
+        if reader is not None and "new" in values:
+            asked = reader.next(values["new"])
+        clock = tuple(map(float, values.get("clock", ())))
+        frame = Frame(int(values["sequence"]), time, phase, amplitude)
+        return Tick(frame, t, asked, clock, bool(values.get("begins", False)))
 
     def _maps(self) -> Iterator[dict[str, Any]]:
         if not self.path.is_file():
             raise RecordingError(self.path, "is not there, or not a file")
         try:
             with self.path.open("rb") as file:
-                for values in msgpack.Unpacker(file, max_buffer_size=LARGEST):
+                for values in msgpack.Unpacker(file, max_buffer_size=LARGEST, strict_map_key=False):
                     if not isinstance(values, dict):
                         raise RecordingError(self.path, "is not a Pacinian recording")
                     yield values
@@ -135,5 +203,5 @@ class Recording:
             raise
         except OSError as error:
             raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
-        except (ValueError, msgpack.UnpackException) as error:
+        except Exception as error:  # the bytes may say anything
             raise RecordingError(self.path, f"is damaged: {error}") from error

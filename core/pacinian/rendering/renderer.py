@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import gc
-import operator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from pacinian.acoustics.pressure import sound_pressure
-from pacinian.checks import FAR, kind, number
+from pacinian.acoustics.facing import Facing
+from pacinian.checks import kind, number
 from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.clock import Clock, SystemClock
-from pacinian.rendering.drive import Quantiser, modulate
+from pacinian.rendering.drive import Quantiser
+from pacinian.rendering.governor import Governor
+from pacinian.rendering.player import Player
 from pacinian.rendering.report import Fault, Report
-from pacinian.scene.objects import Scene
-from pacinian.scene.sampling import Sampler, Samples, envelopes
+from pacinian.rendering.scene_log import Asked
+from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.tape import Tape
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.scene import Scene
 from pacinian.session import Session
 from pacinian.solving.blas import one_thread
 from pacinian.solving.problem import Limits
@@ -29,28 +34,34 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
+    from pacinian.rendering.player import Solved
+    from pacinian.rendering.recording import Recorder
+    from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.solution import Solution
-    from pacinian.types import Flags, Floats, Gains
+    from pacinian.types import Floats, Gains
 
-Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "silence"]
+Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
 SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
 MOST = 1000  # frames a tick
+RAMP = 0.005  # [s] in which a sample comes up or goes
 LOOK = 8  # solves for each whose error after rounding to levels is measured
-TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
 BEHIND = 0.1  # [s] by which the loop may lag before it gives up catching up (sleep, a debugger)
 
 
 class Renderer:
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
-    scene: a `Scene`, or a function from time since `open` [s] to one, called every tick; replace
-    it at any time, from any thread. backend, solver: names or objects. rate: ticks per second [Hz].
-    limits: what every solution keeps. sampler: budget and spacing. clock: for tests.
+    scene: a `Scene`, or a function from time since `open` [s] to one, called every tick and once before the
+    first; replace it at any time, from any thread. backend, solver: names or objects. rate: ticks per second [Hz].
+    limits: what every solution keeps. sampler: budget, spacing, ramps. smoothing: from row to row. clock:
+    for tests. recorder: keeps every tick; closed with the renderer.
 
-    An envelope that all objects share is followed at the device's rate; of different ones each
-    object's mean over a tick counts.
+    Envelopes are followed at the device's rate; where limits join all gains (power, quiet zones, exact
+    samples) and objects have different envelopes, each one's mean over a tick counts. A tick that would
+    be late has fewer samples, highest priority first, until there is time again: `governed`.
 
     Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a
     device is gone) silences the output and holds it silent until `reset`; the loop goes on and counts.
@@ -68,23 +79,29 @@ class Renderer:
         rate: float = 1000.0,
         limits: Limits | None = None,
         sampler: Sampler | None = None,
+        smoothing: Smoothing | None = None,
+        governed: bool = True,
         clock: Clock | None = None,
+        recorder: Recorder | None = None,
     ) -> None:
         if not (isinstance(scene, Scene) or callable(scene)):
             raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")
         self.scene = scene
         self.clock = clock or SystemClock()
-        self.session = Session(array, medium, solver, clock=self.clock.now)
+        self.tape = Tape(self.clock.now)
+        self.session = Session(array, medium, solver, clock=self.tape.now)
         self.backend = registry.backend(backend) if isinstance(backend, str) else backend
         kind("backend", self.backend, Backend)
         self.limits = Limits() if limits is None else limits
         kind("limits", self.limits, Limits)
-        self.sampler = Sampler() if sampler is None else sampler
+        self.sampler = Sampler(ramp=RAMP) if sampler is None else sampler
         kind("sampler", self.sampler, Sampler)
+        self.smoothing = Smoothing() if smoothing is None else smoothing
+        kind("smoothing", self.smoothing, Smoothing)
         self.period = 1.0 / number("rate", rate, low=1.0, high=100_000.0)  # [s]
         self.report = Report()
         self.halted: Fault | None = None
-        self.solution: Solution | None = None
+        self.recorder = recorder
         capability = self.backend.capability
         if capability.rate < rate * (1.0 - 1e-9):
             raise ArgumentError(
@@ -95,42 +112,61 @@ class Renderer:
             raise ArgumentError(
                 "rate", f"of {rate:g} Hz makes {rows} frames a tick, more than {MOST}"
             )
-        self._times = np.arange(rows) * self.period / rows  # [s]
+        gap = self.period / rows  # [s]
+        times: Floats = np.arange(rows, dtype=np.float64) * gap
+        self.sampler.prepare(array, self.session.medium)
+        self.player = Player(self.session, times, gap, self.smoothing, self.report.skipped)
+        self.governor = Governor(self.period, self.sampler.budget) if governed else None
         self._quantiser = Quantiser(capability, rows, len(array))
-        self._modulated = np.zeros((rows, len(array)), dtype=np.complex64)
-        self._gains = np.zeros(len(array), dtype=np.complex64)
-        self._spare = np.zeros(len(array), dtype=np.complex64)
-        away = np.abs(array.positions - self.session.propagator.origin)
-        self._extent = away.max(axis=0) + TOUCHING  # [m]
-        self._solved: tuple[object, ...] | None = None
-        self._start = 0.0  # [s]
+        self._sent: tuple[object, ...] = ()
+        self._frame: Frame
+        self._entered = self._start = 0.0  # [s]
         self._stage: Stage = "open"
         self._opened = False
         self._loud = False  # something was sent since the last silence
+
+    @property
+    def solution(self) -> Solution | None:
+        """The last solution; None before the first."""
+        return self.player.solved[-1].solution if self.player.solved else None
+
+    @property
+    def samples(self) -> Samples | None:
+        """What was asked of it; None before the first."""
+        return self.player.solved[-1].samples if self.player.solved else None
 
     def open(self) -> None:
         """Claim the device, silent; compile and load what a tick needs."""
         if self._opened:
             return
+        from pacinian.rendering.settings import written
+
         self.backend.open(self.session.array)
         self._opened = True
         try:
             self._warm_up()
+            if self.recorder is not None:
+                self.recorder.begin(self.session.array, self.backend.capability, written(self))
         except BaseException:
             self.close()
             raise
-        self.report, self.halted, self._solved = Report(), None, None
+        self.report = Report()
+        self.sampler.skipped = self.player.skipped = self.report.skipped
+        self.reset()
         self._start = self.clock.now()
 
     def _warm_up(self) -> None:
-        """Solve and round two points for nobody: the first tick is then like the others."""
+        """Sample the scene, solve and round two points for nobody: the first tick is then like the others."""
         spare = Session(self.session.array, self.session.medium, self.session.solver)
         points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
+        up = np.array([[0.0, 0.0, -1.0]] * 2)
         try:
-            gains = spare.solve(points, [1.0, 1.0]).gains
+            gains = spare.solve(points, [1.0, 1.0], facing=Facing(up)).gains
+            self._quantiser.emitted(gains, self._ceiling)
+            given = self.scene
+            self.sampler.sample(given if isinstance(given, Scene) else given(0.0))
         except Exception:  # the first tick meets it again, and reports it
             return
-        self._quantiser.emitted(gains, self._ceiling)
 
     def close(self) -> None:
         """Silence, and give the device back; may be called twice."""
@@ -141,6 +177,8 @@ class Renderer:
             self._silence()
         finally:
             self._attempt("silence", self.backend.close)
+            if self.recorder is not None:
+                self._attempt("record", self.recorder.close)
 
     def __enter__(self) -> Renderer:
         self.open()
@@ -214,103 +252,84 @@ class Renderer:
     @property
     def emitted(self) -> Gains:
         """What the device made of the last gains at full envelope, (N,), whether it is silent now or not."""
-        return self._emitted().copy()
+        solved = self.player.solved
+        gains = solved[-1].gains if solved else np.zeros(len(self.session.array), np.complex64)
+        return self._emitted(gains).copy()
 
     def reset(self) -> None:
-        """Sound again after a fault."""
-        self.halted, self._solved = None, None
+        """Sound again after a fault, from silence and with nothing remembered."""
+        self.halted, self._sent = None, ()
+        self.tape.take()
+        self.sampler.reset()
+        self.player.reset()
+        self.session.forget()
+        if self.governor is not None:
+            self.governor = Governor(self.period, self.sampler.budget)
+            self.sampler.allowed = self.sampler.budget
+        if self.recorder is not None:
+            self.recorder.forget()
 
     def _step(self, due: float) -> None:
-        drive = self._solve(due - self._start)
-        self._drive(drive, due)
-        self._stage = "send"
-        self._loud = True
-        self.backend.send(self._frame)
-        self.report.frames_sent += 1
-
-    def _solve(self, t: float) -> Floats:
-        """Bring the gains up to date for time t [s]; return the envelope that is left to apply, (K,)."""
+        if self._sent and not self._loud:  # it was silenced, by the end of a run
+            self.reset()
+        begin = self._entered = self.tape.now()
         self._stage = "scene"
+        t = due - self._start
         given = self.scene
         scene = given if isinstance(given, Scene) else given(t)
-        self._stage = "sample"
-        samples = self.sampler.sample(scene)
-        drive, strength = self._envelopes(scene, t)
-        key = samples, strength.tobytes(), self.limits, self.session.solver
-        if self._solved is not None and all(map(operator.eq, key, self._solved)):
+        frame = self._frame_of(scene, t, due)
+        self._enter("send")
+        self._loud = True
+        self.backend.send(frame)
+        self.report.frames_sent += 1
+        if self.governor is not None and self.player.fresh:
+            samples = max(len(one.samples) for one in self.player.fresh)
+            self.sampler.allowed = self.governor.tick(self.tape.now() - begin, samples)
+        self._enter("record")
+        noted = self.tape.take()
+        if self.recorder is not None:
+            asked = Asked(scene, self.session.solver, self.limits)
+            self.recorder.write(frame, t, asked, noted, same=frame is not self._frame)
+        self._enter("scene")
+
+    def _frame_of(self, scene: Scene, t: float, due: float) -> Frame:
+        """The frame for a scene at time t [s]; the last one again if nothing has changed."""
+        self._enter("sample")
+        samples = self.sampler.sample(scene, t)
+        sequence, sent = self.report.frames_sent, (samples, self.limits, self.session.solver)
+        if self.player.steady and self._sent == sent:
+            self.player.fresh.clear()
             self.report.skipped["solve, nothing moved"] += 1
-            return drive
-        self._solved = None
-        self._stage = "solve"
-        self._find(samples, strength)
-        self._solved = key
-        return drive
+            self.report.skipped["drive, nothing changed"] += 1
+            return replace(self._frame, sequence=sequence, time=due)
+        self._enter("solve")
+        self.player.solve(samples, t, self.limits, SHARE * self.period)
+        self._sent = sent
+        fresh = self.player.fresh
+        look = -self.report.solves % LOOK < len(fresh)
+        for one in fresh:  # the propagator is where the last of them is
+            error = self._error(one) if look and one is fresh[-1] else None
+            self.report.solved(one.solution.status, error)
+        self._enter("drive")
+        down = self.limits.power is not None
+        rows = self.player.rows(t)
+        self._frame = self._quantiser.frame(rows, self._ceiling, sequence, due, down)
+        return self._frame
 
-    def _envelopes(self, scene: Scene, t: float) -> tuple[Floats, Floats]:
-        """What all objects share, (K,), which needs no solve; and each object's own factor, (objects,).
+    def _enter(self, stage: Stage) -> None:
+        """Note that a stage begins, and how long the one before it took."""
+        now = self.clock.now()
+        self.report.staged(self._stage, now - self._entered)
+        self._stage, self._entered = stage, now
 
-        Where objects have different envelopes, each one's mean over the tick is its factor.
-        """
-        objects, times = scene.objects, t + self._times
-        if not objects:
-            return np.ones(len(times)), np.ones(0)
-        if all(item.envelope == objects[0].envelope for item in objects[1:]):
-            return envelopes(objects[:1], times)[0], np.ones(len(objects))
-        return np.ones(len(times)), envelopes(objects, times).mean(axis=1)
-
-    def _find(self, samples: Samples, strength: Floats) -> None:
-        """Gains for `samples`, each object's radiation pressure times its strength, (objects,)."""
-        pressure = samples.radiation_pressure * strength[samples.objects]
-        q = samples.positions
-        kept = (pressure > 0.0) & self._reachable(q)
-        if not kept.all():
-            q, pressure = q[kept], pressure[kept]
-        self.report.skipped["samples out of the workspace"] += samples.culled
-        self.report.skipped["samples over budget"] += samples.dropped
-        solution = self.session.solve(
-            q,
-            sound_pressure(pressure, self.session.medium),
-            limits=self.limits,
-            deadline=SHARE * self.period,
-            out=self._spare,
-        )
-        self._gains, self._spare = self._spare, self._gains
-        self.solution = solution
-        error = None if self.report.solves % LOOK else self._error(solution)
-        self.report.solved(solution.status, error)
-
-    def _reachable(self, q: Floats) -> Flags:
-        """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
-        kept = np.ones(len(q), dtype=np.bool_)
-        if not len(q):
-            return kept
-        d = np.abs(q - self.session.propagator.origin)
-        if d.max() > FAR / 2.0:
-            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
-            self.report.skipped["samples out of reach"] += len(q) - int(kept.sum())
-        inside = (d <= self._extent).all(axis=1)
-        if self.session.medium.singular and inside.any():
-            for m in np.flatnonzero(inside):
-                r = self.session.array.positions - q[m]
-                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
-                    kept[m] = False
-                    self.report.skipped["samples on a transducer"] += 1
-        return kept
-
-    def _error(self, solution: Solution) -> float:
+    def _error(self, solved: Solved) -> float:
         """Relative error of the sound pressures that the device's levels make."""
-        return solution.targets.miss(self.session.propagator.apply(self._emitted()))
+        p = self.session.propagator.apply(self._emitted(solved.gains))
+        return solved.solution.targets.miss(p)
 
-    def _drive(self, envelope: Floats, due: float) -> None:
-        self._stage = "drive"
-        modulate(self._gains, envelope, self._modulated)
-        sequence = self.report.frames_sent
+    def _emitted(self, gains: Gains) -> Gains:
         down = self.limits.power is not None
-        self._frame = self._quantiser.frame(self._modulated, self._ceiling, sequence, due, down)
-
-    def _emitted(self) -> Gains:
-        down = self.limits.power is not None
-        return self._quantiser.emitted(self._gains, self._ceiling, down)
+        return self._quantiser.emitted(gains, self._ceiling, down)
 
     @property
     def _ceiling(self) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,12 +14,14 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
 
 
+GAP = 0.1  # [s] after which a device is silenced until the next frame
 PAUSE = 3600.0  # [s] between two frames that is no longer believed
 
 
 def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | None = None) -> int:
     """Send the recorded frames at the times they had, then silence; return how many.
 
+    Silent too is where the renderer was: after a fault, between two runs.
     Raises RecordingError if array or levels are not those of the recording; what the backend raises.
     """
     clock = clock or SystemClock()
@@ -31,15 +32,19 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
         raise RecordingError(
             recording.path, f"is of {len(recording.positions)} transducers, not {len(array)}"
         )
-    count, offset, last = 0, 0.0, math.inf
+    count, offset, end = 0, 0.0, 0.0
     backend.open(array)
     try:
-        for frame in recording:
+        for tick in recording.ticks(frames_only=True):
+            frame = tick.frame
             if not count:
                 offset = clock.now() - frame.time
-            if frame.time - last > PAUSE:
-                raise RecordingError(recording.path, f"pauses for {frame.time - last:.0f} s")
-            last = frame.time
+            elif frame.time - end > PAUSE:
+                raise RecordingError(recording.path, f"pauses for {frame.time - end:.0f} s")
+            elif tick.begins or frame.time - end > GAP:
+                clock.wait_until(min(end, frame.time) + offset)
+                backend.silence()
+            end = frame.time + len(frame.phase) / had.rate
             clock.wait_until(frame.time + offset)
             backend.send(frame)
             count += 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 class Fault:
     """Something that silenced the output.
 
-    tick: when. stage: "scene", "sample", "solve", "drive", "send" or "silence". message: what was raised.
+    tick: when. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence". message: what was raised.
     error: the exception itself.
     """
 
@@ -46,6 +46,8 @@ class Report:
     statuses: Counter[str] = field(default_factory=Counter)
     faults: deque[Fault] = field(default_factory=lambda: deque(maxlen=100))
     fault_count: int = 0
+    stages: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    """How long each stage of the ticks took in all [s]."""
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
@@ -55,6 +57,10 @@ class Report:
         self._times[self.ticks % REMEMBERED] = seconds
         self.ticks += 1
         self.late_ticks += late
+
+    def staged(self, stage: str, seconds: float) -> None:
+        """Add `seconds` [s] to a stage's time."""
+        self.stages[stage] += seconds
 
     def solved(self, status: Status, error: float | None) -> None:
         """Count a solve, and its error on the gains as emitted, after quantisation, if measured."""
@@ -92,6 +98,7 @@ class Report:
             "tick_p50_ms": self.tick_ms(50),
             "tick_p99_ms": self.tick_ms(99),
             "tick_max_ms": self.tick_ms(100),
+            "stages_ms": {k: 1e3 * v / max(1, self.ticks) for k, v in self.stages.items()},
             "error": self.error,
             "solves": self.solves,
             "frames_sent": self.frames_sent,

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from pacinian.errors import ArgumentError, PluginError, SceneFileError
 from pacinian.plugins import registry
-from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.scene.file import Choice
-from pacinian.scene.sampling import Sampler
+from pacinian.scene.sampling.sampler import Sampler
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def renderer_of(file: SceneFile, path: Path | str) -> Renderer:
             backend=backend,
             rate=file.rate,
             limits=Limits(gain=file.gain),
-            sampler=Sampler(file.sampling.budget, file.sampling.spacing),
+            sampler=Sampler(file.sampling.budget, file.sampling.spacing, ramp=RAMP),
         )
     except ArgumentError as error:
         raise SceneFileError(path, "", str(error)) from error

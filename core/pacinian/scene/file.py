@@ -8,7 +8,7 @@ import functools
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import msgspec
 from msgspec import Struct
@@ -16,15 +16,18 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
-from pacinian.acoustics.pose import Pose
+from pacinian.acoustics.pose import Pose, Vector
 from pacinian.checks import number
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.objects import Object, Scene, Surface, Workspace
-from pacinian.scene.sampling import Sampler
-from pacinian.scene.solids import Mesh
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Object
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.scene import Scene, Workspace
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
+
+S = TypeVar("S", bound=Struct)
 
 LARGEST = 64 << 20  # [bytes]
 
@@ -81,13 +84,30 @@ class Choice(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
-    """How finely the scene is sampled: at most `budget` samples, `spacing` apart [m]."""
+    """How finely the scene is sampled: at most `budget` samples, `spacing` apart [m].
+
+    Unless given, they are a wavelength apart, or as far as the array resolves.
+    """
 
     budget: int = 256
-    spacing: float = 0.0085
+    spacing: float | None = None
 
     def __post_init__(self) -> None:
         Sampler(self.budget, self.spacing)  # which checks both
+
+
+class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
+    """A hand: an open one whose palm is at `pose`, or 26 joints [m] in OpenXR's order."""
+
+    side: Literal["left", "right"] = "right"
+    pose: Pose = Pose()
+    joints: tuple[Vector, ...] = ()
+
+    def make(self) -> Hand:
+        """The hand."""
+        if self.joints:
+            return Hand(self.joints, side=self.side).moved(self.pose)
+        return Hand.open(self.side, self.pose)
 
 
 class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
@@ -104,6 +124,7 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
     gain: float = 1.0
     sampling: Sampling = Sampling()
     workspace: Workspace | None = None
+    hands: tuple[HandPose, ...] = ()
     objects: tuple[Object, ...] = ()
 
     def __post_init__(self) -> None:
@@ -113,7 +134,7 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def scene(self) -> Scene:
         """The scene alone."""
-        return Scene(self.objects, self.workspace)
+        return Scene(self.objects, self.workspace, tuple(hand.make() for hand in self.hands))
 
 
 def load(path: str | Path) -> SceneFile:
@@ -133,14 +154,16 @@ def load(path: str | Path) -> SceneFile:
         raise SceneFileError(path, key, problem + _advice(problem, key)) from error
     except (msgspec.DecodeError, ValueError, RecursionError) as error:
         raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
-    for key, made in (("$.array", file.array.make), ("$.medium", file.medium.make)):
+    file = replace(
+        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
+    )
+    parts = ("$.array", file.array.make), ("$.medium", file.medium.make), ("$", lambda: file.scene)
+    for key, made in parts:
         try:
             made()
         except ArgumentError as error:
             raise SceneFileError(path, key, str(error)) from error
-    return replace(
-        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
-    )
+    return file
 
 
 def _read(path: Path) -> bytes:
@@ -173,17 +196,31 @@ def schema() -> dict[str, Any]:
 
 
 def _found(item: Object, index: int, path: Path) -> Object:
-    """The object with its mesh's file looked for beside the scene file, and read once."""
-    if not (isinstance(item, Surface) and isinstance(item.shape, Mesh)):
-        return item
-    shape = item.shape
-    if shape.file:
-        shape = replace(shape, file=str(path.parent / shape.file))
+    """The object with its files looked for beside the scene file, and read once."""
+    found, field = _beside(item, path.parent), ""
     try:
-        _ = shape.area
+        for name in found.load():
+            field = f".{name}"
     except ArgumentError as error:
-        raise SceneFileError(path, f"$.objects[{index}].shape", str(error)) from error
-    return replace(item, shape=shape)
+        raise SceneFileError(path, f"$.objects[{index}]{field}", str(error)) from error
+    return found
+
+
+def _beside(struct: S, folder: Path) -> S:
+    """A struct whose files, and those of all that it holds, are looked for in `folder`."""
+    new: dict[str, Any] = {}
+    for name in struct.__struct_fields__:
+        value = getattr(struct, name)
+        if name == "file" and value:
+            new[name] = str(folder / value)
+        elif isinstance(value, Struct):
+            new[name] = _beside(value, folder)
+        elif isinstance(value, tuple) and value and isinstance(value[0], Struct):
+            parts = tuple(_beside(part, folder) for part in value)
+            same = all(a is b for a, b in zip(parts, value, strict=True))
+            new[name] = value if same else parts
+    changed = {name: value for name, value in new.items() if value is not getattr(struct, name)}
+    return replace(struct, **changed) if changed else struct
 
 
 def _advice(problem: str, key: str) -> str:

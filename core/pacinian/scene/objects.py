@@ -1,182 +1,272 @@
-"""What is to be felt: points, surfaces and volumes, and the scene that holds them. All immutable."""
+"""What is to be felt: points, paths, particles, surfaces and volumes. All immutable."""
 
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose, Vector, vector
-from pacinian.checks import kind, number
+from pacinian.checks import kind, length, near, number, numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.envelope import STEADY, Envelope
-from pacinian.scene.shapes import Box, Capsule, Disc, Local, Rectangle, Sphere
-from pacinian.scene.solids import SDF, Mesh, interior
+from pacinian.scene.felt import SMALLEST, Felt
+from pacinian.scene.shapes import Local
+from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
+from pacinian.scene.shapes.kinds import SHELLS, SOLIDS, Shell, SolidShape, check_closed, distance
+from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.solids import interior
+from pacinian.scene.shapes.texture import Texture
 
 if TYPE_CHECKING:
-    from pacinian.types import Flags, Floats
+    from collections.abc import Iterator
 
-Shell = Rectangle | Disc | Sphere | Mesh
-if TYPE_CHECKING:
-    SolidShape = Box | Sphere | Capsule | SDF
-else:  # what a scene file may hold
-    SolidShape = Box | Sphere | Capsule
+    from pacinian.types import Floats
 
-SMALLEST = 1e-12  # [m^2]
 SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across: a focus is about that wide
+WAVELENGTH = 0.0085  # [m]
+THICKNESS = 0.02  # [m]
+CROWD = 100_000  # particles of one object
+ORIGIN = np.zeros(3)
 
 
-class Point(
-    Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="type", tag="point"
-):
-    """A point that presses.
+class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
+    """A point that presses: a focus.
 
-    position: [m]. radiation_pressure: [Pa], or force: [N] over `area` [m^2] (a disc one wavelength
-    across unless given). envelope: over time. name: for messages. Raises ArgumentError.
+    position: [m]. area: what it presses on [m^2], a disc one wavelength across unless given; with a hand
+    it is felt where the skin is within that disc's radius, and inside of the hand. More: `Felt`. Raises
+    ArgumentError.
     """
 
     position: Vector
-    radiation_pressure: float | None = None
-    force: float | None = None
     area: float = SPOT
-    envelope: Envelope = STEADY
-    name: str = ""
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
         force_setattr(self, "area", number("area", self.area, low=SMALLEST))
-        _check(self)
+        self._check()
 
     @property
     def pressure(self) -> float:
         """Radiation pressure at full envelope [Pa]."""
-        return _pressure(self.radiation_pressure, self.force, self.area)
+        return self._pressure(self.area)
+
+    @property
+    def radius(self) -> float:
+        """Of the disc that it presses on [m]."""
+        return math.sqrt(self.area / math.pi)
+
+    @property
+    def pose(self) -> Pose:
+        """Where it was seen."""
+        return Pose(self.position)
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.radius
+
+    def cover(self, spacing: float) -> Local:
+        """Itself."""
+        return Local(np.zeros((1, 3)), np.zeros((1, 3)), np.array([self.area]))
 
 
-class Surface(
-    Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="type", tag="surface"
-):
-    """A surface that presses evenly.
+class Path(Felt, frozen=True, kw_only=True, tag_field="type", tag="path"):
+    """A line that presses: a polyline, a circle, a Lissajous figure.
 
-    shape: in its own frame. pose: where it is. radiation_pressure: [Pa], or force: [N] over the whole
-    of it. envelope: over time. name: for messages. Raises ArgumentError.
+    shape: in its own frame. pose: where it is. force: over its length times a wavelength. width: how near
+    the skin must be [m]. More: `Felt`. Raises ArgumentError.
+    """
+
+    shape: Curve
+    pose: Pose = Pose()
+    width: float = WAVELENGTH
+
+    def __post_init__(self) -> None:
+        kind("shape", self.shape, Line, Circle, Lissajous, Polyline)
+        kind("pose", self.pose, Pose)
+        force_setattr(self, "width", length("width", self.width))
+        self._check()
+
+    @property
+    def pressure(self) -> float:
+        """Radiation pressure at full envelope [Pa]."""
+        return self._pressure(self.shape.length * self.width)
+
+    @property
+    def radius(self) -> float:
+        """How near the skin must be [m]."""
+        return self.width / 2.0
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.shape.reach + self.radius
+
+    def cover(self, spacing: float) -> Local:
+        """Samples in its own frame, about `spacing` [m] apart."""
+        made = self.shape.cover(spacing)
+        area = self.shape.length * self.width / max(1, len(made.points))
+        return Local(made.points, made.normals, np.full(len(made.points), area))
+
+
+class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", tag="particles"):
+    """Many points that press, each by itself: rain, sparks, smoke.
+
+    positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
+    radiation_pressure: of each [Pa], or force: of each [N]. More: `Felt`. Raises ArgumentError.
+    """
+
+    positions: tuple[Vector, ...]
+    pose: Pose = Pose()
+    radius: float = WAVELENGTH / 2.0
+
+    def __post_init__(self) -> None:
+        places = numbers("positions", self.positions, (None, 3))
+        if len(places) > CROWD:
+            raise ArgumentError(
+                "positions", f"must be at most {CROWD} particles, not {len(places)}"
+            )
+        near("positions", places, ORIGIN)
+        force_setattr(self, "positions", tuple(map(tuple, places.tolist())))
+        kind("pose", self.pose, Pose)
+        force_setattr(self, "radius", length("radius", self.radius))
+        self._check()
+
+    @property
+    def pressure(self) -> float:
+        """Radiation pressure at full envelope [Pa]."""
+        return self._pressure(math.pi * self.radius**2)
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        places = np.array(self.positions).reshape(-1, 3)
+        return self.radius + float(np.sqrt((places * places).sum(axis=1)).max(initial=0.0))
+
+    def cover(self, spacing: float) -> Local:
+        """Each particle."""
+        places = np.array(self.positions).reshape(-1, 3)
+        area = np.full(len(places), math.pi * self.radius**2)
+        return Local(places, np.zeros_like(places), area)
+
+
+class Body(Felt, frozen=True, kw_only=True):
+    """What surfaces and volumes share: a shape at a pose, with a texture, felt to a depth.
+
+    texture: a factor on the pressure, over the shape's own x and y. thickness: how far below its surface
+    a hand still feels it [m].
+    """
+
+    pose: Pose = Pose()
+    texture: Texture | None = None
+    thickness: float = THICKNESS
+
+    def load(self) -> Iterator[str]:
+        """As for every object."""
+        yield "texture"
+        if self.texture is not None:
+            _ = self.texture.factors
+        yield from super().load()
+
+    def _check(self) -> None:
+        super()._check()
+        kind("pose", self.pose, Pose)
+        if self.texture is not None:
+            kind("texture", self.texture, Texture)
+        force_setattr(self, "thickness", length("thickness", self.thickness))
+
+
+class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
+    """A surface that presses evenly, or by its texture.
+
+    shape: in its own frame. More: `Body`, `Felt`. Raises ArgumentError.
     """
 
     shape: Shell
-    pose: Pose = Pose()
-    radiation_pressure: float | None = None
-    force: float | None = None
-    envelope: Envelope = STEADY
-    name: str = ""
 
     def __post_init__(self) -> None:
-        kind("shape", self.shape, Rectangle, Disc, Sphere, Mesh)
-        kind("pose", self.pose, Pose)
-        _check(self)
+        kind("shape", self.shape, *SHELLS)
+        self._check()
+
+    def load(self) -> Iterator[str]:
+        """As for every object."""
+        yield "shape"
+        _ = self.shape.area
+        yield from super().load()
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]."""
-        return _pressure(self.radiation_pressure, self.force, self.shape.area)
+        """Radiation pressure at full envelope, where its texture is 1 [Pa]."""
+        return self._pressure(self.shape.area if self.force is not None else 1.0)
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.shape.reach
 
     def cover(self, spacing: float) -> Local:
         """Samples in its own frame, about `spacing` [m] apart."""
         return self.shape.cover(spacing)
 
+    def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
+        """Signed distance, negative where it is felt, of points (K, 3) in its own frame, (K,) [m].
 
-class Volume(
-    Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="type", tag="volume"
-):
-    """A volume that presses evenly.
+        beyond, deep: farther outside or inside than these [m] it need not be exact.
+        """
+        d = distance(self.shape, points, beyond, self.thickness + beyond)
+        return np.asarray(np.maximum(d, -d - self.thickness))
 
-    felt: its "shell", or its "interior" too, so that a hand inside of it feels it everywhere. shape: in
-    its own frame. pose: where it is. radiation_pressure: [Pa], or force: [N] over the whole shell.
-    envelope: over time. name: for messages. Raises ArgumentError.
+
+class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
+    """A volume that presses evenly, or by its texture.
+
+    shape: in its own frame. felt: its "shell", or its "interior" too, so that a hand inside of it feels it
+    everywhere. More: `Body`, `Felt`. Raises ArgumentError.
     """
 
     shape: SolidShape
     felt: Literal["shell", "interior"] = "shell"
-    pose: Pose = Pose()
-    radiation_pressure: float | None = None
-    force: float | None = None
-    envelope: Envelope = STEADY
-    name: str = ""
 
     def __post_init__(self) -> None:
-        kind("shape", self.shape, Box, Sphere, Capsule, SDF)
-        kind("pose", self.pose, Pose)
+        kind("shape", self.shape, *SOLIDS)
         if self.felt not in ("shell", "interior"):
             raise ArgumentError("felt", f'must be "shell" or "interior", not {self.felt!r}')
-        if self.force is not None and (self.felt == "interior" or isinstance(self.shape, SDF)):
-            raise ArgumentError("force", "needs a shell of known area: give radiation_pressure")
-        _check(self)
+        if self.force is not None and self.felt == "interior":
+            raise ArgumentError("force", "needs a shell: give radiation_pressure for an interior")
+        if isinstance(self.shape, Mesh) and not self.shape.file:
+            self.shape.check_closed()
+        self._check()
+
+    def load(self) -> Iterator[str]:
+        """As for every object."""
+        yield "shape"
+        check_closed(self.shape)
+        _ = self.shape.area
+        yield from super().load()
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]."""
-        area = 1.0 if isinstance(self.shape, SDF) else self.shape.area
-        return _pressure(self.radiation_pressure, self.force, area)
+        """Radiation pressure at full envelope, where its texture is 1 [Pa]."""
+        return self._pressure(self.shape.area if self.force is not None else 1.0)
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.shape.reach
 
     def cover(self, spacing: float) -> Local:
         """Samples in its own frame, about `spacing` [m] apart."""
         return self.shape.cover(spacing) if self.felt == "shell" else interior(self.shape, spacing)
 
-
-Object = Point | Surface | Volume
-
-
-class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
-    """The box where anything may be felt. lower, upper: its corners [m]. Raises ArgumentError."""
-
-    lower: Vector
-    upper: Vector
-
-    def __post_init__(self) -> None:
-        force_setattr(self, "lower", vector("lower", self.lower))
-        force_setattr(self, "upper", vector("upper", self.upper))
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise ArgumentError("workspace", "must have each of `lower` below that of `upper`")
-
-    def holds(self, points: Floats) -> Flags:
-        """Which of the points, (M, 3) [m], are inside, (M,)."""
-        return np.asarray(((points >= self.lower) & (points <= self.upper)).all(axis=1))
+    def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
+        """Signed distance, negative where it is felt, of points (K, 3), (K,) [m]; as for a surface."""
+        if self.felt == "interior":
+            return distance(self.shape, points, beyond, deep)
+        d = distance(self.shape, points, beyond, self.thickness + beyond)
+        return np.asarray(np.maximum(d, -d - self.thickness))
 
 
-class Scene(Struct, frozen=True, eq=False, forbid_unknown_fields=True):
-    """An immutable snapshot of what is to be felt. A change is a new scene that shares what stayed.
-
-    objects: in order of importance. workspace: where; everywhere unless given.
-    """
-
-    objects: tuple[Object, ...] = ()
-    workspace: Workspace | None = None
-
-    def __post_init__(self) -> None:
-        try:
-            force_setattr(self, "objects", tuple(self.objects))
-        except TypeError:
-            raise ArgumentError("objects", f"must be a list, not {self.objects!r}") from None
-        if self.workspace is not None:
-            kind("workspace", self.workspace, Workspace)
-        for i, item in enumerate(self.objects):
-            kind(f"objects[{i}]", item, Point, Surface, Volume)
-
-
-def _check(item: Point | Surface | Volume) -> None:
-    if (item.radiation_pressure is None) == (item.force is None):
-        raise ArgumentError("radiation_pressure", "or `force` must be given, and not both")
-    for name in ("radiation_pressure", "force"):
-        if (value := getattr(item, name)) is not None:
-            force_setattr(item, name, number(name, value, low=0.0))
-    if not callable(getattr(item.envelope, "at", None)):
-        raise ArgumentError("envelope", f"must be an envelope, not {item.envelope!r}")
-
-
-def _pressure(radiation_pressure: float | None, force: float | None, area: float) -> float:
-    """[Pa]."""
-    if radiation_pressure is not None:
-        return radiation_pressure
-    return (force or 0.0) / max(area, SMALLEST)
+Object = Point | Path | Particles | Surface | Volume

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.linalg import blas
 
 from pacinian.acoustics.propagation import Precision, Wave
+from pacinian.errors import ArgumentError
 from pacinian.solving import kernels, passes
 from pacinian.solving.factor import Factor
 from pacinian.solving.rooms import give, take
@@ -20,6 +21,7 @@ from pacinian.types import Complexes, Floats, Gains, Indices
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.acoustics.facing import Facing
 
 A = TypeVar("A", Floats, Complexes)
 
@@ -47,7 +49,8 @@ class Propagator:
     """Equations (4) to (8) for one array, one medium and points that move.
 
     All solvers share one propagator and its caches. `place` says where the points are now: only the
-    rows of B and of B B^H whose points moved are made anew.
+    rows of B and of B B^H whose points moved are made anew. With `facing`, B is weighted by it, and so is
+    all that follows from B.
     """
 
     def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
@@ -58,6 +61,7 @@ class Propagator:
         self.work = Work()
         self.version = 0
         self.quiet: Propagator | None = None
+        self.facing: Facing | None = None
         self._wave = Wave.prepare(array, medium)
         self._forget(0)
 
@@ -79,14 +83,19 @@ class Propagator:
         self.quiet = None
         self._factors.clear()
 
-    def place(self, points: Floats) -> int:
+    def place(self, points: Floats, facing: Facing | None = None) -> int:
         """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
 
-        Raises PointOnTransducer, and then holds no points.
+        facing: which way skin faces there, and what hides it; without, all sound counts.
+        Raises ArgumentError; PointOnTransducer, and then holds no points.
         """
+        if facing is not None and len(facing) != len(points):
+            raise ArgumentError("facing", f"must have {len(points)} normals, as many as points")
         if len(points) != len(self._points):
             self._forget(len(points))
         moved = self._rows if self._fresh else _different(points, self._points)
+        if facing is not self.facing:
+            moved = self._turned(points, facing, moved)
         count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
@@ -101,6 +110,8 @@ class Propagator:
         where = slice(None) if every else moved
         try:
             self._wave.matrix(here, self._B, moved)
+            if facing is not None:
+                facing.weigh(here, self._wave, moved, self._B)
         except BaseException:
             self._forget(0)
             raise
@@ -109,6 +120,17 @@ class Propagator:
         self._moved = True
         self._points[where] = here
         return count
+
+    def _turned(self, points: Floats, facing: Facing | None, moved: Indices) -> Indices:
+        """Rows `moved`, (K,), and those for which other sound counts now."""
+        before, self.facing = self.facing, facing
+        if len(moved) == len(points):
+            return moved
+        if facing is None or before is None:
+            return self._rows
+        turned = facing.moved(before, points)
+        turned[moved] = True
+        return np.flatnonzero(turned)
 
     @property
     def origin(self) -> Floats:

@@ -38,7 +38,7 @@ class Status(Enum):
     )
     unreachable = (
         "some points cannot be reached: no sound of any transducer gets there "
-        "(are they behind the array?)"
+        "(are they behind the array, or does the skin face away from it?)"
     )
     infeasible = (
         "the limits cannot be kept all at once, see `violations`: the best compromise; "

@@ -1,11 +1,10 @@
-"""The simulated array: keeps what was emitted, evaluates its field, records, and fails on request."""
+"""The simulated array: keeps what was emitted, evaluates its field, and fails on request."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -24,8 +23,8 @@ class Simulated(pc.Backend):
     """An array that exists in memory only.
 
     phases, amplitudes: levels; 256 of each, as AUTD3 (the paper's device has 320 amplitudes).
-    rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. record: a file to
-    write every frame to. wait: what a delayed or stalled frame calls with its seconds.
+    rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. wait: what a delayed
+    or stalled frame calls with its seconds.
 
     To test what is built on it: `drop`, `delay`, `stall`, `refuse_silence` and `disconnect`.
     """
@@ -36,7 +35,6 @@ class Simulated(pc.Backend):
     amplitudes: int = 256
     rate: float = 1000.0
     keep: int = 256
-    record: str = ""
     wait: Callable[[float], None] = field(default=time.sleep, repr=False)
 
     def __post_init__(self) -> None:
@@ -49,7 +47,6 @@ class Simulated(pc.Backend):
         self.array: pc.Array | None = None
         self.received = self.dropped = 0
         self.silent = True
-        self._recorder: pc.Recorder | None = None
         self._drops, self._delays, self._refusals = 0, deque[float](), 0
         self._open, self._stalled, self._gone = False, False, False
 
@@ -59,11 +56,9 @@ class Simulated(pc.Backend):
         return self._capability
 
     def open(self, array: pc.Array) -> None:
-        """Stand for `array`. Raises BackendError if disconnected; RecordingError for the record's file."""
+        """Stand for `array`. Raises BackendError if disconnected."""
         self._require()
         self.array, self._open, self.silent = array, True, True
-        if self.record:
-            self._recorder = pc.Recorder(Path(str(self.record)), array, self.capability)
 
     def send(self, frame: pc.Frame) -> None:
         """Emit a frame. Raises BackendError if not open, disconnected or stalled."""
@@ -82,8 +77,6 @@ class Simulated(pc.Backend):
         self.silent = not frame.amplitude.any()
         kept = replace(frame, phase=frame.phase.copy(), amplitude=frame.amplitude.copy())
         self.frames.append(kept)
-        if self._recorder is not None:
-            self._recorder.write(kept)
 
     def silence(self) -> None:
         """Stop all sound. A disconnected array is silent: it has no drive. Raises BackendError as told."""
@@ -99,16 +92,11 @@ class Simulated(pc.Backend):
             last.sequence, after, np.zeros_like(last.phase), np.zeros_like(last.amplitude)
         )
         self.frames.append(quiet)
-        if self._recorder is not None:
-            self._recorder.write(quiet)
 
     def close(self) -> None:
-        """Silence and end the record."""
+        """Silence."""
         self._open = False
         self.silence()
-        if self._recorder is not None:
-            self._recorder.close()
-            self._recorder = None
 
     @property
     def gains(self) -> pc.Gains:

@@ -1,5 +1,6 @@
 """`pacinian bench`, as a user runs it, on problems so small that it takes seconds."""
 
+import dataclasses
 import json
 import os
 import signal
@@ -13,8 +14,10 @@ import pytest
 from click.testing import CliRunner
 
 import pacinian as pc
-from pacinian.bench import peers
+from pacinian.bench import growth, peers, savings, scenes
+from pacinian.bench.growth import Growth
 from pacinian.bench.rows import read
+from pacinian.bench.savings import Saving
 from pacinian.cli.main import cli
 
 FAKE = Path(__file__).parents[1] / "bench" / "fake.py"
@@ -126,3 +129,97 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
     told = json.loads(out)
     assert told["interrupted"]
     assert len(told["rows"]) == len(read(table)) >= 3
+
+
+ROW = scenes.Row("palm", 0.6, 1.2, 0.01, 0.0, 500.0, 60, {"solve": 0.3}, 0.001, 0.1)
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is measured: numbers are made up."""
+
+    def row(array: pc.Array, name: str, seconds: float) -> scenes.Row:
+        if name == "rain" and seconds == 66.0:
+            raise KeyboardInterrupt
+        return dataclasses.replace(ROW, scene=name)
+
+    monkeypatch.setattr(scenes, "measure", row)
+    monkeypatch.setattr(
+        savings, "measure", lambda array, skip, ticks: Saving(skip.what, 0.1, 1.0, skip.limit)
+    )
+    monkeypatch.setattr(
+        growth, "measure", lambda array, ticks: [Growth(n, 1.0, 1.0, 1.0) for n in (1, 10_000)]
+    )
+
+
+def test_a_scene_is_measured_and_told_as_a_list_of_rows() -> None:
+    result = run(
+        "scenes", "--scene", "static-focus", "--scene", "empty", "--units", "1",
+        "--seconds", "0.05", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    rows = json.loads(result.stdout)
+    assert [row["scene"] for row in rows] == ["static-focus", "empty"]
+    assert {"p50_ms", "p99_ms", "late", "dummy_late", "rate", "samples", "stages", "error"} <= rows[
+        0
+    ].keys()
+    assert rows[0]["error"] < 0.05
+
+
+@pytest.mark.usefixtures("quick")
+def test_scenes_without_json_are_tables_with_skips_growth_and_targets(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "scenes.json"
+    result = run("scenes", "--out", str(out))
+    assert result.exit_code == 0, result.output
+    for word in ("stm-circle", "dummy", "nothing changed", "10000", "missed", "500 Hz held", "met"):
+        assert word in result.stdout
+    told = json.loads(out.read_text())
+    assert len(told["rows"]) == 9
+    assert told["savings"]
+    assert told["growth"]
+    assert not told["interrupted"]
+    few = run("scenes", "--scene", "palm")
+    assert "nothing changed" not in few.stdout
+
+
+@pytest.mark.usefixtures("quick")
+def test_ctrl_c_keeps_the_scenes_that_were_measured() -> None:
+    result = run("scenes", "--seconds", "66", "--json")
+    assert result.exit_code == 130
+    assert [row["scene"] for row in json.loads(result.stdout)][-1] == "stm-circle"
+
+
+def test_pictures_of_scenes_are_drawn_into_a_folder(tmp_path: Path) -> None:
+    result = run(
+        "scenes", "--scene", "empty", "--units", "1", "--pictures", str(tmp_path / "new"), "--json"
+    )
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout) == [str(tmp_path / "new" / "scene-empty.png")]
+    assert (tmp_path / "new" / "scene-empty.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("scenes", "--scene", "magic"), "'magic' is none of static-focus"),
+        (("scenes", "--units", "2"), "--units"),
+        (("scenes", "--units", "-1"), "--units"),
+        (("scenes", "--seconds", "0"), "--seconds"),
+        (("scenes", "--out", "/proc/nowhere/scenes.json"), "--out"),
+        (("--quick", "scenes"), "after `scenes`"),
+        (("magic",), "magic"),
+    ],
+)
+def test_bad_arguments_of_scenes_are_told_before_the_work(
+    arguments: tuple[str, ...], says: str
+) -> None:
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert says in result.stderr
+
+
+def test_the_command_of_its_own_explains_itself() -> None:
+    result = run("scenes", "--help")
+    assert result.exit_code == 0
+    assert "--pictures" in result.stdout
+    assert "scenes" in run("--help").stdout

@@ -2,12 +2,19 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.gallery import SCENES
+from pacinian.rendering.smooth import Smoothing
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.time.technique import LM, STM, Simultaneous
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -35,7 +42,10 @@ class Fails(pc.Solver):
 
 
 def make(scene: Any = SCENE, **options: Any) -> tuple[pc.Renderer, Simulated, ManualClock]:
+    """Without ramps, unless told: what is asked for sounds at once."""
     clock = options.setdefault("clock", ManualClock(100.0))
+    options.setdefault("sampler", pc.Sampler())
+    options.setdefault("smoothing", Smoothing(rate=None))
     device = options.pop("backend", None) or Simulated()
     return pc.Renderer(ARRAY, scene, backend=device, **options), device, clock
 
@@ -240,7 +250,7 @@ def test_an_object_a_kilometre_away_is_out_of_reach() -> None:
     with renderer:
         renderer.tick()
         assert not renderer.report.faults
-        assert renderer.report.skipped["samples out of reach"] == 1
+        assert renderer.report.skipped["objects out of reach"] == 1
         assert device.silent
 
 
@@ -449,3 +459,314 @@ def test_an_envelope_of_any_kind_is_kept_within_0_to_1(value: float) -> None:
 def test_what_is_no_part_of_a_renderer_is_refused(options: dict[str, Any]) -> None:
     with pytest.raises(pc.ArgumentError, match=next(iter(options))):
         make(**options)
+
+
+def loudest(device: Simulated) -> list[float]:
+    """The strongest gain of each row that was sent."""
+    rows = np.concatenate([frame.gains(device.capability) for frame in device.frames])
+    return np.abs(rows).max(axis=1).tolist()
+
+
+def running(renderer: pc.Renderer, clock: ManualClock, ticks: int) -> None:
+    for _ in range(ticks):
+        renderer.tick()
+        clock.advance(renderer.period)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5])
+def test_sound_comes_up_from_silence_and_then_the_same_rows_are_sent(rows: int) -> None:
+    loud = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=150.0)
+    device = Simulated(rate=1000.0 * rows, amplitudes=1 << 16, phases=1 << 16)
+    options: dict[str, Any] = {"sampler": None, "smoothing": None}  # the usual ones
+    renderer, _, clock = make(pc.Scene((loud,)), backend=device, **options)
+    with renderer:
+        running(renderer, clock, 20)
+        sizes = np.array(loudest(device))
+        assert sizes[0] <= 0.75 / rows + 1e-3
+        assert sizes[-1] > 0.5
+        assert (np.diff(sizes) >= -1e-3).all()
+        gains = np.concatenate([frame.gains(device.capability) for frame in device.frames])
+        assert np.abs(np.diff(gains, axis=0)).max() <= 0.75 / rows + 1e-3
+        last = list(device.frames)[-5:]
+        for frame in last:
+            assert (frame.phase == last[0].phase[0]).all()
+            assert (frame.amplitude == last[0].amplitude[0]).all()
+        assert renderer.report.skipped["drive, nothing changed"] >= 10
+        assert [frame.sequence for frame in device.frames] == list(range(20))
+        np.testing.assert_allclose(np.diff([frame.time for frame in device.frames]), 0.001)
+
+
+@pytest.mark.parametrize("how", ["reset", "run", "fault", "interrupted"])
+def test_sound_comes_up_from_silence_again(how: str) -> None:
+    loud = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=150.0)
+    options: dict[str, Any] = {"sampler": None, "smoothing": None}
+    renderer, device, clock = make(pc.Scene((loud,)), **options)
+    with renderer:
+        renderer.run(0.02)
+        assert loudest(device)[-2] > 0.5
+        if how == "reset":
+            renderer.reset()
+        elif how == "fault":
+            running(renderer, clock, 20)
+            device.stall()
+            renderer.tick()
+            device.resume()
+            renderer.reset()
+        elif how == "interrupted":
+            renderer.run(0.02, lambda report: (_ for _ in ()).throw(KeyboardInterrupt))
+        device.frames.clear()
+        renderer.run(0.02)
+        sizes = loudest(device)[:20]
+        assert sizes[0] < 0.3
+        assert sizes[-1] > 0.5
+
+
+def test_times_of_the_stages_add_up_to_that_of_the_tick(tmp_path: Path) -> None:
+    clock = ManualClock()
+
+    class Slowly(pc.Solver):
+        name = "slowly"
+
+        def solve(self, *arguments: Any) -> pc.Result:
+            clock.advance(0.0004)
+            arguments[-1][:] = 0.1
+            return pc.Result()
+
+    class Writes(pc.Recorder):
+        def write(self, *arguments: Any, **options: Any) -> None:
+            clock.advance(0.0008)
+            super().write(*arguments, **options)
+
+    def scene(t: float) -> pc.Scene:
+        clock.advance(0.0002)
+        return moving(t)
+
+    device = Simulated(wait=clock.advance)
+    recorder = Writes(tmp_path / "run.pac")
+    renderer, _, _ = make(scene, clock=clock, backend=device, solver=Slowly(), recorder=recorder)
+    with renderer:
+        device.delay(0.0016, 10)
+        for _ in range(10):
+            renderer.tick()
+        stages = renderer.report.summary()["stages_ms"]
+        expected = {"scene": 0.2, "sample": 0.0, "solve": 0.4, "drive": 0.0, "send": 1.6}
+        assert stages == pytest.approx({**expected, "record": 0.8})
+        assert sum(stages.values()) == pytest.approx(renderer.report.tick_ms(50))
+
+
+def test_times_of_the_stages_add_up_by_the_systems_clock_too() -> None:
+    renderer, _, _ = make(moving, clock=pc.SystemClock())
+    with renderer:
+        for _ in range(100):
+            renderer.tick()
+    told = renderer.report.summary()
+    mean = 1e3 * renderer.report._times[:100].mean()
+    assert 0.7 * mean < sum(told["stages_ms"].values()) <= mean
+
+
+def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
+    runs = pc.Point(
+        position=(0, 0, 0.15),
+        radiation_pressure=5.0,
+        technique=STM(frequency=100.0, along=Circle(0.02)),
+    )
+    for rows in (1, 2, 4):
+        renderer, _, _ = make(pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows))
+        report = renderer.run(0.01)
+        assert report._measured == math.ceil(10 * rows / 8)
+        assert 0.0 < report.error < 0.01
+
+
+def test_exact_samples_may_be_asked_for_while_sound_comes_up() -> None:
+    off = pc.Point(position=(0.03, 0, 0.15), radiation_pressure=0.0)
+    other = pc.Point(position=(-0.03, 0, 0.15), radiation_pressure=3.0)
+    options: dict[str, Any] = {"sampler": None, "limits": pc.Limits(exact=[0])}
+    renderer, device, clock = make(pc.Scene((POINT, off, other)), **options)
+    with renderer:
+        running(renderer, clock, 20)
+        assert not renderer.report.faults
+        P = pc.radiation_pressure(device.field([POINT.position]), pc.Air())
+        assert P[0] == pytest.approx(5.0, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("governed", "technique"),
+    [(True, Simultaneous()), (False, Simultaneous()), (True, LM(90.0, 0.003))],
+)
+def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
+    governed: bool, technique: Any
+) -> None:
+    clock = ManualClock()
+    plates = [
+        pc.Surface(
+            shape=pc.Rectangle(0.1, 0.1),
+            pose=pc.Pose((x, 0, 0.2)),
+            radiation_pressure=0.1,
+            technique=technique,
+        )
+        for x in (0.0, 0.001, 0.002)
+    ]
+    solves = 1 if technique.still else 2  # in a tick
+    cost = 4e-5 / solves  # [s] for each sample
+
+    class Slowly(pc.Solver):
+        name = "slowly"
+
+        def solve(self, propagator: Any, targets: Any, *rest: Any) -> pc.Result:
+            clock.advance(cost * len(targets.amplitudes))
+            rest[-1][:] = 0.1
+            return pc.Result()
+
+    calls = iter(range(10_000))
+    renderer, _, _ = make(
+        lambda t: pc.Scene((plates[next(calls) % 3],)),
+        clock=clock,
+        solver=Slowly(),
+        governed=governed,
+        backend=Simulated(rate=2000.0),
+    )
+    with renderer:
+        assert renderer.samples is None
+        renderer.tick()
+        assert renderer.samples is not None
+        whole = len(renderer.samples)
+        assert whole * cost * solves > 2 * renderer.period
+        for _ in range(200):
+            renderer.tick()
+        few = len(renderer.samples)
+        assert (few < whole) is governed
+        assert not governed or (few >= 16 and few * cost * solves <= renderer.period)
+        late = renderer.report.late_ticks
+        assert governed is (late < 60)
+        cost = 1e-7
+        for _ in range(2000):
+            renderer.tick()
+        assert len(renderer.samples) == whole
+        assert renderer.sampler.allowed == renderer.sampler.budget
+        renderer.reset()
+        assert renderer.sampler.allowed == renderer.sampler.budget
+
+
+@pytest.mark.parametrize("due", [0.0, -1e9, 1e9, 99.0, math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("name", ["palm", "stm-circle", "sliding-ball"])
+def test_time_may_jump_or_stand_still(due: float, name: str) -> None:
+    renderer, device, clock = make(SCENES[name], sampler=None, smoothing=None)
+    with renderer:
+        running(renderer, clock, 3)
+        for _ in range(3):
+            renderer.tick(due)
+        for _ in range(3):
+            renderer.tick()  # the clock stands still
+        if renderer.halted is not None:
+            assert device.silent
+            assert not math.isfinite(due)
+            renderer.reset()
+        running(renderer, clock, 10)
+        assert renderer.halted is None
+        assert renderer.report.ticks == 19
+        assert not device.silent
+
+
+@pytest.mark.parametrize(
+    "nonsense", [5, None, "scene", [], SCENE.objects, pc.Scene, object(), math.nan]
+)
+def test_nonsense_in_place_of_a_scene_or_limits_is_a_fault_and_no_crash(nonsense: Any) -> None:
+    for name in ("scene", "limits"):
+        renderer, device, _ = make()
+        with renderer:
+            renderer.tick()
+            setattr(renderer, name, nonsense)
+            renderer.tick()
+            assert renderer.halted is not None
+            assert device.silent
+            setattr(renderer, name, SCENE if name == "scene" else pc.Limits())
+            renderer.reset()
+            renderer.tick()
+            assert not device.silent
+            assert renderer.report.fault_count == 1
+
+
+def test_what_was_read_from_the_clock_is_not_heaped_up() -> None:
+    renderer, _, _ = make(lambda t: moving(t) if renderer.report.ticks % 7 else 1 / 0)
+    with renderer:
+        for _ in range(200):
+            renderer.tick()
+            renderer.reset()
+        assert len(renderer.tape.take()) < 20
+
+
+STATES = {
+    "left": pc.Scene((pc.Point(position=(-0.03, 0, 0.15), radiation_pressure=5.0),)),
+    "right": pc.Scene((pc.Point(position=(0.03, 0, 0.15), radiation_pressure=3.0),)),
+    "both": pc.Scene(
+        (
+            pc.Point(position=(-0.03, 0, 0.15), radiation_pressure=2.0),
+            pc.Point(position=(0.03, 0, 0.15), radiation_pressure=8.0, envelope=pc.Constant(0.5)),
+        )
+    ),
+    "none": pc.Scene(),
+}
+ASKED = {"left": (5.0, None), "right": (None, 3.0), "both": (2.0, 4.0), "none": (0.0, 0.0)}
+steps = st.lists(
+    st.one_of(
+        st.sampled_from(list(STATES)),
+        st.sampled_from(["power", "free", "auto", "lagrange", "again", "reset"]),
+    ),
+    max_size=25,
+)
+
+
+@settings(deadline=None, derandomize=True, max_examples=40)
+@given(steps)
+def test_whatever_changes_and_in_whatever_order_what_is_sent_is_what_is_asked(script: Any) -> None:
+    device = Simulated(phases=1 << 16, amplitudes=1 << 16, rate=2000.0)
+    renderer, _, clock = make(STATES["left"], backend=device)
+    state, power = "left", math.inf
+    with renderer:
+        for step in ("again", *script):
+            if step in STATES:
+                state, renderer.scene = step, STATES[step]
+            elif step in ("power", "free"):
+                power = 0.05 if step == "power" else math.inf
+                renderer.limits = pc.Limits(power=None if step == "free" else power)
+            elif step == "reset":
+                renderer.reset()
+            elif step != "again":
+                renderer.session.solver = step
+            solves = renderer.report.solves
+            running(renderer, clock, 1)
+            assert not renderer.report.faults
+            assert step != "again" or not solves or renderer.report.solves == solves
+            for row in device.frames[-1].gains(device.capability):
+                assert np.vdot(row, row).real <= power
+                p = pc.field(ARRAY, row, [(-0.03, 0, 0.15), (0.03, 0, 0.15)])
+                for P, wanted in zip(pc.radiation_pressure(p, pc.Air()), ASKED[state], strict=True):
+                    if wanted is not None and power == math.inf:
+                        assert pytest.approx(wanted, rel=0.03) == P
+
+
+@pytest.mark.parametrize(("level", "met"), [(3.0, True), (40.0, False)])
+def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
+    level: float, met: bool
+) -> None:
+    class Slow(ManualClock):
+        def now(self) -> float:
+            self.advance(4e-4)
+            return self.time
+
+    shape, pose = pc.Rectangle(0.06, 0.06), pc.Pose((0, 0, 0.2))
+    plate = pc.Surface(shape=shape, pose=pose, radiation_pressure=level)
+    renderer, _, _ = make(pc.Scene((plate,)), clock=Slow(), solver="lbfgs", governed=False)
+    errors, solves = [], []
+    with renderer:
+        for _ in range(40):
+            renderer.tick()
+            assert renderer.solution is not None
+            errors.append(renderer.solution.error)
+            solves.append(renderer.report.solves)
+        assert renderer.report.statuses["deadline"] >= 2
+        assert renderer.report.statuses["ok"] == met
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 0.98 * errors[0]
+    assert solves[-1] == solves[-20] < 20
+    assert renderer.player.steady

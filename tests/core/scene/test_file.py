@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -10,17 +12,42 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
+from scipy.io import wavfile
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
-from pacinian.scene.file import Choice, Lattice, Medium, Sampling, SceneFile, Units, schema
+from pacinian.scene.file import (
+    Choice,
+    HandPose,
+    Lattice,
+    Medium,
+    Sampling,
+    SceneFile,
+    Units,
+    schema,
+)
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.material import Material
+from pacinian.scene.motion import Motion
+from pacinian.scene.objects import Particles
+from pacinian.scene.objects import Path as Trace
+from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
+from pacinian.scene.shapes.height_map import HeightMap
+from pacinian.scene.shapes.texture import Texture
+from pacinian.scene.shapes.voxels import Voxels
+from pacinian.scene.time.envelope import Noise, Preset, Pulse, Wave
+from pacinian.scene.time.technique import AM, LM, STM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
     from types import ModuleType
 
 bounded = settings(deadline=None, derandomize=True, max_examples=150)
+
+OPEN = Hand.open("left").joints
+assert OPEN is not None
+JOINTS = OPEN.tolist()
 
 # Every key there is, once.
 FULL = """
@@ -55,12 +82,23 @@ spacing = 0.01
 lower = [-0.2, -0.2, 0.05]
 upper = [0.2, 0.2, 0.5]
 
+[[hands]]
+side = "left"
+pose = { position = [0.0, 0.0, 0.2] }
+
+[[hands]]
+joints = JOINTS
+
 [[objects]]
 type = "point"
 position = [0.01, 0.02, 0.2]
 force = 0.001
 area = 1e-4
 envelope = { type = "constant", level = 0.5 }
+technique = { type = "am", frequency = 120.0, depth = 0.5 }
+material = { stiffness = 5000.0, reach = 0.003 }
+motion = { velocity = [0.1, 0.0, 0.0], angular_velocity = [0.0, 0.0, 1.0], time = 0.5 }
+priority = 2
 name = "tip"
 
 [[objects]]
@@ -74,6 +112,12 @@ shape = { type = "rectangle", width = 0.05, height = 0.04 }
 pose = { position = [0.0, 0.0, 0.2], rotation = [0.0, 0.0, 0.0, 1.0] }
 radiation_pressure = 10.0
 envelope = { type = "sine", frequency = 200.0, low = 0.1, high = 0.9 }
+technique = { type = "simultaneous" }
+material = {}
+motion = {}
+texture = { values = [[0.0, 1.0], [1.0, 0.0]], size = [0.01, 0.02], repeat = true }
+thickness = 0.01
+priority = 1
 name = "button"
 
 [[objects]]
@@ -81,6 +125,68 @@ type = "surface"
 shape = { type = "disc", radius = 0.03 }
 force = 0.01
 envelope = { type = "square", frequency = 50.0, low = 0.2, high = 0.8, duty = 0.25 }
+
+[[objects]]
+type = "path"
+shape = { type = "circle", radius = 0.02 }
+pose = { position = [0.0, 0.0, 0.2] }
+width = 0.005
+force = 0.001
+envelope = { type = "pulse", width = 0.02, period = 0.25, start = 0.01, rise = 0.005, low = 0.1, high = 0.9 }
+technique = { type = "stm", frequency = 80.0, along = "outline", dwell = 0.0005 }
+material = {}
+motion = {}
+priority = 3
+name = "ring"
+
+[[objects]]
+type = "path"
+shape = { type = "line", length = 0.05 }
+radiation_pressure = 8.0
+envelope = { type = "noise", low_frequency = 20.0, high_frequency = 300.0, low = 0.1, high = 0.9, seed = 7 }
+technique = { type = "lm", frequency = 30.0, amplitude = 0.003, angle = 45.0 }
+
+[[objects]]
+type = "path"
+shape = { type = "lissajous", width = 0.04, height = 0.03, a = 2, b = 3, phase = 90.0 }
+radiation_pressure = 8.0
+envelope = { type = "wave", file = "tap.wav", loop = false, mode = "loudness" }
+
+[[objects]]
+type = "path"
+shape = { type = "polyline", points = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.02, 0.01]], closed = true }
+radiation_pressure = 8.0
+envelope = { type = "wave", samples = [0.0, 1.0, 0.0, -1.0], rate = 800.0 }
+
+[[objects]]
+type = "particles"
+positions = [[0.0, 0.0, 0.2], [0.01, 0.0, 0.21]]
+pose = { position = [0.0, 0.0, 0.01] }
+radius = 0.003
+radiation_pressure = 15.0
+envelope = "buzzing"
+technique = { type = "stm", frequency = 80.0, along = { type = "circle", radius = 0.01 } }
+material = {}
+motion = {}
+priority = -1
+name = "rain"
+
+[[objects]]
+type = "particles"
+positions = []
+force = 0.001
+
+[[objects]]
+type = "surface"
+shape = { type = "height-map", heights = [[0.0, 1.0], [1.0, 0.5]], width = 0.05, height = 0.04, depth = 0.01 }
+radiation_pressure = 10.0
+texture = { file = "stripes.npy", size = [0.02, 0.02], repeat = false }
+envelope = { type = "preset", name = "trembling" }
+
+[[objects]]
+type = "surface"
+shape = { type = "height-map", file = "hills.npy", width = 0.05, height = 0.04 }
+force = 0.01
 
 [[objects]]
 type = "surface"
@@ -94,7 +200,49 @@ felt = "interior"
 pose = { position = [0.0, 0.0, 0.2] }
 radiation_pressure = 10.0
 envelope = { type = "constant" }
+technique = { type = "simultaneous" }
+material = {}
+motion = {}
+texture = { values = [[0.5]], size = [0.01, 0.01] }
+thickness = 0.015
+priority = 4
 name = "ball"
+
+[[objects]]
+type = "volume"
+shape = { type = "mesh", file = "hand.stl", scale = 0.001 }
+force = 0.01
+
+[[objects]]
+type = "volume"
+shape = { type = "voxels", values = [[[1.0, 1.0]], [[0.0, 1.0]]], pitch = 0.01, level = 0.4 }
+force = 0.01
+
+[[objects]]
+type = "volume"
+shape = { type = "voxels", file = "block.npy", pitch = 0.005 }
+force = 0.01
+
+[[objects]]
+type = "volume"
+radiation_pressure = 10.0
+
+[objects.shape]
+type = "union"
+
+[[objects.shape.parts]]
+type = "placed"
+shape = { type = "sphere", radius = 0.02 }
+pose = { position = [0.01, 0.0, 0.0] }
+
+[[objects.shape.parts]]
+type = "intersection"
+parts = [{ type = "sphere", radius = 0.02 }, { type = "box", size = [0.03, 0.03, 0.03] }]
+
+[[objects.shape.parts]]
+type = "difference"
+of = { type = "sphere", radius = 0.02 }
+less = [{ type = "mesh", file = "hand.stl", scale = 0.0001 }]
 
 [[objects]]
 type = "volume"
@@ -114,14 +262,20 @@ force = 0.01
 type = "mesh"
 vertices = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]]
 faces = [[0, 1, 2]]
-"""
+""".replace("JOINTS", f"{JOINTS}")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the mesh that the full scene wants."""
+    """A folder with the files that the full scene wants."""
     path = tmp_path_factory.mktemp("scenes")
     trimesh.creation.box((60.0, 40.0, 20.0)).export(path / "hand.stl")
+    trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).export(path / "open.stl")
+    np.save(path / "stripes.npy", np.array([[0.0, 1.0]]))
+    np.save(path / "hills.npy", np.array([[0.0, 0.01], [0.02, 0.0]]))
+    np.save(path / "block.npy", np.pad(np.ones((2, 2, 2)), 1))
+    tap = np.sin(np.arange(800) / 4.0) * np.exp(-np.arange(800) / 200.0)
+    wavfile.write(path / "tap.wav", 8000, (32767 * tap).astype(np.int16))
     return path
 
 
@@ -182,6 +336,10 @@ def as_toml(file: SceneFile) -> str:
 # --------------------------------------------------------------------------------- what is read
 
 
+def mesh(folder: Path, scale: float = 0.001) -> pc.Mesh:
+    return pc.Mesh(file=str(folder / "hand.stl"), scale=scale)
+
+
 def test_every_key_is_read(read: Any, folder: Path) -> None:
     file = read(FULL)
     options = {"steps": 20, "tolerance": 1e-3, "warm": True, "mode": "x"}
@@ -194,12 +352,20 @@ def test_every_key_is_read(read: Any, folder: Path) -> None:
         gain=0.8,
         sampling=Sampling(128, 0.01),
         workspace=pc.Workspace((-0.2, -0.2, 0.05), (0.2, 0.2, 0.5)),
+        hands=(
+            HandPose("left", Pose((0.0, 0.0, 0.2))),
+            HandPose(joints=tuple(map(tuple, JOINTS))),
+        ),
         objects=(
             pc.Point(
                 position=(0.01, 0.02, 0.2),
                 force=0.001,
                 area=1e-4,
                 envelope=pc.Constant(0.5),
+                technique=AM(120.0, 0.5),
+                material=Material(5000.0, 0.003),
+                motion=Motion((0.1, 0.0, 0.0), (0.0, 0.0, 1.0), 0.5),
+                priority=2,
                 name="tip",
             ),
             pc.Point(position=(0.0, 0.0, 1.0), radiation_pressure=12.0),
@@ -208,18 +374,91 @@ def test_every_key_is_read(read: Any, folder: Path) -> None:
                 pose=Pose((0.0, 0.0, 0.2)),
                 radiation_pressure=10.0,
                 envelope=pc.Sine(200.0, 0.1, 0.9),
+                motion=Motion(),
+                texture=Texture(values=((0.0, 1.0), (1.0, 0.0)), size=(0.01, 0.02)),
+                thickness=0.01,
+                priority=1,
                 name="button",
             ),
             pc.Surface(
                 shape=pc.Disc(0.03), force=0.01, envelope=pc.Square(50.0, 0.2, 0.8, duty=0.25)
             ),
-            pc.Surface(shape=pc.Mesh(file=str(folder / "hand.stl"), scale=0.001), force=0.01),
+            Trace(
+                shape=Circle(0.02),
+                pose=Pose((0.0, 0.0, 0.2)),
+                width=0.005,
+                force=0.001,
+                envelope=Pulse(0.02, 0.25, 0.01, 0.005, 0.1, 0.9),
+                technique=STM(80.0, "outline", 0.0005),
+                motion=Motion(),
+                priority=3,
+                name="ring",
+            ),
+            Trace(
+                shape=Line(0.05),
+                radiation_pressure=8.0,
+                envelope=Noise(20.0, 300.0, 0.1, 0.9, 7),
+                technique=LM(30.0, 0.003, 45.0),
+            ),
+            Trace(
+                shape=Lissajous(0.04, 0.03, 2, 3, 90.0),
+                radiation_pressure=8.0,
+                envelope=Wave(str(folder / "tap.wav"), loop=False, mode="loudness"),
+            ),
+            Trace(
+                shape=Polyline(((0.0, 0.0, 0.0), (0.02, 0.0, 0.0), (0.0, 0.02, 0.01)), closed=True),
+                radiation_pressure=8.0,
+                envelope=Wave(samples=(0.0, 1.0, 0.0, -1.0), rate=800.0),
+            ),
+            Particles(
+                positions=((0.0, 0.0, 0.2), (0.01, 0.0, 0.21)),
+                pose=Pose((0.0, 0.0, 0.01)),
+                radius=0.003,
+                radiation_pressure=15.0,
+                envelope="buzzing",
+                technique=STM(80.0, Circle(0.01)),
+                motion=Motion(),
+                priority=-1,
+                name="rain",
+            ),
+            Particles(positions=(), force=0.001),
+            pc.Surface(
+                shape=HeightMap(
+                    heights=((0.0, 1.0), (1.0, 0.5)), width=0.05, height=0.04, depth=0.01
+                ),
+                radiation_pressure=10.0,
+                texture=Texture(file=str(folder / "stripes.npy"), size=(0.02, 0.02), repeat=False),
+                envelope=Preset("trembling"),
+            ),
+            pc.Surface(
+                shape=HeightMap(file=str(folder / "hills.npy"), width=0.05, height=0.04), force=0.01
+            ),
+            pc.Surface(shape=mesh(folder), force=0.01),
             pc.Volume(
                 shape=pc.Sphere(0.03),
                 felt="interior",
                 pose=Pose((0.0, 0.0, 0.2)),
                 radiation_pressure=10.0,
+                motion=Motion(),
+                texture=Texture(values=((0.5,),), size=(0.01, 0.01)),
+                thickness=0.015,
+                priority=4,
                 name="ball",
+            ),
+            pc.Volume(shape=mesh(folder), force=0.01),
+            pc.Volume(
+                shape=Voxels(values=[[[1.0, 1.0]], [[0.0, 1.0]]], pitch=0.01, level=0.4), force=0.01
+            ),
+            pc.Volume(shape=Voxels(file=str(folder / "block.npy"), pitch=0.005), force=0.01),
+            pc.Volume(
+                shape=Union(
+                    (
+                        Placed(pc.Sphere(0.02), Pose((0.01, 0.0, 0.0))),
+                        Intersection((pc.Sphere(0.02), pc.Box((0.03, 0.03, 0.03)))),
+                        Difference(pc.Sphere(0.02), (mesh(folder, 0.0001),)),
+                    )
+                ),
+                radiation_pressure=10.0,
             ),
             pc.Volume(shape=pc.Box((0.03, 0.02, 0.01)), force=0.01),
             pc.Volume(shape=pc.Capsule(0.01, 0.05), force=0.01),
@@ -323,32 +562,91 @@ poses = st.builds(
     numbers,
     st.floats(-180, 180),
 )
+stills = st.sampled_from(
+    [
+        {},
+        {"technique": AM(90.0)},
+        {"technique": STM(50.0, Circle(0.01), 0.001)},
+        {"technique": LM(20.0, 0.002)},
+        {"material": Material(1e3, 0.01)},
+        {"motion": Motion((0.1, 0.2, 0.3), (1.0, 0.0, 0.0), 2.0)},
+        {"priority": -7},
+    ]
+)
+parts = st.floats(0.02, 0.1)
+solids = st.recursive(
+    st.one_of(
+        st.builds(pc.Sphere, parts),
+        st.builds(pc.Capsule, parts, parts),
+        st.builds(lambda x, y, z: pc.Box((x, y, z)), parts, parts, parts),
+    ),
+    lambda inner: st.one_of(
+        st.builds(lambda shape, x: Placed(shape, Pose((x, 0.0, 0.0))), inner, numbers),
+        st.builds(lambda parts: Union(tuple(parts)), st.lists(inner, min_size=1, max_size=3)),
+        st.builds(lambda a, b: Intersection((a, b)), inner, inner),
+        st.builds(lambda a, b: Difference(a, (b,)), inner, inner),
+    ),
+    max_leaves=4,
+)
 any_object = st.one_of(
     st.builds(
-        lambda at, how, envelope, name: pc.Point(position=at, envelope=envelope, name=name, **how),
+        lambda at, how, more, envelope, name: pc.Point(
+            position=at, envelope=envelope, name=name, **how, **more
+        ),
         st.tuples(numbers, numbers, numbers),
         strengths,
+        stills,
         envelopes,
         words,
     ),
     st.builds(
-        lambda shape, how, pose, name: pc.Surface(shape=shape, pose=pose, name=name, **how),
-        st.one_of(st.builds(pc.Disc, sizes), st.builds(pc.Rectangle, sizes, sizes)),
+        lambda shape, how, more, pose, name: pc.Surface(
+            shape=shape, pose=pose, name=name, **how, **more
+        ),
+        st.one_of(
+            st.builds(pc.Disc, sizes),
+            st.builds(pc.Rectangle, sizes, sizes),
+            st.builds(
+                lambda h, w: HeightMap(heights=[[0.0, h], [h, h]], width=w, height=w), sizes, sizes
+            ),
+        ),
         strengths,
+        stills,
         poses,
         words,
     ),
     st.builds(
-        lambda shape, how, pose: pc.Volume(shape=shape, pose=pose, **how),
-        st.one_of(st.builds(pc.Sphere, sizes), st.builds(pc.Capsule, sizes, sizes)),
+        lambda shape, pose: pc.Volume(
+            shape=shape,
+            pose=pose,
+            radiation_pressure=3.0,
+            texture=Texture(values=[[0.5, 1.0]], size=(0.1, 0.1)),
+        ),
+        solids,
+        poses,
+    ),
+    st.builds(
+        lambda shape, how, more, pose, name: Trace(
+            shape=shape, pose=pose, name=name, **how, **more
+        ),
+        st.one_of(st.builds(Line, sizes), st.builds(Circle, sizes)),
+        strengths,
+        stills,
+        poses,
+        words,
+    ),
+    st.builds(
+        lambda at, how, pose: Particles(positions=tuple(at), pose=pose, **how),
+        st.lists(st.tuples(numbers, numbers, numbers), max_size=3),
         strengths,
         poses,
     ),
 )
+named = st.lists(any_object, max_size=5, unique_by=lambda item: item.name or id(item)).map(tuple)
 
 
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
-@given(objects=st.lists(any_object, max_size=5).map(tuple), rate=st.floats(1.0, 1e5))
+@given(objects=named, rate=st.floats(1.0, 1e5))
 @settings(deadline=None, derandomize=True, max_examples=40)
 def test_any_scene_comes_back_from_its_file(
     folder: Path, suffix: str, objects: Any, rate: float
@@ -392,6 +690,7 @@ def test_a_mesh_is_looked_for_beside_the_scene_file(
 POINT = '[[objects]]\ntype = "point"\nposition = [0, 0, 0.2]\n'
 SURFACE = '[[objects]]\ntype = "surface"\nforce = 1\n'
 VOLUME = '[[objects]]\ntype = "volume"\nforce = 1\n'
+DISC = SURFACE + "shape = { type = 'disc', radius = 0.1 }\n"
 HERE = "$.objects[0]"
 
 
@@ -498,7 +797,63 @@ HERE = "$.objects[0]"
         (SURFACE + "shape = { type = 'mesh', file = '.' }", f"{HERE}.shape", ["mesh"]),
         (SURFACE + "shape = { type = 'mesh', file = 'a\\u0000' }", f"{HERE}.shape", ["mesh"]),
         (SURFACE + "shape = { type = 'mesh', file = 'hand.stl' }", f"{HERE}.shape", ["metres"]),
-        (VOLUME + "shape = { type = 'mesh', file = 'a' }", f"{HERE}.shape.type", ["mesh"]),
+        (VOLUME + "shape = { type = 'mesh', file = 'no.obj' }", f"{HERE}.shape", ["no.obj"]),
+        (VOLUME + "shape = { type = 'mesh', file = 'open.stl' }", f"{HERE}.shape", ["no volume"]),
+        (
+            VOLUME + "shape = { type = 'union', parts = [{ type = 'mesh', file = 'open.stl' }] }",
+            f"{HERE}.shape",
+            ["no volume"],
+        ),
+        # files of other kinds
+        (DISC + "texture = { file = 'no.png', size = [1, 1] }", f"{HERE}.texture", ["no.png"]),
+        (DISC + "texture = { file = 'hand.stl', size = [1, 1] }", f"{HERE}.texture", ["hand.stl"]),
+        (DISC + "envelope = { type = 'wave', file = 'no.wav' }", f"{HERE}.envelope", ["no.wav"]),
+        (DISC + "envelope = { type = 'wave', file = 'hand.stl' }", f"{HERE}.envelope", ["WAV"]),
+        (
+            VOLUME + "shape = { type = 'voxels', file = 'no.npy', pitch = 0.01 }",
+            f"{HERE}.shape",
+            ["no.npy"],
+        ),
+        (
+            SURFACE + "shape = { type = 'height-map', file = 'no.npy', width = 1, height = 1 }",
+            f"{HERE}.shape",
+            ["no.npy"],
+        ),
+        # of objects, hands and how they are felt
+        (POINT + "force = 1\nname = 'a'\n" + POINT + "force = 1\nname = 'a'", "$", ["'a'"]),
+        ("hands = [{ side = 'right' }, { side = 'right' }]", "$", ["`hands`", "'right'"]),
+        ("hands = [{ side = 'both' }]", "$.hands[0].side", ["both"]),
+        ("hands = [{ joints = [[0, 0, 0]] }]", "$", ["`joints`", "(26, 3)"]),
+        (POINT + "force = 1\nenvelope = 'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
+        (
+            POINT + "force = 1\ntechnique = { type = 'stn', frequency = 1 }",
+            f"{HERE}.technique.type",
+            ["did you mean `stm`?"],
+        ),
+        (
+            POINT + "force = 1\ntechnique = { type = 'stm', frequency = 0 }",
+            f"{HERE}.technique",
+            ["`frequency`", "more than 0"],
+        ),
+        (POINT + "force = 1\nmaterial = { stiffness = 0 }", f"{HERE}.material", ["`stiffness`"]),
+        (
+            POINT + "force = 1\nmotion = { velocity = [500, 0, 0] }",
+            f"{HERE}.motion",
+            ["`velocity`", "metres"],
+        ),
+        (POINT + "force = 1\npriority = 1.5", f"{HERE}.priority", ["int"]),
+        (
+            "[[objects]]\ntype = 'path'\nforce = 1\nshape = { type = 'polyline', points = [] }",
+            f"{HERE}.shape",
+            ["`points`"],
+        ),
+        (
+            "[[objects]]\ntype = 'particles'\nforce = 1\npositions = [[0, 0, 200]]",
+            HERE,
+            ["`positions`", "metres"],
+        ),
+        (DISC + "thickness = 0", HERE, ["`thickness`"]),
+        (DISC + "texture = { values = [[2]], size = [1, 1] }", f"{HERE}.texture", ["`values`"]),
         (
             POINT + "force = 1\n" + SURFACE + "shape = { type = 'mesh', file = 'no.obj' }",
             "$.objects[1].shape",
@@ -693,7 +1048,11 @@ def test_a_damaged_file_is_a_scene_or_a_scene_file_error(
 
 
 KNOWN = sorted({key for _, key in keys(msgspec.toml.decode(FULL))})
-TYPES = ["point", "surface", "volume", "disc", "sphere", "box", "mesh", "sine", "autd", "lattice"]
+TYPES = [
+    *("point", "path", "particles", "surface", "volume", "disc", "sphere", "box", "mesh", "voxels"),
+    *("height-map", "placed", "union", "difference", "circle", "sine", "wave", "stm", "buzzing"),
+    *("autd", "lattice"),
+]
 leaves = st.one_of(
     st.none(),
     st.booleans(),
@@ -809,3 +1168,12 @@ def test_the_schema_describes_itself(validator: Any) -> None:
     for name, definition in schema()["$defs"].items():
         assert definition.get("description"), name
     assert np.all([d["additionalProperties"] is False for d in schema()["$defs"].values()])
+
+
+def test_the_page_about_scene_files_names_every_key_and_type() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "scene-files.md").read_text()
+    named = set(re.findall(r"[\w-]+", " ".join(re.findall(r"`([^`]*)`", page))))
+    for name, definition in schema()["$defs"].items():
+        for key, values in definition["properties"].items():
+            assert key in named, (name, key)
+            assert named >= set(values.get("enum", ())), (name, key)

@@ -9,7 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.objects import SPOT
+from pacinian.scene.material import Material
+from pacinian.scene.motion import Motion
+from pacinian.scene.objects import SPOT, Particles, Path
+from pacinian.scene.shapes.curves import Circle, Line, Polyline
+from pacinian.scene.shapes.texture import Texture, grating
+from pacinian.scene.time.technique import AM
 
 bounded = settings(deadline=None, derandomize=True)
 lengths = st.floats(1e-3, 1.0)
@@ -31,8 +36,15 @@ MAKERS = {
     "point": lambda **how: pc.Point(position=(0, 0, 0.2), **how),
     "surface": lambda **how: pc.Surface(shape=pc.Disc(0.03), **how),
     "volume": lambda **how: pc.Volume(shape=pc.Box((0.1, 0.1, 0.1)), **how),
+    "path": lambda **how: Path(shape=Circle(0.03), **how),
+    "particles": lambda **how: Particles(positions=((0.0, 0.0, 0.1), (0.0, 0.1, 0.0)), **how),
 }
 each_maker = pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS.keys())
+TETRAHEDRON = pc.Mesh(
+    vertices=((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)),
+    faces=((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)),
+)
+TRIANGLE = pc.Mesh(vertices=TETRAHEDRON.vertices, faces=((0, 1, 2),))
 
 
 @given(shape=shells, force=st.floats(0.0, 10.0))
@@ -56,12 +68,38 @@ def test_pressure_times_area_of_a_point_is_its_force(area: float, force: float) 
     assert point.pressure * area == pytest.approx(force, rel=1e-12)
 
 
-def test_samples_share_out_the_force_of_a_surface() -> None:
-    rectangle = pc.Rectangle(0.05, 0.04)
-    surface = pc.Surface(shape=rectangle, force=0.02)
-    samples = pc.Sampler(spacing=0.01).sample(pc.Scene((surface,)))
-    each = rectangle.area / len(samples)
-    assert (samples.radiation_pressure * each).sum() == pytest.approx(0.02)
+@given(length=st.floats(1e-3, 1.0), width=st.floats(1e-3, 0.1), force=st.floats(0.0, 10.0))
+@bounded
+def test_pressure_times_length_and_width_of_a_path_is_its_force(
+    length: float, width: float, force: float
+) -> None:
+    path = Path(shape=Line(length), width=width, force=force)
+    assert path.pressure * length * width == pytest.approx(force, rel=1e-12)
+
+
+def test_a_force_of_particles_is_that_of_each() -> None:
+    crowd = Particles(positions=((0, 0, 0), (0, 0, 1), (0, 1, 0)), radius=0.01, force=0.5)
+    assert crowd.pressure * math.pi * 0.01**2 == pytest.approx(0.5)
+    assert crowd.cover(0.01).area.sum() * crowd.pressure == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        pc.Surface(shape=pc.Rectangle(0.05, 0.04), force=0.02),
+        pc.Surface(shape=TRIANGLE, force=0.02),
+        pc.Volume(shape=pc.Sphere(0.03), force=0.02),
+        pc.Volume(shape=TETRAHEDRON, force=0.02),
+        pc.Volume(shape=BALL, force=0.02),
+        Path(shape=Polyline(((0, 0, 0), (0.1, 0, 0), (0.1, 0.1, 0.05))), force=0.02),
+        pc.Point(position=(0.0, 0.0, 0.2), force=0.02),
+    ],
+    ids=["rectangle", "triangle", "sphere", "tetrahedron", "SDF", "path", "point"],
+)
+@pytest.mark.parametrize("spacing", [0.005, 0.01, 0.03])
+def test_samples_share_out_the_force_of_an_object(item: Any, spacing: float) -> None:
+    samples = pc.Sampler(spacing=spacing).sample(pc.Scene((item,)))
+    assert samples.force == pytest.approx(0.02)
 
 
 def test_a_point_presses_on_a_spot_one_wavelength_across() -> None:
@@ -157,13 +195,22 @@ def test_a_volume_is_felt_by_its_shell_or_its_interior(felt: Any) -> None:
         pc.Volume(shape=pc.Sphere(0.1), felt=felt, radiation_pressure=1.0)
 
 
-@pytest.mark.parametrize(
-    "how", [{"shape": pc.Sphere(0.1), "felt": "interior"}, {"shape": BALL}], ids=["interior", "SDF"]
-)
-def test_a_force_where_there_is_no_area_is_refused(how: Any) -> None:
+def test_a_force_over_an_interior_is_refused() -> None:
     with pytest.raises(pc.ArgumentError, match=r"^`force` .*give radiation_pressure"):
-        pc.Volume(force=1.0, **how)
-    assert pc.Volume(radiation_pressure=3.0, **how).pressure == 3.0
+        pc.Volume(shape=pc.Sphere(0.1), felt="interior", force=1.0)
+    inside = pc.Volume(shape=pc.Sphere(0.1), felt="interior", radiation_pressure=3.0)
+    assert inside.pressure == 3.0
+
+
+def test_the_area_of_a_signed_distance_function_is_estimated() -> None:
+    ball = pc.Volume(shape=BALL, force=1.0)
+    assert ball.pressure == pytest.approx(1.0 / (4.0 * math.pi * 0.03**2), rel=0.02)
+
+
+def test_a_mesh_of_a_file_is_not_read_before_it_is_used() -> None:
+    for shape in (pc.Mesh(file="not there.obj"), pc.Mesh(file="not there.obj", scale=2.0)):
+        pc.Volume(shape=shape, force=1.0)
+        pc.Surface(shape=shape, force=1.0)
 
 
 def test_an_interior_is_covered_inside_and_a_shell_is_not() -> None:
@@ -220,7 +267,7 @@ def test_a_scene_cannot_be_changed() -> None:
 @pytest.mark.parametrize("other", [None, 1, "point", pc.Sphere(0.1), (0, 0, 0.2), pc.Scene()])
 def test_a_scene_refuses_what_is_no_object_and_says_which(other: Any) -> None:
     point = MAKERS["point"](force=1.0)
-    with pytest.raises(pc.ArgumentError, match=r"^`objects\[1\]` must be a Point, Surface") as e:
+    with pytest.raises(pc.ArgumentError, match=r"^`objects\[1\]` must be a Point, Path") as e:
         pc.Scene((point, other))
     assert e.value.argument == "objects[1]"
 
@@ -233,20 +280,123 @@ def test_a_scene_of_something_that_is_no_sequence_is_refused(objects: Any) -> No
 
 @pytest.mark.parametrize(
     ("argument", "value"),
-    [("pose", (0.0, 0.0, 0.2)), ("shape", "disc"), ("envelope", 0.5), ("envelope", None)],
+    [
+        ("pose", (0.0, 0.0, 0.2)),
+        ("shape", "disc"),
+        ("shape", Circle(0.03)),
+        ("envelope", 0.5),
+        ("envelope", None),
+        ("technique", "am"),
+        ("technique", 200.0),
+        ("material", 3.0),
+        ("motion", (1.0, 0.0, 0.0)),
+        ("texture", np.ones((4, 4))),
+        ("thickness", 0.0),
+        ("thickness", math.nan),
+        ("priority", 1.5),
+        ("priority", None),
+        ("priority", "high"),
+        ("name", None),
+        ("name", 7),
+    ],
 )
 def test_a_surface_refuses_a_part_of_the_wrong_kind(argument: str, value: Any) -> None:
     with pytest.raises(pc.ArgumentError, match=argument):
         pc.Surface(**{"shape": pc.Disc(0.03), "force": 1.0, argument: value})
 
 
-def test_the_interior_of_a_mesh_is_refused() -> None:
-    with pytest.raises(pc.ArgumentError, match="shape"):
-        pc.Volume(
-            shape=pc.Mesh(file="hand.obj"),  # type: ignore[arg-type]
-            felt="interior",
-            radiation_pressure=1.0,
-        )
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"envelope": "buzzing"},
+        {"technique": AM(150.0)},
+        {"material": Material(stiffness=1e3)},
+        {"motion": Motion((0.1, 0.0, 0.0), time=3.0)},
+        {"priority": -3},
+        {"name": "a"},
+    ],
+    ids=lambda how: next(iter(how)),
+)
+@each_maker
+def test_every_object_may_have_each_of_what_all_have(make: Any, how: Any) -> None:
+    item = make(force=1.0, **how)
+    samples = pc.Sampler().sample(pc.Scene((item,)))
+    assert len(samples)
+    assert samples.items[0] is item
+
+
+def test_the_interior_of_a_closed_mesh_is_felt_and_an_open_one_has_none() -> None:
+    inside = pc.Volume(shape=TETRAHEDRON, felt="interior", radiation_pressure=1.0)
+    points = inside.cover(0.01).points
+    assert len(points) > 20
+    assert (points > 0.0).all()
+    assert (points.sum(axis=1) < 0.1).all()
+    for felt in ("shell", "interior"):
+        with pytest.raises(pc.ArgumentError, match=r"^`mesh` .*is no volume"):
+            pc.Volume(shape=TRIANGLE, felt=felt, radiation_pressure=1.0)
+
+
+@pytest.mark.parametrize(
+    ("positions", "said"),
+    [
+        ([(0, 0, math.nan)], "finite"),
+        ([(0, 0)], "shape"),
+        ([(0, 0, 200.0)], "metres"),
+        (np.zeros((100_001, 3)), "at most 100000"),
+        (None, "shape"),
+    ],
+)
+def test_bad_particles_are_refused(positions: Any, said: str) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`positions` .*{said}"):
+        Particles(positions=positions, radiation_pressure=1.0)
+
+
+def test_no_particles_are_nothing() -> None:
+    none = Particles(positions=(), radiation_pressure=1.0)
+    assert none.reach == none.radius
+    assert len(pc.Sampler().sample(pc.Scene((none,)))) == 0
+
+
+@pytest.mark.parametrize("name", ["width", "radius"])
+@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, 20.0, None])
+def test_bad_widths_and_radii_are_refused(name: str, bad: Any) -> None:
+    make = MAKERS["path" if name == "width" else "particles"]
+    with pytest.raises(pc.ArgumentError, match=f"^`{name}` "):
+        make(force=1.0, **{name: bad})
+
+
+def test_a_texture_is_a_factor_on_the_pressure() -> None:
+    stripes = pc.Surface(
+        shape=pc.Rectangle(0.1, 0.1), radiation_pressure=8.0, texture=grating(0.05, duty=0.5)
+    )
+    samples = pc.Sampler(spacing=0.002, budget=4000).sample(pc.Scene((stripes,)))
+    assert samples.radiation_pressure.max() == pytest.approx(8.0)
+    assert samples.radiation_pressure.min() == pytest.approx(0.0)
+    assert samples.force == pytest.approx(8.0 * 0.01 / 2.0, rel=0.05)
+    half = Texture(values=((0.5,),), size=(0.1, 0.1))
+    even = pc.Volume(shape=pc.Sphere(0.03), radiation_pressure=8.0, texture=half)
+    assert pc.Sampler().sample(pc.Scene((even,))).radiation_pressure == pytest.approx(4.0)
+
+
+@given(at=st.tuples(*[st.floats(-0.05, 0.05)] * 3))
+@bounded
+def test_a_surface_is_felt_down_to_its_thickness(at: Any) -> None:
+    plate = pc.Surface(shape=pc.Rectangle(0.2, 0.2), radiation_pressure=1.0, thickness=0.01)
+    d = plate.distance(np.array([at]), 0.0, 0.0)[0]
+    assert (d < 0.0) == (-0.01 < at[2] < 0.0)
+    assert abs(d) == pytest.approx(min(abs(at[2]), abs(at[2] + 0.01)))
+
+
+@given(r=st.floats(0.0, 0.1))
+@bounded
+def test_a_shell_is_felt_down_to_its_thickness_and_an_interior_everywhere(r: float) -> None:
+    shell, inside = (
+        pc.Volume(shape=pc.Sphere(0.05), felt=felt, radiation_pressure=1.0, thickness=0.01)
+        for felt in ("shell", "interior")
+    )
+    at = np.array([[r, 0.0, 0.0]])
+    assert shell.distance(at, 0.0, math.inf)[0] == pytest.approx(max(r - 0.05, 0.04 - r))
+    assert inside.distance(at, 0.0, math.inf)[0] == pytest.approx(r - 0.05)
 
 
 # -------------------------------------------------------------------------------- workspaces

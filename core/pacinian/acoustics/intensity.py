@@ -1,0 +1,118 @@
+"""Where sound goes, and how hard it presses along the skin's normal: both in double precision.
+
+    I = Re(p v*) / 2,    v = j grad(p) / (rho omega)
+
+p: complex sound pressure, in time as exp(j omega t). v: particle velocity, by Euler's equation.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.directivity import omni
+from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.propagation import field, matrix
+from pacinian.checks import kind, numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.acoustics.array import Array
+    from pacinian.types import ArrayLike, Complexes, Floats
+
+CHUNK = 1 << 16  # elements of B at a time
+STEP = 1e-6  # of cos(theta): over this the slope of a directivity is taken
+TINY = 1e-30  # keeps quotients finite
+
+
+def intensity(
+    array: Array,
+    gains: ArrayLike,
+    points: ArrayLike,
+    medium: Air | None = None,
+    facing: Facing | None = None,
+) -> Floats:
+    """Active intensity I [W/m^2] at M points, (M, 3): where energy flows to, and how much.
+
+    array: N transducers. gains: (N,). points: [m], (M, 3). medium: `Air()` unless given. facing: of the
+    points, where they are on skin; then only the sound counts that comes to its outward side and that the hand does not
+    hide. Raises ArgumentError; PointOnTransducer.
+    """
+    medium = medium or Air()
+    g, q = _checked(array, gains, points, medium, facing)
+    omega = 2.0 * math.pi * array.transducer.frequency  # [rad/s]
+    flow = np.empty((len(q), 3))
+    for part in _parts(len(q), len(g)):
+        B, slope = _with_slope(array, q[part], medium)
+        if facing is not None:
+            s = facing.only(part).arriving(q[part], array.positions)
+            B, slope = s * B, s[:, None] * slope
+        v = 1j * (slope @ g) / (medium.density * omega)  # (M, 3) [m/s]
+        flow[part] = ((B @ g)[:, None] * v.conj()).real / 2.0
+    return flow
+
+
+def normal_pressure(
+    array: Array,
+    gains: ArrayLike,
+    points: ArrayLike,
+    facing: Facing,
+    medium: Air | None = None,
+) -> Floats:
+    """Radiation pressure along the normals of skin [Pa], (M,); 2 E cos^2(theta) for a plane wave.
+
+    array: N transducers. gains: (N,). points: [m], (M, 3). facing: of the points. medium: `Air()` unless given.
+    Raises ArgumentError; PointOnTransducer.
+    """
+    medium = medium or Air()
+    g, q = _checked(array, gains, points, medium, facing)
+    p = np.empty(len(q), dtype=np.complex128)
+    for part in _parts(len(q), len(g)):
+        w = facing.only(part).weights(q[part], array.positions)
+        p[part] = (w * matrix(array, q[part], medium)) @ g
+    return radiation_pressure(p, medium)
+
+
+def _checked(
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, facing: Facing | None
+) -> tuple[Complexes, Floats]:
+    """Gains (N,) and points (M, 3) that fit."""
+    q = numbers("points", points, (None, 3))
+    field(array, gains, q, medium)  # refuses what it cannot evaluate
+    if facing is not None:
+        kind("facing", facing, Facing)
+        if len(facing) != len(q):
+            raise ArgumentError("facing", f"must have {len(q)} normals, as many as points")
+    return np.asarray(gains, dtype=np.complex128), q
+
+
+def _parts(M: int, N: int) -> Iterator[slice]:
+    rows = max(1, CHUNK // N)
+    return (slice(first, first + rows) for first in range(0, M, rows))
+
+
+def _with_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes, Complexes]:
+    """B [Pa], (M, N), and its gradient over the points [Pa/m], (M, 3, N)."""
+    kind = array.transducer
+    d = (points[:, None, :] - array.positions).transpose(0, 2, 1)  # (M, 3, N) [m]
+    r = np.maximum(np.sqrt((d * d).sum(axis=1)), TINY)  # (M, N) [m]
+    u = d / r[:, None]
+    fading = medium.beta(kind.frequency) + 1j * medium.wavenumber(kind.frequency)  # [1/m]
+    B: Complexes = kind.pressure * r**-medium.power * np.exp(-fading * r)
+    slope: Complexes = -(B * (fading + medium.power / r))[:, None] * u
+    if kind.directivity is not omni:
+        n = array.normals.T
+        cosine = (u * n).sum(axis=1)  # (M, N)
+        above, below = np.minimum(cosine + STEP, 1.0), np.maximum(cosine - STEP, TINY)
+        D = np.where(cosine > 0.0, kind.directivity(cosine), 0.0)
+        rise = (kind.directivity(above) - kind.directivity(below)) / (above - below)
+        rise = np.where(cosine > STEP, rise, 0.0)
+        slope = D[:, None] * slope + (B * rise / r)[:, None] * (n - cosine[:, None] * u)
+        B = D * B
+    return B, slope

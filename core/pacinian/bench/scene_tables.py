@@ -1,0 +1,97 @@
+"""What the scenes' benchmark found, as tables for a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.bench.growth import Growth
+    from pacinian.bench.savings import Saving
+    from pacinian.bench.scene_report import Verdict
+    from pacinian.bench.scenes import Row
+
+
+def scenes(rows: Sequence[Row]) -> Table:
+    """How each scene did."""
+    head = [
+        "", "samples", "p50\n[ms]", "p99\n[ms]", "late\n[%]", "dummy\n[%]", "held\n[Hz]",
+        "error\n[%]", "left\nout [%]",
+    ]  # fmt: skip
+    lines = [
+        [
+            row.scene, str(row.samples), f"{row.p50_ms:.3f}", f"{row.p99_ms:.3f}",
+            f"{100 * row.late:.2f}", f"{100 * row.dummy_late:.2f}", f"{row.rate:.0f}",
+            f"{100 * row.error:.2f}", f"{100 * row.left_out:.1f}",
+        ]
+        for row in rows
+    ]  # fmt: skip
+    return _table("A tick of each scene", head, lines)
+
+
+def stages(rows: Sequence[Row]) -> Table:
+    """What each scene's ticks spend their time on."""
+    names = list(dict.fromkeys(stage for row in rows for stage in row.stages))
+    lines = [[row.scene, *(f"{row.stages.get(name, 0.0):.3f}" for name in names)] for row in rows]
+    return _table("Mean time of each stage in a tick [ms]", ["", *names], lines)
+
+
+def savings(found: Sequence[Saving]) -> Table:
+    """A row for each skip."""
+    lines = [
+        [
+            one.what, f"{one.on_ms:.3f}", f"{one.off_ms:.3f}", f"{100 * one.ratio:.1f}",
+            "" if one.limit is None else f"{100 * one.limit:.0f}",
+        ]
+        for one in found
+    ]  # fmt: skip
+    head = ["", "with\n[ms]", "without\n[ms]", "left\n[%]", "target\n[%]"]
+    return _table("What is left of a tick by each skip: medians, in turn", head, lines)
+
+
+def growth(found: Sequence[Growth]) -> Table:
+    """A row for each number of objects."""
+    lines = [
+        [
+            str(line.objects), f"{line.near:.0f}", f"{line.still_ms:.3f}",
+            f"{line.still_ms / found[0].still_ms:.2f}", f"{100 * line.linear(found[0]):.3g}",
+            f"{line.replaced_ms:.3f}", f"{line.replaced_ms / found[0].replaced_ms:.2f}",
+        ]
+        for line in found
+    ]  # fmt: skip
+    head = [
+        "objects", "near", "tick\n[ms]", f"over\n{found[0].objects}", "of linear\n[%]",
+        "one replaced\neach tick [ms]", f"over\n{found[0].objects}",
+    ]  # fmt: skip
+    return _table("Growth with the number of objects: medians, in turn", head, lines)
+
+
+def verdicts(found: Sequence[Verdict]) -> Table:
+    """A line for each target."""
+    lines = [["met" if one.met else "missed", f"{one.target}: {one.found}"] for one in found]
+    table = _table("Targets", ["", ""], lines)
+    table.show_header = False
+    table.columns[1].justify, table.columns[1].no_wrap = "left", False
+    return table
+
+
+def _table(title: str, head: list[str], lines: list[list[str]]) -> Table:
+    """A table whose texts are taken as they are: a unit in brackets is no markup."""
+    table = Table(
+        title=Text(title, no_wrap=True, overflow="ignore"),
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        collapse_padding=True,
+        padding=0,
+        show_edge=False,
+    )
+    for n, name in enumerate(head):
+        table.add_column(Text(name), justify="right" if n else "left", no_wrap=True)
+    for line in lines:
+        table.add_row(*(Text(cell) for cell in line))
+    return table

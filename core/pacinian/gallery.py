@@ -1,0 +1,233 @@
+"""Built-in scenes: what is felt in games, each from time to a scene. For benchmarks, pictures and first steps."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec.structs import replace
+
+from pacinian.acoustics.pose import Pose
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.motion import Motion
+from pacinian.scene.objects import Particles, Point, Surface, Volume
+from pacinian.scene.scene import Scene
+from pacinian.scene.shapes import Rectangle, Sphere
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.shapes.texture import grating
+from pacinian.scene.time.technique import STM
+from pacinian.scene.time.waves import Sine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.scene.shapes.mesh import Mesh
+    from pacinian.types import Floats
+
+HEIGHT = 0.2  # [m] of the palm above the array
+TRACKED = 120.0  # [Hz] updates of hands and objects, as trackers and games send them
+TREMBLE = Sine(150.0)
+PALM = 0.015  # [m] from the palm joint to the skin below it
+HAND = Hand.open("right", Pose((0.0, 0.0, HEIGHT + PALM)))
+TILTED = Hand.open("right", Pose.turned("x", -12.0, (0.0, -0.08, HEIGHT + 0.03)))
+BUMPS = 0.08  # of its radius, on a stone
+NEAR = (0.0, 0.0, HEIGHT - 0.007), (-0.026, 0.06, HEIGHT), (0.024, 0.06, HEIGHT)  # [m]
+AWAY = 0.2  # [m] in x or y: out of the hand's reach
+DROPS, BOTTOM, FALL, SPLASH = 40, 0.03, 0.3, 0.05  # [m] above the array; [s]
+
+
+def _tracked(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
+    """As it was at the last update: what moves is carried on by its velocity in between."""
+    seen = functools.lru_cache(maxsize=4)(scene)
+
+    @functools.wraps(scene)
+    def at(t: float) -> Scene:
+        return seen(math.floor(t * TRACKED) / TRACKED)
+
+    return at
+
+
+def static_focus(t: float) -> Scene:
+    """One focus that stays where it is, trembling."""
+    return _static()
+
+
+@_tracked
+def sliding_ball(t: float) -> Scene:
+    """A ball of 3 cm that rolls to and fro below a still hand."""
+    x, v = _swing(t, 0.03)
+    pose, motion = Pose((x, 0.02, HEIGHT - 0.01)), Motion((v, 0.0, 0.0), time=t)
+    return Scene((replace(_ball(), pose=pose, motion=motion),), hands=(HAND,))
+
+
+@_tracked
+def textured_plane(t: float) -> Scene:
+    """Fingertips that stroke a plate with ridges 12 mm apart."""
+    return _plate().held(_moving(TILTED, t, 0.02))
+
+
+@_tracked
+def mesh(t: float) -> Scene:
+    """A hand on a bumpy stone of 10,000 triangles."""
+    return _stone().held(_moving(HAND, t, 0.015))
+
+
+@_tracked
+def crowd(t: float) -> Scene:
+    """A hundred balls, of which three are within the hand's reach."""
+    return balls(100).held(_moving(HAND, t, 0.01))
+
+
+@_tracked
+def palm(t: float) -> Scene:
+    """A plate on which the whole palm lies, and moves a little."""
+    return _board().held(_moving(HAND, t, 0.005))
+
+
+def stm_circle(t: float) -> Scene:
+    """A focus that runs round a circle, 15 mm in radius, 100 times a second."""
+    return _circle()
+
+
+def rain(t: float) -> Scene:
+    """Forty drops that rise to the palm, one after the other: rain upside down, as the array is below."""
+    return _drops(math.floor(t * TRACKED) % int(TRACKED))
+
+
+def empty(t: float) -> Scene:
+    """Nothing."""
+    return NOTHING
+
+
+SCENES: dict[str, Callable[[float], Scene]] = {
+    "static-focus": static_focus,
+    "sliding-ball": sliding_ball,
+    "textured-plane": textured_plane,
+    "mesh": mesh,
+    "crowd": crowd,
+    "palm": palm,
+    "stm-circle": stm_circle,
+    "rain": rain,
+    "empty": empty,
+}
+"""By name."""
+
+NOTHING = Scene()
+
+
+def _swing(t: float, swing: float) -> tuple[float, float]:
+    """Where something is that goes `swing` [m] to either side once a second [m], and how fast [m/s]."""
+    s = 2.0 * math.pi * t
+    return swing * math.sin(s), 2.0 * math.pi * swing * math.cos(s)
+
+
+def _moving(hand: Hand, t: float, swing: float) -> Hand:
+    """A hand that goes `swing` [m] to either side once a second, as a tracker sees it at time t [s]."""
+    x, v = _swing(t, swing)
+    joints = hand.moved(Pose((x, 0.0, 0.0))).joints
+    return Hand(joints, hand.radii, velocities=(v, 0.0, 0.0), time=t)
+
+
+@functools.cache
+def _static() -> Scene:
+    point = Point(position=(0.0, 0.0, HEIGHT), radiation_pressure=20.0, envelope=TREMBLE)
+    return Scene((point,))
+
+
+@functools.cache
+def _ball() -> Volume:
+    return Volume(shape=Sphere(0.015), radiation_pressure=12.0, envelope=TREMBLE, name="ball")
+
+
+@functools.cache
+def _plate() -> Scene:
+    plate = Surface(
+        shape=Rectangle(0.24, 0.16),
+        pose=Pose((0.0, 0.0, HEIGHT + 0.004)),
+        texture=grating(0.012),
+        radiation_pressure=10.0,
+        envelope=TREMBLE,
+        name="plate",
+    )
+    return Scene((plate,))
+
+
+@functools.cache
+def _stone() -> Scene:
+    stone = Volume(
+        shape=stone_mesh(),
+        pose=Pose((0.0, 0.02, HEIGHT - 0.038)),
+        radiation_pressure=8.0,
+        envelope=TREMBLE,
+        name="stone",
+    )
+    return Scene((stone,))
+
+
+def stone_mesh(count: int = 51, radius: float = 0.045) -> Mesh:
+    """A closed bumpy sphere of about 2 count^2 triangles; radius: its mean [m]."""
+    from trimesh.creation import uv_sphere
+
+    from pacinian.scene.shapes.mesh import Mesh
+
+    ball = uv_sphere(radius=1.0, count=[count, count])
+    u = np.asarray(ball.vertices)
+    r = radius * (1.0 + BUMPS * np.sin(8.0 * u + np.arange(3.0)).prod(axis=1))
+    return Mesh(vertices=r[:, None] * u, faces=np.asarray(ball.faces))  # type: ignore[arg-type]
+
+
+@functools.cache
+def balls(count: int) -> Scene:
+    """Balls of 1 cm: the first three touch the palm and two fingers, the others lie all around."""
+    rng = np.random.default_rng(0)
+    far = rng.uniform([-0.4, -0.4, 0.03], [0.4, 0.4, 0.4], (2 * count, 3))
+    far = far[(np.abs(far[:, :2]) > AWAY).any(axis=1)]
+    places = [*NEAR, *map(tuple, far.tolist())][:count]
+    ball = Volume(shape=Sphere(0.01), radiation_pressure=10.0, envelope=TREMBLE)
+    return Scene(
+        tuple(replace(ball, pose=Pose(at), name=f"ball {i}") for i, at in enumerate(places))
+    )
+
+
+@functools.cache
+def _board() -> Scene:
+    board = Surface(
+        shape=Rectangle(0.3, 0.3),
+        pose=Pose((0.0, 0.0, HEIGHT + 0.007)),
+        radiation_pressure=4.0,
+        envelope=TREMBLE,
+        name="board",
+    )
+    return Scene((board,))
+
+
+@functools.cache
+def _circle() -> Scene:
+    point = Point(
+        position=(0.0, 0.0, HEIGHT),
+        radiation_pressure=20.0,
+        technique=STM(frequency=100.0, along=Circle(0.015)),
+    )
+    return Scene((point,))
+
+
+@functools.lru_cache(maxsize=int(TRACKED))
+def _drops(update: int) -> Scene:
+    """The drops at one of the updates of a second: each rises, stays at the skin for a moment, starts again."""
+    places, begun = _clouds()
+    age = (update / TRACKED - begun) % 1.0  # [s]
+    z = np.where(
+        age < FALL + SPLASH, BOTTOM + (HEIGHT - BOTTOM) * np.minimum(age / FALL, 1.0), BOTTOM
+    )
+    at = np.column_stack([places, z])
+    drops = Particles(positions=at, radiation_pressure=20.0, name="drops")  # type: ignore[arg-type]
+    return Scene((drops,), hands=(HAND,))
+
+
+@functools.cache
+def _clouds() -> tuple[Floats, Floats]:
+    """Where under the hand each drop rises, (40, 2) [m], and when in each second, (40,) [s]."""
+    rng = np.random.default_rng(1)
+    return rng.uniform([-0.03, -0.03], [0.03, 0.04], (DROPS, 2)), np.arange(DROPS) / DROPS

@@ -1,0 +1,135 @@
+"""A scene, what of it is felt, and the field that makes it felt, on one page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.plot.page import figure
+from pacinian.plot.planes import middle_of, planes, ratio, show
+from pacinian.plot.space import Discs, View, array_of, skin, thing, towards
+from pacinian.scene.hands import capsules as flesh
+from pacinian.scene.objects import Body
+from pacinian.scene.shapes.kinds import distance
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Pose
+    from pacinian.plot.planes import Panel, Plane
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.scene import Scene
+    from pacinian.types import Floats, Gains
+
+ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
+NEAR = 0.13  # [m] around the samples, from below
+DOT = 0.006  # [m] across, a sample
+ZOOMS = 1.3, 1.45
+NARROWEST = 9.0  # [inch]
+MAP = "inferno"
+WHITE, BLUE = "white", "#8cc0ff"
+
+
+def scene(
+    array: Array,
+    scene: Scene,
+    samples: Samples,
+    gains: Gains,
+    *,
+    t: float = 0.0,
+    medium: Air | None = None,
+    title: str = "",
+) -> Figure:
+    """A scene at time t [s], seen from above and close from below, and its field in two planes.
+
+    samples: what was asked. gains: (N,), or (K, N) for the field's mean over K moments. The field is that of
+    free air; lines are the outlines of hands, and where objects cross the planes. Raises MissingExtra.
+    """
+    cuts = planes(array, gains, samples.positions, medium or Air())
+    narrow = ratio(cuts)
+    page = figure(max(NARROWEST, 1.6 + 4.2 * (1.0 + narrow)), 8.4)
+    parts: Any = page.subfigures(2, 1, height_ratios=[3.7, 4.7])
+    upper, lower = parts
+    views = _views(upper, array, scene, samples, t)
+    panels = lower.subplots(1, 2, width_ratios=[1.0, narrow])
+    show(lower, panels, cuts, samples.positions)
+    for panel, cut in zip(panels, cuts, strict=True):
+        _outlines(panel, cut, scene, t)
+    if title:
+        page.suptitle(title)
+    page.draw_without_rendering()
+    for view in views:
+        view.fit(page.dpi)
+    return page
+
+
+def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) -> list[View]:
+    """Draw the array and all above it, and what is near the samples."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    q, middle = samples.positions, middle_of(array, samples.positions)
+    low, high = array.positions.min(axis=0) - 0.02, array.positions.max(axis=0) + 0.02
+    high[2] = max(high[2], middle[2] + 0.08)
+    boxes = np.array([low, high]), np.array([middle - NEAR, middle + NEAR])
+    P = samples.radiation_pressure
+    scale = ScalarMappable(Normalize(0.0, float(P.max(initial=1e-9))), MAP)
+    felt = Discs(q, np.asarray(scale.to_rgba(P)).reshape(-1, 4), np.full(len(q), DOT))
+    views: list[View] = []
+    for k, (angle, box, zoom) in enumerate(zip((ABOVE, BELOW), boxes, ZOOMS, strict=True)):
+        panel = part.add_subplot(1, 2, k + 1, projection="3d")
+        eye, view = towards(*angle), View(panel, angle, box, zoom)
+        things = [skin(hand, eye) for hand in scene.hands if not hand.lost]
+        for item in scene.objects:
+            pose = _pose(item, t)
+            if k or ((pose.position >= box[0]) & (pose.position <= box[1])).all():
+                things.append(thing(item, pose, eye))
+        if k == 0:
+            view.draw([array_of(array), *things, felt])
+        else:
+            view.draw([made.within(box) for made in [array_of(array), *things]])
+            view.draw([felt])  # on skin, which is seen through what is below it
+        views.append(view)
+    if len(P):
+        part.colorbar(scale, ax=views[-1].panel, label="asked [Pa]", shrink=0.7)
+    return views
+
+
+def _outlines(panel: Panel, cut: Plane, scene: Scene, t: float) -> None:
+    points = np.ascontiguousarray(cut.points.reshape(-1, 3))
+    for hand in scene.hands:
+        if not hand.lost and hand.joints is not None:
+            _line(panel, cut, _outline(hand, cut, points), WHITE, "-")
+    for item in scene.objects:
+        if isinstance(item, Body):
+            pose = _pose(item, t)
+            local = np.ascontiguousarray((points - pose.position) @ pose.matrix)
+            if np.sqrt((local * local).sum(axis=1)).min() < item.reach:
+                _line(panel, cut, distance(item.shape, local, np.inf, np.inf), BLUE, "--")
+
+
+def _outline(hand: Hand, cut: Plane, points: Floats) -> Floats:
+    """Distance to a hand: across the way of the sound to its shadow, along it to where it is cut."""
+    capsules = flesh.capsules(hand)
+    if cut.axes == (0, 1):
+        capsules[:, [2, 5]] = cut.height
+    return flesh.distance_to_skin(capsules, points)
+
+
+def _line(panel: Panel, cut: Plane, d: Floats, colour: str, style: str) -> None:
+    """Draw where d, (GRID * GRID,) [m], is 0."""
+    if d.min() < 0.0 < d.max():
+        i, j = cut.axes
+        x, y = 1e3 * cut.points[..., i], 1e3 * cut.points[..., j]
+        panel.contour(
+            x, y, d.reshape(x.shape), [0.0], colors=colour, linestyles=style, linewidths=0.9
+        )
+
+
+def _pose(item: Object, t: float) -> Pose:
+    return item.pose if item.motion is None else item.motion.pose(item.pose, t)

@@ -1,0 +1,132 @@
+"""Things in space as discs that face the eye: close together they look like a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.scene.hands.skin import skin_of
+from pacinian.scene.objects import Body, Surface
+from pacinian.scene.sampling.covers import estimate
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Pose
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
+    from pacinian.types import Flags, Floats
+
+Panel = Any  # Matplotlib's axes: its stubs leave too much open
+Colour = tuple[float, float, float]
+
+SKIN, METAL, THING = (0.95, 0.80, 0.70), (0.66, 0.68, 0.72), (0.35, 0.58, 0.82)
+LIGHT = np.array([0.3, -0.4, 0.9])
+DARKEST = 0.5  # share of its colour that a side away from the light has
+FINE, MANY = 0.002, 4000  # [m] between discs on an object; so many of them at most
+GLASS = 0.15  # opacity of open surfaces, which would hide the hand
+
+
+@dataclass(frozen=True, eq=False)
+class Discs:
+    """K discs: points (K, 3) [m]; red, green, blue and opacity (K, 4); diameters (K,) [m]."""
+
+    points: Floats
+    colours: Floats
+    sizes: Floats
+
+    @classmethod
+    def of(cls, points: Floats, colour: Colour, size: float, opacity: float = 1.0) -> Discs:
+        """All alike."""
+        K = len(points)
+        return cls(points, np.tile([*colour, opacity], (K, 1)), np.full(K, size))
+
+    def within(self, box: Floats) -> Discs:
+        """Those between two corners, (2, 3) [m]."""
+        return self.only(((self.points >= box[0]) & (self.points <= box[1])).all(axis=1))
+
+    def only(self, kept: Flags) -> Discs:
+        """Those, (K,)."""
+        return Discs(self.points[kept], self.colours[kept], self.sizes[kept])
+
+    def lit(self, normals: Floats, eye: Floats) -> Discs:
+        """Those with normals, (K, 3), towards the eye, in the light of a lamp over its shoulder."""
+        lamp = LIGHT + 1.2 * eye
+        bright = np.clip(normals @ lamp / np.sqrt(lamp @ lamp), 0.0, 1.0)
+        colours = self.colours.copy()
+        colours[:, :3] *= (DARKEST + (1.0 - DARKEST) * bright)[:, None]
+        return Discs(self.points, colours, self.sizes).only(normals @ eye > 0.0)
+
+
+def towards(elevation: float, azimuth: float) -> Floats:
+    """The direction to an eye that is there [deg], (3,)."""
+    e, a = np.radians([elevation, azimuth])
+    return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+
+def array_of(array: Array) -> Discs:
+    """The transducers."""
+    return Discs.of(array.positions, METAL, 0.006)
+
+
+def skin(hand: Hand, eye: Floats) -> Discs:
+    """A hand, which is not lost."""
+    placed = skin_of(hand).place(hand)
+    return Discs.of(placed.points, SKIN, 0.0065).lit(placed.normals, eye)
+
+
+def thing(item: Object, pose: Pose, eye: Floats) -> Discs:
+    """An object: its cover, and its texture."""
+    spacing = FINE * max(1.0, float(np.sqrt(estimate(item, FINE) / MANY)))
+    local = item.cover(spacing)
+    points = pose.points(local.points)
+    if not isinstance(item, Body):
+        return Discs.of(points, THING, 0.004)
+    flat = isinstance(item, Surface)
+    made = Discs.of(points, THING, 1.9 * spacing, GLASS if flat else 1.0)
+    if item.texture is not None:
+        made.colours[:, :3] *= 0.4 + 0.6 * item.texture.at(local.points)[:, None]
+    normals = pose.directions(local.normals)
+    return made.lit(np.where(flat & (normals @ eye < 0.0)[:, None], -normals, normals), eye)
+
+
+class View:
+    """A 3-D panel without axes, seen from an angle (elevation, azimuth) [deg].
+
+    box: lower and upper corner of what is shown, (2, 3) [m]. zoom: how much of the panel it fills.
+    """
+
+    def __init__(self, panel: Panel, angle: tuple[float, float], box: Floats, zoom: float) -> None:
+        self.panel, self.box = panel, box
+        self._drawn: list[tuple[Any, Floats]] = []
+        panel.set_proj_type("ortho")
+        panel.view_init(*angle)
+        panel.set(xlim=box[:, 0], ylim=box[:, 1], zlim=box[:, 2])
+        panel.set_box_aspect(box[1] - box[0], zoom=zoom)
+        panel.set_axis_off()
+        panel.computed_zorder = False
+
+    def draw(self, groups: Sequence[Discs]) -> None:
+        """Draw these over what was drawn before; the nearest disc last."""
+        found = [(g.points, g.colours, g.sizes) for g in groups]
+        made = Discs(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+        marks = self.panel.scatter(
+            *made.points.T, c=made.colours, s=1.0, depthshade=False, linewidths=0, clip_on=False,
+            zorder=len(self._drawn),
+        )  # fmt: skip
+        self._drawn.append((marks, made.sizes))
+
+    def fit(self, dpi: float) -> None:
+        """Give the discs their sizes, once the page is laid out at `dpi` [1/inch]."""
+        across = np.cross(towards(self.panel.elev, self.panel.azim), [0.0, 0.0, 1.0])
+        ends = np.ones((2, 4))
+        ends[:, :3] = self.box.mean(axis=0)
+        ends[1, :3] += 0.1 / np.sqrt(across @ across) * across
+        flat = ends @ self.panel.get_proj().T
+        a, b = self.panel.transData.transform(flat[:, :2] / flat[:, 3:])
+        scale = 10.0 * float(np.hypot(*(b - a))) * 72.0 / dpi  # [pt/m]
+        for marks, sizes in self._drawn:
+            marks.set_sizes((scale * sizes) ** 2)

@@ -1,0 +1,281 @@
+"""From samples to the rows of a frame: solve what is new, keep what is not, let amplitudes vary."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.propagation import matrix
+from pacinian.checks import FAR
+from pacinian.rendering.smooth import Smoother
+from pacinian.rendering.voices import Voices, contributions
+from pacinian.scene.sampling.resolving import WELL, grazing
+from pacinian.scene.sampling.samples import joined, nothing
+from pacinian.solving.solution import Status
+
+if TYPE_CHECKING:
+    from collections import Counter
+
+    from pacinian.rendering.smooth import Smoothing
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.session import Session
+    from pacinian.solving.problem import Limits
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Flags, Floats, Gains
+
+TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
+CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
+TINY = 1e-300
+KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
+BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
+
+Step = tuple[object, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Gains for some samples.
+
+    gains: at full envelope, (N,). voices: their amplitudes over time; None where they are in the gains.
+    parts: what each of more than one voice contributes, (voices + 1, N). solution: the evidence. samples:
+    what was asked. steady: whether it serves all times as it is. final: whether to solve again would be
+    in vain: the time was not up, or more of it did not help.
+    """
+
+    gains: Gains
+    voices: Voices | None
+    parts: Gains | None
+    solution: Solution
+    samples: Samples
+    steady: bool
+    final: bool
+
+    @property
+    def nbytes(self) -> int:
+        """Of its gains."""
+        return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
+
+
+class Player:
+    """Turns samples into rows of gains.
+
+    session: solves. times: of a tick's rows from its begin, (K,) [s]. gap: from row to row [s]. skipped:
+    counts what was not needed, by reason.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        times: Floats,
+        gap: float,
+        smoothing: Smoothing,
+        skipped: Counter[str],
+    ) -> None:
+        K, N = len(times), len(session.array)
+        self.session, self.times, self.skipped = session, times, skipped
+        self.smoother = Smoother(smoothing, N)
+        self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
+        self.solved: list[Solved] = []
+        """What sounds: one solution for all rows, or one for each."""
+        self.fresh: list[Solved] = []
+        """Those that were solved for this tick."""
+        self.steady = False
+        """Whether the next tick's rows are the last one of these, if nothing changes."""
+        self._gap = gap
+        self._powers: dict[tuple[int, int, int], float] = {}
+        self._key: tuple[object, ...] = ()
+        self._steps: dict[Step, Solved] = {}
+        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
+        self._followed: list[Solved] = []
+        self._carriers = np.zeros((K, N), dtype=np.complex64)
+        self._smooth = np.zeros((K, N), dtype=np.complex64)
+        self._rows = np.zeros((K, N), dtype=np.complex64)
+        away = np.abs(session.array.positions - session.propagator.origin)
+        self._extent = away.max(axis=0) + TOUCHING  # [m]
+
+    def reset(self) -> None:
+        """Forget what was solved, and begin from silence."""
+        self._key, self._steps = (), {}
+        self.solved, self._followed = [], []
+        self.smoother.reset()
+
+    def solve(self, samples: Samples, t: float, limits: Limits, deadline: float) -> None:
+        """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now."""
+        key = samples, limits, self.session.solver
+        if self._key != key:
+            self._key, self._steps, self._parts = key, {}, _parts(samples)
+        self.fresh = []
+        base, parts = self._parts
+        if not parts:
+            self.solved = [self._found((), base, t, limits, deadline)]
+            return
+        solved: list[Solved] = []
+        for now in (t + self.times).tolist():
+            step = tuple(item.technique.step(now) for item, _ in parts)
+            kept = self._steps.get(step)
+            if kept is None or not kept.final:
+                row = joined([base, *(_presented(item, part, now) for item, part in parts)])
+                kept = self._found(step, row, t, limits, deadline / len(self.times))
+            else:
+                self.skipped["solve, step of a modulation known"] += 1
+            solved.append(kept)
+        self.solved = solved
+
+    def rows(self, t: float) -> Gains:
+        """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused."""
+        solved = self.solved
+        flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
+        if flat:
+            self._smooth[:] = self.smoother.gains
+        else:
+            self._follow(solved)
+        strength: Floats | None = None
+        at = t + self.times
+        strengths = [None if one.voices is None else one.voices.strength(at) for one in solved]
+        for k in range(len(at)):
+            one, strength = solved[k % len(solved)], strengths[k % len(solved)]
+            self._rows[k] = self._row(one, None if strength is None else strength[:, k], k)
+        self.steady = flat and solved[0].steady
+        return self._rows
+
+    def _follow(self, solved: list[Solved]) -> None:
+        carriers = self._carriers[: len(solved)]
+        for carrier, one in zip(carriers, solved, strict=True):
+            carrier[:] = one.gains
+        # a focus that is meant to jump is not held back
+        self.smoother.settings = self._jumps if self._parts[1] else self._smoothing
+        self.smoother.follow(carriers, self._gap, self._smooth)
+        self._followed = solved
+
+    def _row(self, solved: Solved, strength: Floats | None, k: int) -> Gains:
+        """One row: each voice as strong as it is now. strength: of radiation pressure, (voices,)."""
+        s: Gains = self._smooth[k]
+        if strength is None:
+            return s
+        a = np.sqrt(strength).astype(np.float32)  # of sound pressure
+        if solved.parts is None:
+            return np.asarray(a[0] * s, dtype=np.complex64) if len(a) else s
+        parts, g = solved.parts, solved.gains
+        P = np.abs(solved.solution.sound_pressure) ** 2
+        assert solved.voices is not None
+        shares = np.bincount(solved.voices.index, P, len(a))
+        mean = np.float32(np.sqrt(shares @ strength / max(shares.sum(), 1e-300)))
+        turn = np.vdot(g, s)  # the smoother's, for all gains alike
+        size = abs(turn)
+        turn = turn / size if size > 0.0 else turn + 1.0
+        mixed = np.append(a, mean) @ parts
+        return np.asarray(turn * mixed + mean * (s - turn * g), dtype=np.complex64)
+
+    def _found(
+        self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
+    ) -> Solved:
+        """The solution for `samples`, at hand or new.
+
+        Where limits join all gains (power, quiet zones, exact samples), gains cannot be put together from
+        each voice's: their mean strength over the tick is then solved for.
+        """
+        voices = Voices(samples)
+        P = samples.radiation_pressure
+        joint = len(voices) > 1 and (limits.power is not None or bool(limits.asked))
+        if joint:
+            strength = voices.strength(t + self.times).mean(axis=1)
+            P, step = P * strength[voices.index], (*step, strength.tobytes())
+        kept = self._steps.get(step)
+        if kept is not None and kept.final:
+            self.skipped["solve, nothing moved"] += 1
+            return kept
+        q = samples.positions
+        sounded = (P > 0.0) & self._reachable(q)
+        index = voices.index
+        if limits.exact is not None:  # which of them, of those that are left
+            exact = limits.exactly(len(q))[sounded] if len(q) else None
+            limits = replace(limits, exact=exact)
+        if not sounded.all():
+            samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
+        facing = None
+        if samples.capsules is not None and len(q):
+            facing = Facing.of(samples.normals, samples.capsules)
+            P = P * self._reached(q, facing)
+        solution = self.session.solve(
+            q,
+            sound_pressure(P, self.session.medium),
+            limits=limits,
+            deadline=deadline,
+            facing=facing,
+        )
+        voices.index = index
+        parts = None
+        if len(voices) > 1 and not joint and len(q):
+            parts = contributions(solution, self.session.propagator, index, len(voices))
+        final = solution.status is not Status.deadline
+        steady, sounding = voices.steady and final, None if joint else voices
+        made = Solved(solution.gains, sounding, parts, solution, samples, steady, final)
+        if kept is not None and solution.error > BETTER * kept.solution.error:
+            made = replace(kept, steady=voices.steady, final=True)
+        self.fresh.append(made)
+        if (len(self._steps) + 1) * made.nbytes > KEPT:
+            self._steps = {}
+        self._steps[step] = made
+        return made
+
+    def _reached(self, q: Floats, facing: Facing) -> Floats:
+        """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
+        propagator = self.session.propagator
+        propagator.place(q, facing)
+        power: Floats = propagator.gram.diagonal().real.astype(np.float64)
+        seen = power / self._free(q[0])
+        if seen.min() >= WELL:
+            return np.ones(len(q))
+        share = grazing(seen)
+        self.skipped["samples hardly reached"] += int((share < 0.5).sum())
+        return share
+
+    def _free(self, place: Floats) -> float:
+        """The power of all sound at a place, if all of it pressed [Pa^2]."""
+        x, y, z = (math.floor(v / CELL) for v in place.tolist())
+        kept = self._powers.get((x, y, z))
+        if kept is None:
+            if len(self._powers) >= CELLS:
+                self._powers.clear()
+            middle = CELL * (np.array([[x, y, z]]) + 0.5)
+            B = matrix(self.session.array, middle, self.session.medium)
+            kept = self._powers[x, y, z] = max(float(np.vdot(B, B).real), TINY)
+        return kept
+
+    def _reachable(self, q: Floats) -> Flags:
+        """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
+        kept = np.ones(len(q), dtype=np.bool_)
+        if not len(q):
+            return kept
+        d = np.abs(q - self.session.propagator.origin)
+        if d.max() > FAR / 2.0:
+            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
+            self.skipped["samples out of reach"] += len(q) - int(kept.sum())
+        inside = (d <= self._extent).all(axis=1)
+        if self.session.medium.singular and inside.any():
+            for m in np.flatnonzero(inside):
+                r = self.session.array.positions - q[m]
+                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
+                    kept[m] = False
+                    self.skipped["samples on a transducer"] += 1
+        return kept
+
+
+def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
+    """Samples that stay as they are, and those of each object that does not sound all of its own at once."""
+    items = samples.items
+    moving = [i for i in np.unique(samples.objects).tolist() if not items[i].technique.still]
+    if not moving:
+        return samples, []
+    parts = [(items[i], samples.only(samples.objects == i)) for i in moving]
+    return samples.only(~np.isin(samples.objects, moving)), parts
+
+
+def _presented(item: Object, samples: Samples, t: float) -> Samples:
+    return item.technique.present(samples, t, item.pose.matrix)

@@ -1,0 +1,98 @@
+"""A recording's scenes rendered again: the same frames, bit for bit, on the same machine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import RecordingError
+from pacinian.plugins.backend import Backend, Capability, Frame
+from pacinian.rendering.settings import read
+
+if TYPE_CHECKING:
+    from typing import ClassVar
+
+    from pacinian.acoustics.array import Array
+    from pacinian.rendering.recording import Recording
+
+
+class Kept(Backend):
+    """Keeps the last frame. capability: of the device that was recorded."""
+
+    name: ClassVar[str] = "kept"
+
+    def __init__(self, capability: Capability) -> None:
+        self._capability = capability
+        self.frame: Frame | None = None
+
+    @property
+    def capability(self) -> Capability:
+        """As recorded."""
+        return self._capability
+
+    def open(self, array: Array) -> None:
+        """Nothing to do."""
+
+    def send(self, frame: Frame) -> None:
+        """Keep it."""
+        self.frame = frame
+
+    def silence(self) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """Nothing to do."""
+
+
+class Then:
+    """A clock that tells the time of the tick being rendered again. time: [s]."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+
+    def now(self) -> float:
+        """Seconds."""
+        return self.time
+
+    def wait_until(self, due: float) -> None:
+        """At once."""
+
+
+def rerender(recording: Recording) -> tuple[int, int]:
+    """Render the recorded scenes again; return how many ticks, and in how many the frames (K, N) differ.
+
+    recording: with its scenes. All that was decided by time is decided again by the times that were
+    noted. Raises RecordingError if the recording lacks its scenes, or is damaged.
+    """
+    device, clock = Kept(recording.capability), Then()
+    try:
+        renderer = read(recording.settings, recording.positions, recording.normals, device, clock)
+    except Exception as error:  # the file may say anything
+        raise RecordingError(
+            recording.path, f"has no settings to render it with again: {error}"
+        ) from error
+    ticks = different = 0
+    with renderer:
+        for tick in recording.ticks():
+            if tick.asked is None:
+                raise RecordingError(recording.path, f"lacks the scene of tick {ticks}")
+            if tick.begins and ticks:
+                renderer.reset()
+            renderer.scene, renderer.limits = tick.asked.scene, tick.asked.limits
+            renderer.session.solver = tick.asked.solver
+            renderer.tape.tell(list(tick.clock))
+            clock.time = tick.time
+            renderer.tick(tick.time)
+            if renderer.halted is not None:
+                problem = f"tick {ticks} cannot be rendered again: {renderer.halted.message}"
+                raise RecordingError(recording.path, problem)
+            different += not _same(tick.frame, device.frame)
+            ticks += 1
+    return ticks, different
+
+
+def _same(a: Frame, b: Frame | None) -> bool:
+    if b is None:
+        return False
+    return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)

@@ -1,0 +1,208 @@
+"""Scenes as they change, for recordings: each time only what is new.
+
+What stays the same object while recording is one object when read, too: it decides what is sampled anew.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import Field, asdict, dataclass, fields, is_dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import msgspec
+import numpy as np
+
+from pacinian.errors import ArgumentError, PacinianError
+from pacinian.plugins.registry import solver as solver_of
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Object
+from pacinian.scene.scene import Scene, Workspace
+from pacinian.solving.problem import Limits
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.plugins.solver import Solver
+
+    News = dict[int, Any]  # of a list: where each part of another place comes from, or what it is
+
+T = TypeVar("T")
+
+HAND = ("joints", "radii", "velocities", "vertices", "faces")
+OPEN = "envelope", "technique"  # fields that may hold, or hold what holds, any object of one's own
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What one tick was given: the scene, the solver, the limits."""
+
+    scene: Scene
+    solver: Solver
+    limits: Limits
+
+
+class Writer:
+    """Tells what is new against the last time. It raises ArgumentError for what cannot be written."""
+
+    def __init__(self) -> None:
+        self._last: Asked | None = None
+
+    def changes(self, asked: Asked) -> dict[str, Any]:
+        """What is new, as plain values."""
+        new: dict[str, Any] = {}
+        last, scene = self._last, asked.scene
+        if last is None or scene is not last.scene:
+            old = Scene() if last is None else last.scene
+            new["count"] = len(scene.objects)
+            new["objects"] = _news(scene.objects, old.objects, _packed)
+            new["hands"] = len(scene.hands), _news(scene.hands, old.hands, _hand)
+            new["until"] = scene.moves_until
+            if scene.workspace != old.workspace:
+                room = scene.workspace
+                new["workspace"] = None if room is None else [room.lower, room.upper]
+        if last is None or asked.solver is not last.solver:
+            new["solver"] = asked.solver.name, _options(asked.solver)
+        if last is None or asked.limits is not last.limits:
+            new["limits"] = {k: _plain(v) for k, v in asdict(asked.limits).items()}
+        self._last = asked
+        return new
+
+
+class Reader:
+    """Puts together what a `Writer` told. It raises any Exception for what is damaged."""
+
+    def __init__(self) -> None:
+        self._asked: Asked | None = None
+
+    def next(self, new: dict[str, Any]) -> Asked:
+        """What the tick was given."""
+        last = self._asked
+        scene = Scene() if last is None else last.scene
+        if "objects" in new:
+            objects = _merged(new["objects"], new["count"], scene.objects, _unpacked)
+            count, changed = new["hands"]
+            hands = _merged(changed, count, scene.hands, _unhand)
+            workspace = scene.workspace
+            if "workspace" in new:
+                room = new["workspace"]
+                workspace = None if room is None else Workspace(tuple(room[0]), tuple(room[1]))
+            scene = Scene(objects, workspace, hands)
+            # not all scenes of the same objects have the same: `put` keeps the latest
+            scene.__dict__["moves_until"] = float(new["until"])
+        solver, limits = (None, None) if last is None else (last.solver, last.limits)
+        if "solver" in new:
+            name, options = new["solver"]
+            solver = solver_of(name, **options)
+        if "limits" in new:
+            limits = Limits(**{k: _array(v) for k, v in new["limits"].items()})
+        if solver is None or limits is None:
+            raise ValueError("the first tick lacks a solver or limits")
+        if last is None or new:
+            self._asked = last = Asked(scene, solver, limits)
+        return last
+
+
+def _news(now: tuple[T, ...], old: tuple[T, ...], pack: Callable[[T, T | None], Any]) -> News:
+    """For each part of `now` that is not where it was: where it was in `old`, or the part, packed."""
+    if now is old:
+        return {}
+    changed = [i for i, part in enumerate(now) if i >= len(old) or part is not old[i]]
+    if not changed:
+        return {}
+    place = {id(part): i for i, part in enumerate(old)}
+    return {
+        i: pack(part, old[i] if i < len(old) else None) if was is None else was
+        for i, part, was in ((i, now[i], place.get(id(now[i]))) for i in changed)
+    }
+
+
+def _merged(
+    news: News, count: int, old: tuple[T, ...], unpack: Callable[[T | None, Any], T]
+) -> tuple[T, ...]:
+    parts = list(old[:count])
+    for i, new in news.items():
+        was = old[i] if i < len(old) else None
+        part = old[new] if isinstance(new, int) else unpack(was, new)
+        parts[i : i + 1] = [part]
+    if len(parts) != count:
+        raise ValueError(f"{len(parts)} parts are not {count}")
+    return tuple(parts)
+
+
+def _packed(item: Object, old: Object | None) -> Any:
+    """An object, or, in a list, only those of its fields that are new: shapes may be large."""
+    try:
+        whole = type(item) is not type(old)
+        now = {name: getattr(item, name) for name in item.__struct_fields__}
+        new = {k: v for k, v in now.items() if whole or v is not getattr(old, k)}
+        for name in new.keys() & OPEN:
+            _readable(new[name], _kinds(type(item))[name])
+        return msgspec.msgpack.encode(item) if whole else [msgspec.msgpack.encode(new)]
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        what = item.name or type(item).__name__
+        raise ArgumentError("scene", f"cannot be recorded: {what}: {error}") from error
+
+
+def _unpacked(old: Object | None, packed: Any) -> Object:
+    if isinstance(packed, bytes):
+        made: Object = msgspec.msgpack.decode(packed, type=Object)
+        return made
+    if old is None:
+        raise ValueError("there is no object that could have changed")
+    new, kinds = msgspec.msgpack.decode(packed[0]), _kinds(type(old))
+    return msgspec.structs.replace(old, **{k: msgspec.convert(v, kinds[k]) for k, v in new.items()})
+
+
+def _readable(value: Any, kind: Any) -> None:
+    if msgspec.msgpack.decode(msgspec.msgpack.encode(value), type=kind) != value:
+        raise TypeError(f"{value!r} is not of ours")
+
+
+@functools.cache
+def _kinds(cls: type[Object]) -> dict[str, Any]:
+    return {field.name: field.type for field in msgspec.structs.fields(cls)}
+
+
+def _hand(hand: Hand, old: Hand | None) -> dict[str, Any]:
+    arrays = {k: getattr(hand, k) for k in HAND}
+    new = {k: _plain(v) for k, v in arrays.items() if old is None or v is not getattr(old, k)}
+    return {**new, "side": hand.side, "time": hand.time, "name": hand.name}
+
+
+def _unhand(old: Hand | None, values: dict[str, Any]) -> Hand:
+    arrays = {k: _array(values[k]) if k in values else getattr(old, k) for k in HAND}
+    return Hand(**arrays, side=values["side"], time=values["time"], name=values["name"])
+
+
+def _plain(value: Any) -> Any:
+    """An array, or a nest of them, as bytes, shape and kind."""
+    if isinstance(value, np.ndarray):
+        return {"kind": value.dtype.str, "shape": list(value.shape), "bytes": value.tobytes()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(part) for part in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    return value
+
+
+def _array(value: Any) -> Any:
+    if isinstance(value, dict):
+        shape = tuple(value["shape"])
+        return np.frombuffer(value["bytes"], value["kind"]).reshape(shape).copy()
+    if isinstance(value, list):
+        return tuple(_array(part) for part in value)
+    return value
+
+
+def _options(solver: Solver) -> dict[str, Any]:
+    """Its settings: a solver of the same kind, that has them, must be among the plug-ins."""
+    settings: tuple[Field[Any], ...] = fields(solver) if is_dataclass(solver) else ()
+    options: dict[str, Any] = {f.name: getattr(solver, f.name) for f in settings if f.init}
+    try:
+        same = type(solver_of(solver.name, **options)) is type(solver)
+        msgspec.msgpack.encode(options)
+    except (PacinianError, TypeError) as error:
+        raise ArgumentError("solver", f"cannot be recorded: {error}") from error
+    if not same:
+        raise ArgumentError("solver", f"cannot be recorded: {solver.name!r} is another one")
+    return options

@@ -1,0 +1,72 @@
+"""What all objects have in common: how strong, how over time, how hard, how it moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.checks import integer, kind, number
+from pacinian.errors import ArgumentError
+from pacinian.scene.material import FIRM, Material
+from pacinian.scene.motion import Motion
+from pacinian.scene.time.envelope import STEADY, Envelope, Wave, resolve
+from pacinian.scene.time.technique import AM, LM, SIMULTANEOUS, STM, Simultaneous, Technique
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SMALLEST = 1e-12  # [m^2]
+MANY = 1_000_000
+
+
+class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What all objects have.
+
+    radiation_pressure: [Pa], or force: [N] over the whole of it; with a hand, the most that it presses
+    with. envelope: over time, or a preset's name. technique: how its samples are presented in time.
+    material: from depth to pressure. motion: since it was seen at its pose. priority: higher ones get
+    samples first. name: what it is called in messages; a later object of the same name replaces it.
+    """
+
+    radiation_pressure: float | None = None
+    force: float | None = None
+    envelope: Envelope = STEADY
+    technique: Technique = SIMULTANEOUS
+    material: Material = FIRM
+    motion: Motion | None = None
+    priority: int = 0
+    name: str = ""
+
+    def load(self) -> Iterator[str]:
+        """Read its files, if it has any: tells of each field before it is looked at. Raises ArgumentError."""
+        yield "envelope"
+        if isinstance(self.envelope, Wave):
+            self.envelope.at(np.zeros(1))
+
+    def _check(self) -> None:
+        if (self.radiation_pressure is None) == (self.force is None):
+            raise ArgumentError("radiation_pressure", "or `force` must be given, and not both")
+        for name in ("radiation_pressure", "force"):
+            if (value := getattr(self, name)) is not None:
+                force_setattr(self, name, number(name, value, low=0.0))
+        if self.envelope is not STEADY:
+            force_setattr(self, "envelope", resolve(self.envelope))
+        if self.technique is not SIMULTANEOUS:
+            kind("technique", self.technique, Simultaneous, AM, STM, LM)
+        if self.material is not FIRM:
+            kind("material", self.material, Material)
+        if self.motion is not None:
+            kind("motion", self.motion, Motion)
+        if self.priority != 0:
+            force_setattr(self, "priority", integer("priority", self.priority, low=-MANY))
+        if type(self.name) is not str:
+            raise ArgumentError("name", f"must be a text, not {self.name!r}")
+
+    def _pressure(self, area: float) -> float:
+        """Radiation pressure [Pa] over `area` [m^2]."""
+        if self.radiation_pressure is not None:
+            return self.radiation_pressure
+        return (self.force or 0.0) / max(area, SMALLEST)

@@ -1,0 +1,1 @@
+"""Hands: joints or a mesh, and the skin on them."""

@@ -1,0 +1,216 @@
+"""The hand's flesh as a union of capsules, one around each bone and some that fill the palm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.acoustics.compiled import compiled
+from pacinian.scene.hands.bones import ENDS
+
+if TYPE_CHECKING:
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.types import Flags, Floats, Indices
+
+BURIED = 5e-4  # [m]; what lies deeper within another capsule is not skin
+SEARCH = 100  # steps from inside of the union to its surface
+ARRIVED = 1e-12  # [m]
+TINY = 1e-15  # [m]; nearer to an axis than this, there is no direction away from it
+
+
+class Nearest(NamedTuple):
+    """The nearest skin to each of P points.
+
+    points: on the skin, (P, 3) [m]. normals: its outward normals there, (P, 3). distance: to the skin,
+    negative inside, (P,) [m]. bone: whose skin, (P,).
+    """
+
+    points: Floats
+    normals: Floats
+    distance: Floats
+    bone: Indices
+
+
+def capsules(hand: Hand) -> Floats:
+    """A hand's C capsules, (C, 7) [m]: both ends of the axis, and the radius, the mean of its joints'."""
+    if hand.joints is None:
+        return np.empty((0, 7))
+    out = np.empty((len(ENDS), 7))
+    _capsules(hand.joints.copy(), hand.radii.copy(), ENDS, out)
+    return out
+
+
+def bounds(capsules: Floats) -> Floats:
+    """A sphere around each capsule: its centre and radius, (C, 4) [m]."""
+    out = np.empty((len(capsules), 4))
+    _bounds(capsules, out)
+    return out
+
+
+def distance_to_skin(capsules: Floats, points: Floats) -> Floats:
+    """Signed distance of points, (P, 3), to the union of the capsules, (P,) [m]; negative inside.
+
+    Exact outside; inside it is the depth within the capsule that the point is deepest in, and the skin
+    may be further away.
+    """
+    return _found(capsules, points, 0).distance
+
+
+def closest(capsules: Floats, points: Floats) -> Nearest:
+    """The nearest skin of the union of the capsules to points, (P, 3).
+
+    Exact outside. From inside, the way goes out of the capsule that the point is deepest in, and on out
+    of the next if that ends in another; the distance is as of `distance_to_skin`. From an axis, where
+    all ways are the same, it goes to some side.
+    """
+    return _found(capsules, points, SEARCH)
+
+
+def _found(capsules: Floats, points: Floats, steps: int) -> Nearest:
+    """`closest` in at most so many steps; with 0 the distances alone are to be used."""
+    P = len(points)
+    out = Nearest(np.empty((P, 3)), np.empty((P, 3)), np.empty(P), np.empty(P, dtype=np.intp))
+    _nearest(np.ascontiguousarray(capsules), np.ascontiguousarray(points), steps, *out)
+    return out
+
+
+def buried(capsules: Floats, points: Floats, bone: Indices, which: Indices) -> Flags:
+    """Whether each of the points `which`, (K,), lies more than 0.5 mm inside of a capsule, (K,).
+
+    points: (P, 3). bone: each point's own capsule, which does not count, (P,).
+    """
+    out = np.empty(len(which), dtype=np.bool_)
+    buried_in(capsules, points, bone, np.ascontiguousarray(which), out)
+    return out
+
+
+@compiled("void(f8[:, ::1], f8[::1], i8[:, ::1], f8[:, ::1])")
+def _capsules(joints: Floats, radii: Floats, ends: Indices, out: Floats) -> None:
+    for c in range(ends.shape[0]):
+        i, j, k, m = ends[c, 0], ends[c, 1], ends[c, 2], ends[c, 3]
+        for x in range(3):
+            out[c, x] = (joints[i, x] + joints[j, x]) / 2.0
+            out[c, 3 + x] = (joints[k, x] + joints[m, x]) / 2.0
+        out[c, 6] = (radii[i] + radii[j] + radii[k] + radii[m]) / 4.0
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1])")
+def _bounds(capsules: Floats, out: Floats) -> None:
+    for c in range(capsules.shape[0]):
+        square = 0.0
+        for x in range(3):
+            half = (capsules[c, 3 + x] - capsules[c, x]) / 2.0
+            out[c, x] = capsules[c, x] + half
+            square += half * half
+        out[c, 3] = np.sqrt(square) + capsules[c, 6]
+
+
+@compiled("Tuple((f8, f8, f8, f8))(f8[:, ::1], i8, f8, f8, f8)")
+def _from_axis(
+    capsules: Floats, c: int, x: float, y: float, z: float
+) -> tuple[float, float, float, float]:
+    """The way to a point from the nearest place of a capsule's axis, and its length [m]."""
+    ax, ay, az = capsules[c, 0], capsules[c, 1], capsules[c, 2]
+    ux, uy, uz = capsules[c, 3] - ax, capsules[c, 4] - ay, capsules[c, 5] - az
+    dx, dy, dz = x - ax, y - ay, z - az
+    length = ux * ux + uy * uy + uz * uz
+    t = (dx * ux + dy * uy + dz * uz) / length if length > 0.0 else 0.0
+    t = min(max(t, 0.0), 1.0)
+    dx, dy, dz = dx - t * ux, dy - t * uy, dz - t * uz
+    return dx, dy, dz, np.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@compiled("Tuple((f8, i8))(f8[:, ::1], f8, f8, f8)")
+def _union(capsules: Floats, x: float, y: float, z: float) -> tuple[float, int]:
+    """Signed distance of a point to the union [m], and the capsule it is nearest to or deepest in."""
+    best, bone = 1e300, 0
+    for c in range(capsules.shape[0]):
+        _, _, _, away = _from_axis(capsules, c, x, y, z)
+        away -= capsules[c, 6]
+        if away < best:
+            best, bone = away, c
+    return best, bone
+
+
+@compiled("UniTuple(f8, 3)(f8[:, ::1], i8)")
+def _side(capsules: Floats, c: int) -> tuple[float, float, float]:
+    """A direction across a capsule's axis."""
+    ux, uy, uz = (
+        capsules[c, 3] - capsules[c, 0],
+        capsules[c, 4] - capsules[c, 1],
+        capsules[c, 5] - capsules[c, 2],
+    )
+    if abs(ux) > abs(uz):
+        size = np.sqrt(ux * ux + uy * uy)
+        return -uy / size, ux / size, 0.0
+    size = np.sqrt(uy * uy + uz * uz)
+    return (0.0, -uz / size, uy / size) if size > 0.0 else (0.0, 0.0, 1.0)
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], i8, f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
+def _nearest(
+    capsules: Floats, points: Floats, steps: int,
+    surface: Floats, normals: Floats, distance: Floats, bone: Indices,
+) -> None:  # fmt: skip
+    for p in range(points.shape[0]):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        away, c = _union(capsules, x, y, z)
+        distance[p] = away
+        nx, ny, nz = 0.0, 0.0, 0.0
+        for _ in range(steps):
+            nx, ny, nz, size = _from_axis(capsules, c, x, y, z)
+            if size > TINY:
+                nx, ny, nz = nx / size, ny / size, nz / size
+            else:
+                nx, ny, nz = _side(capsules, c)
+            out = capsules[c, 6] - size
+            x, y, z, bone[p] = x + out * nx, y + out * ny, z + out * nz, c
+            away, c = _union(capsules, x, y, z)
+            if away > -ARRIVED:
+                break
+        surface[p, 0], surface[p, 1], surface[p, 2] = x, y, z
+        normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], b1[::1])")
+def buried_in(capsules: Floats, points: Floats, bone: Indices, which: Indices, out: Flags) -> None:
+    """The kernel of `buried`. out: (I,)."""
+    C = capsules.shape[0]
+    balls = np.empty((C, 4))
+    _bounds(capsules, balls)
+    touching, touched = np.empty((C, C), dtype=np.int64), np.zeros(C, dtype=np.int64)
+    for c in range(C):
+        for other in range(C):
+            dx, dy, dz = (
+                balls[c, 0] - balls[other, 0],
+                balls[c, 1] - balls[other, 1],
+                balls[c, 2] - balls[other, 2],
+            )
+            reach = balls[c, 3] + balls[other, 3]
+            if c != other and dx * dx + dy * dy + dz * dz < reach * reach:
+                touching[c, touched[c]] = other
+                touched[c] += 1
+    u, inverse, square = np.empty((C, 3)), np.empty(C), np.empty(C)
+    for c in range(C):
+        length = 0.0
+        for x in range(3):
+            u[c, x] = capsules[c, 3 + x] - capsules[c, x]
+            length += u[c, x] * u[c, x]
+        inverse[c] = 1.0 / length if length > 0.0 else 0.0
+        square[c] = max(capsules[c, 6] - BURIED, 0.0) ** 2
+    for i in range(which.size):
+        k = which[i]
+        c = bone[k]
+        out[i] = False
+        for n in range(touched[c]):
+            other = touching[c, n]
+            dx = points[k, 0] - capsules[other, 0]
+            dy = points[k, 1] - capsules[other, 1]
+            dz = points[k, 2] - capsules[other, 2]
+            t = (dx * u[other, 0] + dy * u[other, 1] + dz * u[other, 2]) * inverse[other]
+            t = min(max(t, 0.0), 1.0)
+            dx, dy, dz = dx - t * u[other, 0], dy - t * u[other, 1], dz - t * u[other, 2]
+            if dx * dx + dy * dy + dz * dz < square[other]:
+                out[i] = True
+                break

@@ -1,0 +1,227 @@
+"""A hand as a tracker gives it: 26 joints, or a mesh of its skin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import numpy as np
+
+from pacinian.acoustics.pose import Pose
+from pacinian.checks import number, numbers
+from pacinian.errors import ArgumentError
+from pacinian.scene.hands import rest
+
+if TYPE_CHECKING:
+    from pacinian.types import ArrayLike, Floats, Indices
+
+Side = Literal["left", "right"]
+
+LARGEST = 1.0  # [m] across; nothing longer is a hand
+THICKEST = 0.1  # [m]
+HERE = Pose()
+PALM, WRIST, KNUCKLE = (
+    0,
+    1,
+    11,
+)  # KNUCKLE: the middle finger's metacarpal, and then its proximal joint
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """A hand at one moment, in metres and in the world's frame.
+
+    joints: (26, 3) [m], in the order of OpenXR's XrHandJointEXT: palm, wrist, four of the thumb
+    (metacarpal, proximal, distal, tip), five of each finger from the index on (metacarpal, proximal,
+    intermediate, distal, tip). radii: from each joint to the skin, (26,) [m]; an adult's unless given.
+    side: "left" or "right". velocities: of the joints, (26, 3) [m/s], or (3,) for all; unknown unless
+    given and finite. time: when it was measured [s]. vertices, faces: a mesh of the skin, (V, 3) [m] and
+    (F, 3), in place of joints and radii. name: its side unless given.
+
+    A tracker that loses the hand may give joints or vertices that are NaN or infinite: such a hand is
+    `lost`, its radii are not looked at, and it must not be placed. Raises ArgumentError for anything
+    else that cannot be meant.
+    """
+
+    joints: Floats | None
+    radii: Floats
+    side: Side
+    velocities: Floats | None
+    time: float | None
+    vertices: Floats | None
+    faces: Indices | None
+    name: str
+    lost: bool = field(init=False, repr=False)
+
+    def __init__(
+        self,
+        joints: ArrayLike | None = None,
+        radii: ArrayLike | None = None,
+        *,
+        side: Side = "right",
+        velocities: ArrayLike | None = None,
+        time: float | None = None,
+        vertices: ArrayLike | None = None,
+        faces: ArrayLike | None = None,
+        name: str = "",
+    ) -> None:
+        if side not in ("left", "right"):
+            raise ArgumentError("side", f'must be "left" or "right", not {side!r}')
+        if (vertices is None) != (faces is None):
+            raise ArgumentError("vertices", "and `faces` must be given together")
+        if joints is None and vertices is None:
+            raise ArgumentError("joints", "or `vertices` and `faces` must be given")
+        J, lost = (None, False) if joints is None else _measured("joints", joints, (rest.JOINTS, 3))
+        V, gone = (None, False) if vertices is None else _measured("vertices", vertices, (None, 3))
+        for given, points in (("joints", J), ("vertices", V)):
+            if points is not None:
+                _sized(given, points)
+        self._set(
+            joints=J,
+            radii=RADII if radii is None or (J is not None and lost) else _radii(radii),
+            side=side,
+            velocities=None if velocities is None else _velocities(velocities),
+            time=None if time is None else number("time", time),
+            vertices=V,
+            faces=None if faces is None or V is None else _faces(faces, len(V)),
+            name=name or side,
+            lost=lost or gone,
+        )
+
+    @classmethod
+    def open(cls, side: Side = "right", pose: Pose = HERE, **given: Any) -> Hand:
+        """An adult's flat hand, fingers straight and slightly spread, its palm joint at the pose's position.
+
+        In the pose's frame the fingers point along +y and the palm faces -z, so that with the identity
+        rotation the hand looks down on an array that sends up; seen from above the thumb of the right
+        hand is at -x, of the left at +x. given: radii, velocities, time or name.
+        """
+        local = rest.joints()
+        if side == "left":
+            local[:, 0] *= -1.0
+        return cls(pose.points(local), side=side, **given)
+
+    @classmethod
+    def leap(
+        cls, bones: ArrayLike, widths: ArrayLike, wrist: ArrayLike, side: Side, **given: Any
+    ) -> Hand:
+        """A hand in the layout of Ultraleap's LeapC (LEAP_HAND), lengths in metres: LeapC's times 1e-3.
+
+        bones: both ends (prev_joint, next_joint) of the four bones (metacarpal, proximal, intermediate,
+        distal) of the five digits from the thumb on, (5, 4, 2, 3) [m]; the thumb's metacarpal, which has
+        no length there, is not looked at: its anatomical one is LeapC's proximal. widths: of the flesh
+        around each bone, (5, 4) [m]; a joint's radius is a quarter of those of its two bones together.
+        wrist: the arm's next_joint, (3,) [m], whose radius is an adult's, as LeapC has only the
+        forearm's width. The palm is the middle of the middle finger's metacarpal, as OpenXR puts it; it
+        lies a little beside LEAP_PALM's. given: velocities, time or name.
+        """
+        B, lost = _measured("bones", bones, (5, 4, 2, 3))
+        W = np.full((5, 4), 0.02) if lost else numbers("widths", widths, (5, 4))
+        joints, radii = np.zeros((rest.JOINTS, 3)), RADII.copy()
+        joints[WRIST] = _measured("wrist", wrist, (3,))[0]
+        first = 2
+        for digit in range(5):
+            chain, width = (B[0, 1:], W[0, 1:]) if digit == 0 else (B[digit], W[digit])
+            last = first + len(chain)
+            joints[first:last], joints[last] = chain[:, 0], chain[-1, 1]
+            around = np.concatenate([width[:1], width, width[-1:]])
+            radii[first : last + 1] = (around[:-1] + around[1:]) / 4.0
+            first = last + 1
+        joints[PALM] = (joints[KNUCKLE] + joints[KNUCKLE + 1]) / 2.0
+        radii[PALM] = radii[KNUCKLE]
+        return cls(joints, radii, side=side, **given)
+
+    def moved(self, pose: Pose) -> Hand:
+        """This hand moved by `pose`: turned about the world's origin, then shifted; velocities turn too."""
+        return self._with(
+            joints=None if self.joints is None else pose.points(self.joints),
+            velocities=None if self.velocities is None else pose.directions(self.velocities),
+            vertices=None if self.vertices is None else pose.points(self.vertices),
+        )
+
+    def after(self, seconds: float) -> Hand:
+        """This hand `seconds` later, if its joints' velocities last; itself if they are not known.
+
+        Vertices move with the palm joint's velocity.
+        """
+        if self.velocities is None:
+            return self
+        J, V, v = self.joints, self.vertices, self.velocities * seconds
+        return self._with(
+            joints=None if J is None else J + v,
+            vertices=None if V is None else V + v[PALM],
+            time=None if self.time is None else self.time + seconds,
+        )
+
+    @property
+    def carriers(self) -> Floats:
+        """The points that carry its skin: vertices if there are any, or else joints, (P, 3) [m]."""
+        points = self.joints if self.vertices is None else self.vertices
+        assert points is not None  # one of them was given
+        return points
+
+    def shifted(self, d: Floats) -> Hand:
+        """With each of its carriers moved by d, (P, 3) [m]."""
+        name = "joints" if self.vertices is None else "vertices"
+        return self._with(**{name: self.carriers + d})
+
+    def _with(self, **changes: Any) -> Hand:
+        """The same but for `changes`, which are not checked again."""
+        hand = object.__new__(Hand)
+        hand._set(**{**self.__dict__, **changes})
+        return hand
+
+    def _set(self, **values: Any) -> None:
+        for value in values.values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        self.__dict__.update(values)
+
+
+def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tuple[Floats, bool]:
+    """A copy of `value` as numbers of that shape, with NaN for each that is none, and whether any is."""
+    try:
+        known = np.isfinite(cast("Floats", value))
+    except (TypeError, ValueError):
+        return numbers(name, value, shape).copy(), False
+    array = numbers(name, np.where(known, cast("Floats", value), 0.0), shape)
+    return np.where(known, array, np.nan), not known.all()
+
+
+def _sized(name: str, points: Floats) -> None:
+    """Refuse what is too large for a hand, and so must have been meant in millimetres."""
+    across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
+    if across > LARGEST:  # not if NaN
+        raise ArgumentError(
+            name, f"span {across:.4g} m: lengths are in metres (were millimetres given?)"
+        )
+
+
+def _radii(value: ArrayLike) -> Floats:
+    radii = numbers("radii", value, (rest.JOINTS,)).copy()
+    if radii.min() <= 0.0:
+        raise ArgumentError("radii", f"must be more than 0, not {radii.min():g}")
+    if radii.max() > THICKEST:
+        raise ArgumentError(
+            "radii", f"reach {radii.max():.4g} m: lengths are in metres (were millimetres given?)"
+        )
+    return radii
+
+
+def _velocities(value: ArrayLike) -> Floats | None:
+    try:
+        shape = (3,) if np.ndim(value) == 1 else (rest.JOINTS, 3)
+    except ValueError:  # ragged
+        shape = (rest.JOINTS, 3)
+    v, unknown = _measured("velocities", value, shape)
+    return None if unknown else np.broadcast_to(v, (rest.JOINTS, 3)).copy()
+
+
+def _faces(value: ArrayLike, vertices: int) -> Indices:
+    faces = numbers("faces", value, (None, 3))
+    if not len(faces) or (faces % 1.0).any() or faces.min() < 0 or faces.max() >= vertices:
+        raise ArgumentError("faces", f"must be whole numbers from 0 to {vertices - 1}, of vertices")
+    return faces.astype(np.intp)
+
+
+RADII = rest.radii()

@@ -1,0 +1,127 @@
+"""The skin of a hand given as a triangle mesh: points that stick to its faces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.compiled import compiled
+from pacinian.checks import count
+from pacinian.errors import ArgumentError
+from pacinian.scene.hands.capsules import Nearest
+from pacinian.scene.hands.levels import GRAIN, Surface, gathered, spread
+from pacinian.scene.hands.skin import Placed, Skin
+
+if TYPE_CHECKING:
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.types import Flags, Floats, Indices
+
+PATCHES = 24
+TINY = 1e-300
+
+
+class MeshSkin(Skin):
+    """The skin of all hands that have the faces of this one, which is at rest.
+
+    Each point keeps its barycentric coordinates on its face. Outward is where most of the faces look away
+    from the middle. A patch, in place of a bone, is the faces nearest to one of the first 24 points.
+    Nothing tells fingers apart but their normals, so that on coarse levels points on neighbouring fingers
+    may share. A face that has lost its area has the normal 0.
+    """
+
+    def __init__(self, hand: Hand) -> None:
+        V, F = _mesh(hand)
+        if hand.lost:
+            raise ArgumentError("hand", "must not be lost when it is first seen")
+        from trimesh import Trimesh
+        from trimesh.sample import sample_surface
+        from trimesh.triangles import points_to_barycentric
+
+        corners = V[F]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        self.doubled = np.linalg.norm(across, axis=1)  # twice each face's area
+        total = float(self.doubled.sum()) / 2.0
+        if not total > 0.0:
+            raise ArgumentError("faces", "must have an area")
+        middle = corners.mean(axis=1)
+        self.outward = 1.0 if ((middle - V.mean(axis=0)) * across).sum() >= 0.0 else -1.0
+        N = max(1, round(count(total, GRAIN, 2)))
+        points, face = sample_surface(Trimesh(V, F, process=False), N, seed=0)[:2]
+        points, face = np.ascontiguousarray(points), np.asarray(face, dtype=np.intp)
+        normals = self.outward * across[face] / self.doubled[face, None]
+        surface = Surface(points, normals, np.zeros(N, dtype=np.intp))
+        order, apart, nearest = spread(surface)
+        surface, self.face = surface.only(order), face[order]
+        self.coordinates: Floats = points_to_barycentric(corners[self.face], surface.points)  # type: ignore[no-untyped-call]
+        away = np.linalg.norm(middle[:, None] - surface.points[:PATCHES], axis=2)
+        self.patch = away.argmin(axis=1)
+        area = np.full(N, total / N)
+        super().__init__(surface, apart, gathered(nearest, area), self.patch[self.face])
+
+    def place(self, hand: Hand) -> Placed:
+        """Where the points are on a hand of this kind, which is not lost."""
+        V, F = _mesh(hand)
+        K, C = len(self), int(self.bone.max()) + 1
+        placed = Placed(
+            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), np.empty((0, 7)), np.zeros((C, 4))
+        )
+        _place(
+            V.copy(), F[self.face], self.coordinates, self.outward, self.doubled[self.face],
+            self.area, self.bone, placed.points, placed.normals, placed.area, placed.bounds,
+        )  # fmt: skip
+        return placed
+
+    def exposed(self, placed: Placed, which: Indices) -> Flags:
+        """Which of the points `which`, (I,), are skin, (I,): all of a mesh's."""
+        return np.ones(len(which), dtype=np.bool_)
+
+    def closest(self, hand: Hand, points: Floats) -> Nearest:
+        """The hand's nearest skin to points, (P, 3) [m]."""
+        import igl
+
+        V, F = _mesh(hand)
+        found = igl.signed_distance(points, V, F, igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL)
+        distance, face, surface, normals = map(np.asarray, found)
+        size = np.linalg.norm(normals, axis=1, keepdims=True)
+        out = self.outward * normals / np.maximum(size, TINY)
+        return Nearest(surface, out, self.outward * distance, self.patch[face])
+
+
+def _mesh(hand: Hand) -> tuple[Floats, Indices]:
+    if hand.vertices is None or hand.faces is None:
+        raise ArgumentError("hand", "must have vertices and faces")
+    return hand.vertices, hand.faces
+
+
+@compiled(
+    "void(f8[:, ::1], i8[:, ::1], f8[:, ::1], f8, f8[::1], f8[::1], i8[::1],"
+    " f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1])"
+)
+def _place(
+    vertices: Floats, corners: Indices, coordinates: Floats, outward: float, doubled: Floats,
+    area: Floats, patch: Indices, at: Floats, facing: Floats, stands: Floats, bounds: Floats,
+) -> None:  # fmt: skip
+    """Write where the points of a mesh skin are: `at`, `facing`, the area each `stands` for, `bounds`."""
+    K, C = area.size, bounds.shape[0]
+    counts = np.zeros(C)
+    for k in range(K):
+        a, b, c = vertices[corners[k, 0]], vertices[corners[k, 1]], vertices[corners[k, 2]]
+        n = np.cross(b - a, c - a)
+        size = np.sqrt(np.sum(n * n))
+        counts[patch[k]] += 1.0
+        for i in range(3):
+            at[k, i] = (
+                coordinates[k, 0] * a[i] + coordinates[k, 1] * b[i] + coordinates[k, 2] * c[i]
+            )
+            facing[k, i] = outward * n[i] / size if size > 0.0 else 0.0
+            bounds[patch[k], i] += at[k, i]
+        stands[k] = area[k] * size / doubled[k]
+    for p in range(C):
+        for i in range(3):
+            bounds[p, i] /= max(counts[p], 1.0)
+    for k in range(K):
+        p, square = patch[k], 0.0
+        for i in range(3):
+            square += (at[k, i] - bounds[p, i]) ** 2
+        bounds[p, 3] = max(bounds[p, 3], np.sqrt(square))

@@ -1,0 +1,1 @@
+"""From a scene to samples: what is near, touched, resolved and felt."""

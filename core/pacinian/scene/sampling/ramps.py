@@ -1,0 +1,124 @@
+"""Pressures that come and go without a jump, whatever happens to their samples."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.scene.sampling.samples import Samples, joined, nothing
+
+if TYPE_CHECKING:
+    from pacinian.scene.objects import Object
+    from pacinian.types import Flags, Floats
+
+JUMP = 0.02  # [m] in one tick: the sample fades where it was, and rises where it is
+LONGEST = 0.02  # [s] that one tick may count for: time may jump
+
+
+class Ramps:
+    """Follows the samples asked for, no pressure changing faster than from 0 to its most in `ramp` [s].
+
+    Its most is that of its object, or its pressure where that is more. What is no longer asked for fades
+    out where it was last. 0: follows at once.
+    """
+
+    def __init__(self, ramp: float) -> None:
+        self.ramp = ramp
+        self._asked: Samples | None = None
+        self._last = nothing()
+        self._time = -math.inf
+        self._ghosts = 0
+
+    @property
+    def settled(self) -> bool:
+        """Whether the pressures are those asked for."""
+        return self._last is self._asked
+
+    def follow(self, asked: Samples, t: float) -> Samples:
+        """Samples at time t [s]; the very ones asked for once all has come up or gone."""
+        seconds = min(max(t - self._time, 0.0), LONGEST) if self._time > -math.inf else 0.0
+        self._time = t
+        if self.ramp == 0.0 or (asked is self._asked and self.settled):
+            self._asked = self._last = asked
+            return asked
+        self._asked = asked
+        share = seconds / self.ramp  # of its most, by which a pressure may change
+        last = self._last
+        was, gone, jumped = _matched(asked, last)
+        step = share * np.maximum(asked.most, was)
+        P = np.minimum(np.maximum(asked.radiation_pressure, was - step), was + step)
+        going = self._going(last, gone, jumped, share) if gone.any() else None
+        if going is None and (asked.radiation_pressure == P).all():
+            self._last = asked
+        else:
+            self._last = asked.with_pressure(P)
+        if going is not None:
+            self._last = _with(self._last, going)
+        return self._last
+
+    def _going(self, last: Samples, gone: Flags, jumped: Flags, share: float) -> Samples | None:
+        """What was sounded and is not asked for any more, fainter; None when nothing is left of it.
+
+        It keeps its key, so that it comes up from there when it is asked for again, unless that has jumped.
+        """
+        P = last.radiation_pressure
+        P = P - share * np.maximum(last.most, P)
+        left = gone & (P > 0.0)
+        if not left.any():
+            return None
+        going = last.only(left)
+        keys, new = going.keys.copy(), jumped[left]
+        count = int(new.sum())
+        keys[new] = -1 - self._ghosts - np.arange(count)
+        self._ghosts += count
+        return replace(going, radiation_pressure=P[left], keys=keys)
+
+
+def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
+    """Each asked sample's pressure until now, 0 for new ones; which of the last are gone; which have jumped."""
+    jumped = np.zeros(len(last), dtype=np.bool_)
+    if len(asked) == len(last) and (asked.keys == last.keys).all():
+        near = _near(asked.positions, last.positions)
+        if near.all():
+            return last.radiation_pressure, jumped, jumped
+        return np.where(near, last.radiation_pressure, 0.0), ~near, ~near
+    gone = np.ones(len(last), dtype=np.bool_)
+    if not (len(last) and len(asked)):
+        return np.zeros(len(asked)), gone, jumped
+    order = np.argsort(last.keys, kind="stable")
+    place = np.minimum(np.searchsorted(last.keys, asked.keys, sorter=order), len(last) - 1)
+    index = order[place]
+    found = last.keys[index] == asked.keys
+    near = found & _near(asked.positions, last.positions[index])
+    jumped[index[found & ~near]] = True
+    gone[index[near]] = False
+    return np.where(near, last.radiation_pressure[index], 0.0), gone, jumped
+
+
+def _near(a: Floats, b: Floats) -> Flags:
+    """Which of the points, (M, 3) [m], have not jumped, (M,)."""
+    d = a - b
+    return np.asarray(np.einsum("mk,mk->m", d, d) <= JUMP * JUMP)
+
+
+def _with(asked: Samples, going: Samples) -> Samples:
+    """Both. Objects that are gone follow the scene's."""
+    items = asked.items
+    extra: list[Object] = []
+    used, objects = np.unique(going.objects, return_inverse=True)
+    for n, i in enumerate(used.tolist()):
+        item = going.items[i]
+        if i >= len(items) or not _same(item, items[i]):
+            used[n] = len(items) + len(extra)
+            extra.append(item)
+    if extra:
+        items = (*items, *extra)
+    going = replace(going, objects=used[objects], items=items)
+    return joined([replace(asked, items=items), going])
+
+
+def _same(item: Object, other: Object) -> bool:
+    return item is other or (bool(item.name) and item.name == other.name)

@@ -1,0 +1,278 @@
+"""From a scene to samples, tick after tick: what is near, what is touched, what the array can resolve."""
+
+from __future__ import annotations
+
+import zlib
+from collections import Counter
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.checks import FAR, integer, length, number
+from pacinian.scene.objects import Surface, Volume
+from pacinian.scene.sampling.allot import allot
+from pacinian.scene.sampling.broad import merge, near
+from pacinian.scene.sampling.covers import Covers
+from pacinian.scene.sampling.distances import Distances
+from pacinian.scene.sampling.perception import faintest
+from pacinian.scene.sampling.ramps import Ramps
+from pacinian.scene.sampling.resolving import Resolving
+from pacinian.scene.sampling.samples import Samples, joined, nothing
+from pacinian.scene.sampling.sources import FINEST, Source, Spots, Whole, contact
+from pacinian.scene.sampling.tracks import HandTrack, Tracks
+from pacinian.scene.time.technique import AM
+from pacinian.scene.time.waves import Constant
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.touchable import Touchable
+    from pacinian.scene.scene import Scene, Workspace
+    from pacinian.types import Floats
+
+WAVELENGTH = 0.0085  # [m], where there is no array to ask
+NAMES = 1 << 31
+OFF = Constant(0.0)
+MERGED = 0.5  # of the spacing: what of different objects is nearer is one sample
+MOST = 2048  # samples that are looked at for that
+
+
+class Sampler:
+    """Samples scenes. It remembers: samples stay with their object or on the skin, and come and go smoothly.
+
+    budget: at most so many samples; where a scene has more, the objects of lowest priority are covered
+    more coarsely, then dropped. spacing: [m]; unless given, a wavelength, or what the array can resolve at
+    the place if that is coarser. ramp: [s] in which a pressure comes up or goes; 0 for at once.
+    perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
+    time is short. Raises ArgumentError.
+    """
+
+    def __init__(
+        self,
+        budget: int = 256,
+        spacing: float | None = None,
+        *,
+        ramp: float = 0.0,
+        perception: bool = True,
+    ) -> None:
+        self.budget = self.allowed = integer("budget", budget, low=1)
+        if spacing is not None:
+            spacing = number("spacing", length("spacing", spacing), low=FINEST)
+        self.spacing = spacing
+        self.ramp = number("ramp", ramp, low=0.0, high=10.0)
+        self.perception = bool(perception)
+        self.skipped: Counter[str] = Counter()
+        """What was left out, by reason."""
+        self._resolving: Resolving | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was sampled: the next scene begins from silence."""
+        self._tracks, self._hands = Tracks(), dict[str, HandTrack]()
+        self._covers, self._distances = Covers(), Distances()
+        self._ramps = Ramps(self.ramp)
+        self._asked: tuple[object, ...] = ()
+        self._target = nothing()
+        self._levels: dict[int, int] = {}
+        self._still = False
+        self._rooms: tuple[object, Floats] = (self, np.empty(6))
+
+    def prepare(self, array: Array, medium: Air) -> None:
+        """Sample for this array from now on."""
+        self._resolving = Resolving(array, medium)
+        self.reset()
+
+    def sample(self, scene: Scene, t: float = 0.0) -> Samples:
+        """Samples of `scene` at time t [s]; the same object as before where nothing has changed."""
+        asked = scene, self.allowed, self.spacing
+        if not (self._still and self._asked == asked):
+            self._target = self._sample(scene, t)
+            self._asked = asked
+        return self._ramps.follow(self._target, t)
+
+    def _sample(self, scene: Scene, t: float) -> Samples:
+        """What is asked for at time t [s], before the ramps."""
+        skin = bool(scene.hands)
+        hands = self._touching(scene, t)
+        capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
+        boxes = self._boxes(scene, hands, skin)
+        found = near(scene.bounds, t, boxes).tolist()
+        self.skipped["objects out of reach"] += len(scene.objects) - len(found)
+        sources = self._sources(scene, t, found, hands, skin)
+        self._still = (
+            t >= max(scene.moves_until, self._tracks.blends_until)
+            and not any(track.moving(t) for track in self._hands.values())
+        )  # fmt: skip
+        if not sources:
+            return nothing(scene.objects, capsules)
+        parts = allot(
+            sources,
+            min(self.budget, self.allowed),
+            self._levels,
+            self._cut(scene.workspace),
+            self.skipped,
+        )
+        if len(parts) > 1:
+            parts = [self._merged([source.item for source, _ in sources], parts)]
+        if skin:
+            self.skipped["samples too faint to feel"] += sum(s.faint for s, _ in sources)
+        return parts[0] if len(hands) < 2 else replace(parts[0], capsules=capsules)
+
+    def _touching(self, scene: Scene, t: float) -> list[tuple[Touchable, float]]:
+        """The hands that are there, each with the share of its pressures."""
+        tracks = {hand.name: self._hands.get(hand.name) or HandTrack() for hand in scene.hands}
+        self._hands = tracks
+        there: list[tuple[Touchable, float]] = []
+        for place, hand in enumerate(scene.hands):
+            now, share = tracks[hand.name].at(hand, t)
+            if now is None:
+                self.skipped["hands lost"] += 1
+            else:
+                there.append((tracks[hand.name].touchable(now, place), share))
+        return there
+
+    def _boxes(self, scene: Scene, hands: list[tuple[Touchable, float]], skin: bool) -> Floats:
+        """Where an object must be to be felt, lower and upper corners, (boxes, 6) [m]."""
+        room = self._room(scene.workspace)
+        if not skin:
+            return room[None]
+        boxes = np.empty((len(hands), 6))
+        for box, (hand, _) in zip(boxes, hands, strict=True):
+            np.maximum(hand.box[:3], room[:3], out=box[:3])
+            np.minimum(hand.box[3:], room[3:], out=box[3:])
+        return (
+            boxes if scene.workspace is None else boxes[(boxes[:, :3] <= boxes[:, 3:]).all(axis=1)]
+        )
+
+    def _room(self, workspace: Workspace | None) -> Floats:
+        """Where anything may be felt, (6,) [m]."""
+        if self._rooms[0] is workspace:
+            return self._rooms[1]
+        room = np.array([-np.inf] * 3 + [np.inf] * 3)
+        if self._resolving is not None:
+            centre = self._resolving.centre
+            room = np.concatenate([centre - FAR, centre + FAR])
+        if workspace is not None:
+            low, high = workspace.lower, workspace.upper
+            room = np.concatenate([np.maximum(room[:3], low), np.minimum(room[3:], high)])
+        self._rooms = workspace, room
+        return room
+
+    def _sources(
+        self, scene: Scene, t: float, found: list[int], hands: list[tuple[Touchable, float]],
+        skin: bool,
+    ) -> list[tuple[Source, float]]:  # fmt: skip
+        """What gives samples, highest priority first, each with the spacing wanted [m]."""
+        objects, sources = scene.objects, list[tuple[Source, float]]()
+        for i in found:
+            item = objects[i]
+            if not item.pressure > 0.0 or item.envelope == OFF:
+                continue
+            name, pose = _name(item, i), self._tracks.pose(item, t)
+            if not skin:
+                whole = Whole(item, i, name, pose, self._covers, objects)
+                sources.append((whole, self._spacing(pose.position)))
+                continue
+            least = faintest(_vibration(item)) if self.perception else 0.0
+            for hand, share in hands:
+                own = (name + hand.salt) % NAMES
+                source: Source | None
+                if isinstance(item, (Surface, Volume)):
+                    source = contact(
+                        item,
+                        pose,
+                        i,
+                        own,
+                        hand,
+                        objects,
+                        share,
+                        least,
+                        self._resolving,
+                        self._distances,
+                    )
+                else:
+                    source = Spots(
+                        item,
+                        i,
+                        own,
+                        pose,
+                        self._covers,
+                        objects,
+                        hand,
+                        share,
+                        self._resolving,
+                        least,
+                    )
+                if source is not None:
+                    sources.append((source, self._spacing(hand.centre)))
+        sources.sort(key=lambda source: -source[0].item.priority)
+        return sources
+
+    def _spacing(self, place: tuple[float, float, float]) -> float:
+        """How far apart samples are at `place` [m]."""
+        if self.spacing is not None:
+            return self.spacing
+        return WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
+
+    def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
+        """What leaves out the samples outside of a workspace."""
+
+        def cut(samples: Samples) -> Samples:
+            if workspace is None:
+                return samples
+            kept = workspace.holds(samples.positions)
+            return samples if kept.all() else samples.only(kept)
+
+        return cut
+
+    def _merged(self, items: list[Object], parts: list[Samples]) -> Samples:
+        """All samples; those of different `items` in one voice that the array cannot tell apart as one."""
+        whole = joined(parts)
+        if len(whole) > MOST:
+            return whole
+        counts = [len(part) for part in parts]
+        source = np.repeat(np.arange(len(parts)), counts)
+        voice = np.repeat(_voices(items), counts)
+        P, area = np.empty(len(whole)), np.empty(len(whole))
+        kept = np.empty(len(whole), dtype=np.bool_)
+        radius = MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
+        gone = merge(
+            whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
+            P, area, kept,
+        )  # fmt: skip
+        if not gone:
+            return whole
+        self.skipped["samples merged"] += gone
+        return replace(whole, radiation_pressure=P, area=area).only(kept)
+
+
+def _name(item: Object, index: int) -> int:
+    """A number that an object keeps from tick to tick."""
+    return zlib.crc32(item.name.encode()) % NAMES if item.name else index
+
+
+def _voices(items: list[Object]) -> list[int]:
+    """A number for each item, the same for those with the same amplitude over time."""
+    seen: list[tuple[object, object]] = []
+    numbers = list[int]()
+    for item in items:
+        voice = item.envelope, item.technique
+        if voice not in seen:
+            seen.append(voice)
+        numbers.append(seen.index(voice))
+    return numbers
+
+
+def _vibration(item: Object) -> object:
+    """What tells the frequency at which an object is felt, if anything does."""
+    if not item.technique.still:
+        return None
+    return item.technique if isinstance(item.technique, AM) else item.envelope
+
+
+def _all(capsules: list[Floats]) -> Floats:
+    return np.concatenate([np.empty((0, 7)), *capsules])

@@ -1,0 +1,86 @@
+"""Samples: where on the skin how much pressure is wanted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.scene.objects import Object
+    from pacinian.types import Flags, Floats, Indices, Longs
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """M samples of a scene.
+
+    positions: (M, 3) [m]. radiation_pressure: at full envelope, (M,) [Pa]. normals: outward, of the
+    skin, or without a hand of the object; (M, 3), zero for points. area: what each stands for, (M,)
+    [m^2]. objects: index of each sample's object among `items`, (M,). keys: which sample each is from
+    tick to tick, (M,). most: the most that each one's object presses with, (M,) [Pa]. items: the objects:
+    the scene's, then those that are gone and still fade. capsules: of the hands on whose skin they lie, and
+    which hide what is behind them, (C, 7) [m]; None without hands.
+    """
+
+    positions: Floats
+    radiation_pressure: Floats
+    normals: Floats
+    area: Floats
+    objects: Indices
+    keys: Longs
+    most: Floats
+    items: tuple[Object, ...] = ()
+    capsules: Floats | None = None
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    @property
+    def force(self) -> float:
+        """What all of them press with [N]."""
+        return float(self.radiation_pressure @ self.area)
+
+    def only(self, kept: Flags | Indices) -> Samples:
+        """Those samples: flags, (M,), or indices in the order wanted."""
+        return replace(
+            self,
+            positions=self.positions[kept],
+            radiation_pressure=self.radiation_pressure[kept],
+            normals=self.normals[kept],
+            area=self.area[kept],
+            objects=self.objects[kept],
+            keys=self.keys[kept],
+            most=self.most[kept],
+        )
+
+    def with_pressure(self, radiation_pressure: Floats) -> Samples:
+        """The same samples with other pressures, (M,) [Pa]."""
+        return replace(self, radiation_pressure=radiation_pressure)
+
+
+def nothing(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> Samples:
+    """No samples."""
+    return Samples(
+        np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0),
+        np.empty(0, dtype=np.intp), np.empty(0, dtype=np.int64), np.empty(0), items, capsules,
+    )  # fmt: skip
+
+
+def joined(parts: list[Samples]) -> Samples:
+    """All of several samples of the same objects, in order; at least one part."""
+    if len(parts) == 1:
+        return parts[0]
+    first = parts[0]
+    return Samples(
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate([part.radiation_pressure for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.area for part in parts]),
+        np.concatenate([part.objects for part in parts]),
+        np.concatenate([part.keys for part in parts]),
+        np.concatenate([part.most for part in parts]),
+        first.items,
+        first.capsules,
+    )

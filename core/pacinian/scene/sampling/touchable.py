@@ -1,0 +1,110 @@
+"""A hand at one moment, ready to be asked what it touches."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.scene.hands.skin import Skin, skin_of
+from pacinian.scene.sampling.resolving import HARDLY, WELL
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.pose import Pose, Vector
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.types import Flags, Floats, Indices
+
+ODD = 0x9E3779B1  # tells the names of what touches one hand from those of another
+SHARED = 1e-9  # of a force: less is rounding
+TINY = 1e-300
+
+
+class Touchable:
+    """The skin of `hand` where it is now.
+
+    number: of this hand among those of a scene. skin: of a hand of its kind, if it is at hand.
+    """
+
+    def __init__(self, hand: Hand, number: int, skin: Skin | None = None) -> None:
+        from pacinian.scene.sampling import contact_kernels
+
+        self.hand = hand
+        self.skin = skin_of(hand) if skin is None else skin
+        self.placed = self.skin.place(hand)
+        self.points, self.normals, self.area = self.placed[:3]
+        self.capsules = self.placed.capsules
+        self.box = np.empty(6)
+        """Its lower and upper corner [m], (6,)."""
+        a, b, c, x, y, z = contact_kernels.box(self.placed.bounds, self.box)
+        self.centre: Vector = ((a + x) / 2.0, (b + y) / 2.0, (c + z) / 2.0)
+        self.salt = number * ODD
+
+    def near(self, pose: Pose, radius: float, corners: Floats) -> tuple[Indices, Floats]:
+        """Points within `radius` [m] of a pose: which, and where in its frame [m].
+
+        corners: of a box, one of which they must face, (V, 3) [m]; none for anything.
+        """
+        from pacinian.scene.sampling.contact_kernels import candidates
+
+        K = len(self.points)
+        which, local = np.empty(K, dtype=np.intp), np.empty((K, 3))
+        count = candidates(
+            self.points, self.normals, self.skin.bone, self.placed.bounds,
+            np.array(pose.position), radius, pose.matrix, corners, which, local,
+        )  # fmt: skip
+        return which[:count], local[:count]
+
+    def pressed(
+        self, which: Indices, d: Floats, reach: float, stiffness: float, most: float, some: Floats
+    ) -> tuple[Indices, Floats]:
+        """Which of the points `which`, (I,), are pressed, and with how much.
+
+        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the law. some:
+        transducers that must see them, (V, 3); none for any. Returns indices into `which`, and forces [N].
+        """
+        from pacinian.scene.sampling.contact_kernels import press
+
+        inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
+        count = press(
+            d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
+            self.capsules, some, HARDLY, WELL, inside, force,
+        )  # fmt: skip
+        return inside[:count], force[:count]
+
+    def exposed(self, touched: Indices) -> Flags:
+        """Which of the points are not inside of another finger."""
+        return self.skin.exposed(self.placed, touched)
+
+    def about(self, points: Floats, radius: float) -> Indices:
+        """Indices of those of the points, (K, 3) [m], that are within `radius` [m] of its box."""
+        low, high = self.box[:3] - radius, self.box[3:] + radius
+        return np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+
+    def closest(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Where the skin is nearest to points (K, 3) [m], its normals there, and how far it is [m]."""
+        found = self.skin.closest(self.hand, points)
+        return found.points, found.normals, found.distance
+
+    def shared(
+        self, touched: Indices, force: Floats, spacing: float
+    ) -> tuple[Indices, Floats, Floats]:
+        """What the nodes of the level nearest to `spacing` [m] get of forces on points, (K,) [N].
+
+        The nodes that get any and are not inside of other flesh, (M,); the force of each [N], in all what
+        was given; the area of skin that each stands for [m^2].
+        """
+        from pacinian.scene.sampling.contact_kernels import share_out
+
+        skin, level = self.skin, self.skin.level(spacing)
+        count = skin.counts[level]
+        got, nodes = np.empty(count), np.empty(count, dtype=np.intp)
+        nodes = nodes[: share_out(touched, force, *skin.share[level], SHARED, got, nodes)]
+        shown = self.exposed(nodes)
+        if not shown.all():
+            nodes = nodes[shown]
+        kept = got[nodes]
+        kept *= force.sum() / max(
+            kept.sum(), TINY
+        )  # what buried nodes would get goes to the others
+        stretch = self.area[nodes] / skin.area[nodes]
+        return nodes, kept, skin.node_area[level][nodes] * stretch

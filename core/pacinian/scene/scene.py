@@ -1,0 +1,163 @@
+"""The scene: an immutable snapshot of objects and hands, and where each of them may be."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.acoustics.pose import Vector, vector
+from pacinian.checks import kind
+from pacinian.errors import ArgumentError
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.motion import LATEST, STILL
+from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.types import Flags, Floats
+
+KINDS = Point, Path, Particles, Surface, Volume
+
+
+class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
+    """The box where anything may be felt. lower, upper: its corners [m]. Raises ArgumentError."""
+
+    lower: Vector
+    upper: Vector
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "lower", vector("lower", self.lower))
+        force_setattr(self, "upper", vector("upper", self.upper))
+        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+            raise ArgumentError("workspace", "must have each of `lower` below that of `upper`")
+
+    def holds(self, points: Floats) -> Flags:
+        """Which of the points, (M, 3) [m], are inside, (M,)."""
+        return np.asarray(((points >= self.lower) & (points <= self.upper)).all(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is to be felt, and by which hands. A change is a new scene that shares all that stayed.
+
+    objects: in order of importance. workspace: where; everywhere unless given. hands: what feels them;
+    without any, objects are rendered whole. Names, where given, are unique. Raises ArgumentError.
+    """
+
+    objects: tuple[Object, ...] = ()
+    workspace: Workspace | None = None
+    hands: tuple[Hand, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("objects", "hands"):
+            try:
+                object.__setattr__(self, name, tuple(getattr(self, name)))
+            except TypeError:
+                given = getattr(self, name)
+                raise ArgumentError(name, f"must be a list, not {given!r}") from None
+        if self.workspace is not None:
+            kind("workspace", self.workspace, Workspace)
+        for i, item in enumerate(cast("tuple[object, ...]", self.objects)):
+            if type(item) not in KINDS:  # quicker than `kind`, and most are
+                kind(f"objects[{i}]", item, *KINDS)
+        for i, hand in enumerate(self.hands):
+            kind(f"hands[{i}]", hand, Hand)
+        _unique("objects", [item.name for item in self.objects if item.name])
+        _unique("hands", [hand.name for hand in self.hands])
+
+    def put(self, *items: Object) -> Scene:
+        """With these objects: each in the place of the one of its name, or as the last."""
+        objects, index, rows = list(self.objects), self._index, set[int]()
+        for item in items:
+            kind("items", item, *KINDS)
+            i = index.get(item.name) if item.name else None
+            if i is None:
+                if item.name:
+                    if index is self._index:  # which other scenes have too
+                        index = index.copy()
+                    index[item.name] = len(objects)
+                objects.append(item)
+            else:
+                objects[i] = item
+                rows.add(i)
+        old = len(self.objects)
+        bounds = np.concatenate([self.bounds, _bounds(objects[old:])])
+        for i in rows:
+            if i < old:
+                bounds[i] = _bound(objects[i])
+        until = max([self.moves_until, *(_until(item) for item in items)])
+        return self._with(tuple(objects), _index=index, bounds=bounds, moves_until=until)
+
+    def remove(self, *names: str) -> Scene:
+        """Without the objects of these names; names that nothing has are no error."""
+        gone = sorted({self._index[name] for name in names if name in self._index})
+        if not gone:
+            return self
+        objects = list(self.objects)
+        for i in reversed(gone):
+            del objects[i]
+        bounds = np.delete(self.bounds, gone, axis=0)
+        return self._with(tuple(objects), bounds=bounds, moves_until=self.moves_until)
+
+    def held(self, *hands: Hand) -> Scene:
+        """The same objects with these hands instead."""
+        made = replace(self, objects=(), hands=hands)
+        # looked at here, so that all scenes that come from this one share them
+        made.__dict__.update(objects=self.objects, bounds=self.bounds, moves_until=self.moves_until)
+        if "_index" in self.__dict__:
+            made.__dict__["_index"] = self._index
+        return made
+
+    @functools.cached_property
+    def bounds(self) -> Floats:
+        """Bounding sphere of each object, (objects, 8): centre [m], velocity [m/s], time [s], radius [m]."""
+        return _bounds(self.objects)
+
+    @functools.cached_property
+    def _index(self) -> dict[str, int]:
+        return {item.name: i for i, item in enumerate(self.objects) if item.name}
+
+    @functools.cached_property
+    def moves_until(self) -> float:
+        """When the last of its objects stands still, unless updated [s], or a moment after."""
+        return max(map(_until, self.objects), default=-math.inf)
+
+    def _with(self, objects: tuple[Object, ...], **cached: Any) -> Scene:
+        """This scene with other objects, all checked already."""
+        made = object.__new__(Scene)
+        made.__dict__.update(objects=objects, workspace=self.workspace, hands=self.hands, **cached)
+        return made
+
+
+def _bounds(objects: Iterable[Object]) -> Floats:
+    return np.array([_bound(item) for item in objects]).reshape(-1, 8)
+
+
+def _bound(item: Object) -> tuple[float, ...]:
+    x, y, z = item.position if isinstance(item, Point) else item.pose.position
+    radius = item.reach + item.material.reach
+    if item.motion is None:
+        return x, y, z, 0.0, 0.0, 0.0, 0.0, radius
+    u, v, w = item.motion.velocity
+    return x, y, z, u, v, w, item.motion.time, radius
+
+
+def _until(item: Object) -> float:
+    motion = item.motion
+    moves = motion is not None and (motion.velocity != STILL or motion.angular_velocity != STILL)
+    return motion.time + LATEST if motion is not None and moves else -math.inf
+
+
+def _unique(name: str, given: Iterable[str]) -> None:
+    names = list(given)
+    if len(set(names)) != len(names):
+        twice = next(word for word, n in Counter(names).items() if n > 1)
+        raise ArgumentError(name, f"must have names of their own: two are called {twice!r}")

@@ -1,0 +1,9 @@
+"""The primitive shapes, and the samples that cover a shape."""
+
+from __future__ import annotations
+
+from pacinian.scene.shapes.flat import Box, Disc, Rectangle
+from pacinian.scene.shapes.local import Local
+from pacinian.scene.shapes.round import Capsule, Sphere
+
+__all__ = ["Box", "Capsule", "Disc", "Local", "Rectangle", "Sphere"]

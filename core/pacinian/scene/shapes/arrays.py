@@ -1,0 +1,80 @@
+"""Arrays in scenes: given as numbers, or read from a file; kept as the bytes of a .npy file.
+
+So they compare and travel like any other field of a scene.
+"""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.checks import numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.types import ArrayLike
+
+    Array = np.ndarray[Any, np.dtype[Any]]
+
+LARGEST = 100_000_000  # numbers
+
+
+def packed(name: str, values: ArrayLike | None, file: str, dimension: int) -> bytes | None:
+    """Numbers as the bytes of a .npy file; none if they are in `file`. Raises ArgumentError."""
+    if (values is None) == (not file):
+        raise ArgumentError(name, "or `file` must be given, and not both")
+    if values is None:
+        return None
+    try:
+        array = _array(values) if isinstance(values, bytes) else np.asarray(values)
+    except Exception as error:
+        raise ArgumentError(name, f"must be numbers on a grid: {error}") from error
+    out = BytesIO()
+    np.lib.format.write_array(out, _checked(name, array, dimension), allow_pickle=False)
+    return out.getvalue()
+
+
+def unpacked(name: str, values: ArrayLike | None, file: str, dimension: int) -> Array:
+    """The array: of bytes that `packed` made, or read from `file`. Raises ArgumentError."""
+    try:
+        return _checked(name, _read(file), dimension) if file else _array(values)
+    except Exception as error:
+        problem = str(error).removeprefix(f"`{name}` ")
+        raise ArgumentError(name, f"of {file} do not load: {problem}") from error
+
+
+def within(name: str, array: Array) -> None:
+    """Refuse numbers that are not all in 0..1."""
+    low, high = float(array.min()), float(array.max())
+    if low < 0.0 or high > 1.0:
+        raise ArgumentError(name, f"must be from 0 to 1, not from {low:g} to {high:g}")
+
+
+def _array(values: Any) -> Array:
+    return np.lib.format.read_array(BytesIO(values), allow_pickle=False)
+
+
+def _checked(name: str, array: Array, dimension: int) -> Array:
+    """A copy in memory, of at most `LARGEST` real and finite numbers."""
+    if array.ndim != dimension or not array.size:
+        raise ArgumentError(name, f"must have {dimension} dimensions, not shape {array.shape}")
+    if array.size > LARGEST:
+        raise ArgumentError(name, f"are {array.size:,} numbers: keep to {LARGEST:,}")
+    real = numbers(name, array, (None,) * dimension)
+    return np.array(array if array.dtype.kind in "biuf" else real, order="C")
+
+
+def _read(file: str) -> Array:
+    """A .npy file, or how light each pixel of a picture is: 0..1, (rows, columns)."""
+    if file.endswith(".npy"):
+        return np.lib.format.open_memmap(file, mode="r")
+    from PIL import Image
+
+    with Image.open(file) as image:
+        if image.width * image.height > LARGEST:
+            raise ValueError(f"{image.width} x {image.height} pixels are too many")
+        if image.mode.startswith("I"):  # 16 bits
+            return np.asarray(image, dtype=np.float64) / 65535.0
+        return np.asarray(image.convert("L"), dtype=np.float64) / 255.0

@@ -1,0 +1,228 @@
+"""Curves in their own frame: felt along their whole length, or paths for a moving focus."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.acoustics.pose import Vector
+from pacinian.checks import FAR, count, integer, length, number, numbers
+from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.local import EDGE, Local
+from pacinian.scene.shapes.pieces import Pieces
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+MOST = 100_000  # points of a polyline
+SHORTEST = 1e-6  # [m]
+TURNS = 100  # at most, of a Lissajous figure
+FINE = 512  # points for each turn
+
+
+class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="line"):
+    """A straight line along x, about the origin. length [m]. Raises ArgumentError."""
+
+    length: float
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "length", length("length", self.length))
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.length / 2.0
+
+    def at(self, u: Floats) -> Floats:
+        """Points at u, (K,): (K, 3) [m], at constant speed; to +x while u goes to 1/2, and back."""
+        points = np.zeros((len(u), 3))
+        points[:, 0] = self.length * (_there_and_back(u) - 0.5)
+        return points
+
+    def cover(self, spacing: float) -> Local:
+        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        return _cover(self, spacing, 0.5)
+
+    def distance(self, points: Floats) -> Floats:
+        """Distance of points, (K, 3), (K,) [m]."""
+        x, y, z = points.T
+        return np.asarray(np.hypot(np.hypot(x - np.clip(x, -self.reach, self.reach), y), z))
+
+
+class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="circle"):
+    """A circle in the xy-plane about the origin. radius [m]. Raises ArgumentError."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "radius", length("radius", self.radius))
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return 2.0 * math.pi * self.radius
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.radius
+
+    def at(self, u: Floats) -> Floats:
+        """Points at u, (K,): (K, 3) [m], at constant speed; from +x by way of +y, once while u goes to 1."""
+        phi = 2.0 * np.pi * u
+        return self.radius * np.stack([np.cos(phi), np.sin(phi), np.zeros_like(phi)], axis=-1)
+
+    def cover(self, spacing: float) -> Local:
+        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        return _cover(self, spacing)
+
+    def distance(self, points: Floats) -> Floats:
+        """Distance of points, (K, 3), (K,) [m]."""
+        x, y, z = points.T
+        return np.asarray(np.hypot(np.hypot(x, y) - self.radius, z))
+
+
+class Lissajous(
+    Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type", tag="lissajous"
+):
+    """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
+
+    width, height: [m]. a, b: whole numbers, 1 to 100; their common divisor is taken out, so that the
+    figure is drawn once. phase: [deg]. Raises ArgumentError.
+    """
+
+    width: float
+    height: float
+    a: int = 1
+    b: int = 2
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "width", length("width", self.width))
+        force_setattr(self, "height", length("height", self.height))
+        a, b = integer("a", self.a, low=1), integer("b", self.b, low=1)
+        divisor = math.gcd(a, b)
+        for name, turns in (("a", a // divisor), ("b", b // divisor)):
+            if turns > TURNS:
+                raise ArgumentError(name, f"must be at most {TURNS}, not {turns}")
+            force_setattr(self, name, turns)
+        force_setattr(self, "phase", number("phase", self.phase))
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return float(self._arc[1][-1])
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m], at most."""
+        return math.hypot(self.width, self.height) / 2.0
+
+    def at(self, u: Floats) -> Floats:
+        """Points at u, (K,): (K, 3) [m], at constant speed; once while u goes to 1."""
+        s, arc = self._arc
+        return self._points(np.interp((u % 1.0) * arc[-1], arc, s))
+
+    def cover(self, spacing: float) -> Local:
+        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        return _cover(self, spacing)
+
+    def distance(self, points: Floats) -> Floats:
+        """Distance of points, (K, 3), (K,) [m], to within 1e-4 of its size."""
+        return self._pieces.distance(points)
+
+    def _points(self, s: Floats) -> Floats:
+        x = self.width / 2.0 * np.sin(self.a * s + math.radians(self.phase))
+        y = self.height / 2.0 * np.sin(self.b * s)
+        return np.stack([x, y, np.zeros_like(x)], axis=-1)
+
+    @functools.cached_property
+    def _arc(self) -> tuple[Floats, Floats]:
+        """s, and the length of the curve up to there [m], (L,) each."""
+        s = np.linspace(0.0, 2.0 * np.pi, FINE * max(self.a, self.b) + 1)
+        x = self.a * self.width / 2.0 * np.cos(self.a * s + math.radians(self.phase))
+        y = self.b * self.height / 2.0 * np.cos(self.b * s)
+        speed = np.hypot(x, y)
+        steps = (speed[1:] + speed[:-1]) * (s[1] / 2.0)
+        return s, np.concatenate([[0.0], np.cumsum(steps)])
+
+    @functools.cached_property
+    def _pieces(self) -> Pieces:
+        return Pieces(self._points(self._arc[0]))
+
+
+class Polyline(
+    Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type", tag="polyline"
+):
+    """Straight pieces from point to point, in space.
+
+    points: [m], 2 to 100,000. closed: with a piece from the last to the first. Raises ArgumentError.
+    """
+
+    points: tuple[Vector, ...]
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        points = numbers("points", self.points, (None, 3))
+        if not 2 <= len(points) <= MOST:
+            raise ArgumentError("points", f"must be 2 to {MOST}, not {len(points)}")
+        if np.abs(points).max() > FAR:
+            raise ArgumentError("points", "must be in metres (millimetres given?)")
+        force_setattr(self, "points", tuple(map(tuple, points.tolist())))
+        if not self.length >= SHORTEST:
+            raise ArgumentError("points", "must not all be the same")
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return self._pieces.length
+
+    @functools.cached_property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return float(np.sqrt((np.array(self.points) ** 2).sum(axis=1).max()))
+
+    def at(self, u: Floats) -> Floats:
+        """Points at u, (K,): (K, 3) [m], at constant speed; once while u goes to 1, or there and back."""
+        share = u % 1.0 if self.closed else _there_and_back(u)
+        return self._pieces.at(share * self.length)
+
+    def cover(self, spacing: float) -> Local:
+        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        return _cover(self, spacing, 1.0 if self.closed else 0.5)
+
+    def distance(self, points: Floats) -> Floats:
+        """Distance of points, (K, 3), (K,) [m]."""
+        return self._pieces.distance(points)
+
+    @functools.cached_property
+    def _pieces(self) -> Pieces:
+        points = np.array(self.points)
+        return Pieces(np.concatenate([points, points[:1]]) if self.closed else points)
+
+
+Curve = Line | Circle | Lissajous | Polyline
+
+
+class _Path(Protocol):
+    @property
+    def length(self) -> float: ...
+
+    def at(self, u: Floats) -> Floats: ...
+
+
+def _there_and_back(u: Floats) -> Floats:
+    """0 to 1 and back while u goes from 0 to 1."""
+    return np.asarray(1.0 - np.abs(1.0 - 2.0 * (u % 1.0)))
+
+
+def _cover(curve: _Path, spacing: float, once: float = 1.0) -> Local:
+    """Points in the middle of equal pieces of a curve that is passed once while u goes to `once`."""
+    K = max(1, math.floor(count(curve.length, spacing, 1) + EDGE))
+    points = curve.at(np.asarray(once * (np.arange(K) + 0.5) / K, dtype=np.float64))
+    return Local(points, np.zeros_like(points), np.full(K, (curve.length / K) ** 2))

@@ -1,0 +1,42 @@
+"""Samples in a shape's own frame, and the grids and spirals that they are laid on."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.checks import count
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.pose import Vector
+    from pacinian.types import Floats
+
+GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # [rad]
+EDGE = 1e-9  # [m]
+
+
+class Local(NamedTuple):
+    """Samples in a shape's own frame.
+
+    points: (K, 3) [m]. normals: outward, (K, 3). area: what each sample stands for, (K,) [m^2]; in all,
+    the area of the shape.
+    """
+
+    points: Floats
+    normals: Floats
+    area: Floats
+
+
+def grid(extent: Vector, spacing: float) -> Floats:
+    """A centred grid in the box of half size `extent` [m], (K, 3)."""
+    count(8.0 * math.prod(extent), spacing, 3)
+    axes = [centred(2.0 * half, spacing) for half in extent]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def centred(extent: float, spacing: float) -> Floats:
+    """Equal steps of at least `spacing`, half a step from both ends of a centred interval [m]."""
+    K = max(1, math.floor(extent / spacing + EDGE))
+    return np.linspace(0.5 - K / 2.0, K / 2.0 - 0.5, K) * (extent / K)

@@ -1,0 +1,149 @@
+"""Triangle meshes: open surfaces, or closed shells of volumes."""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+from typing import TYPE_CHECKING
+from weakref import WeakValueDictionary
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.acoustics.pose import Vector
+from pacinian.checks import count, length, numbers
+from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.local import Local
+from pacinian.scene.shapes.thin import APART, thin
+from pacinian.scene.shapes.triangles import Triangles, read
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+TRIES = 12  # random candidates for each sample
+
+Stamp = tuple[int, int]  # when a file was changed [ns], and its size
+# what is at hand of files, by file, scale and stamp, as long as a mesh has it
+_read: WeakValueDictionary[tuple[str, float, Stamp | None], Triangles] = WeakValueDictionary()
+
+
+class Mesh(
+    Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="mesh", dict=True
+):
+    """A triangle mesh, from a file that trimesh reads (OBJ, STL, PLY, glTF), or given here.
+
+    A closed one is a solid, and one wound inside out is turned; an open one faces where its triangles are
+    seen counter-clockwise. Several meshes in a file are one.
+
+    file: its path; in a scene file, from that file's folder. scale: [m] per unit of the mesh.
+    vertices: [unit], V x 3. faces: indices of vertices, F x 3. Raises ArgumentError.
+    """
+
+    file: str = ""
+    scale: float = 1.0
+    vertices: tuple[Vector, ...] = ()
+    faces: tuple[tuple[int, int, int], ...] = ()
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "scale", length("scale", self.scale))
+        vertices = numbers("vertices", self.vertices, (None, 3))
+        faces = numbers("faces", self.faces, (None, 3))
+        if self.file:
+            if len(vertices) or len(faces):
+                raise ArgumentError("mesh", "needs either a file or vertices and faces, not both")
+            return
+        if not len(faces):
+            raise ArgumentError("mesh", "needs either a file or vertices and faces")
+        if (faces % 1.0).any():
+            raise ArgumentError("faces", "must be whole numbers")
+        if faces.min() < 0 or faces.max() >= len(vertices):
+            raise ArgumentError("faces", f"must be indices of the {len(vertices)} vertices")
+        force_setattr(self, "vertices", tuple(map(tuple, vertices.tolist())))
+        force_setattr(self, "faces", tuple(map(tuple, faces.astype(np.int64).tolist())))
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        return self.triangles.area
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self.triangles.reach
+
+    @property
+    def extent(self) -> Vector:
+        """Half the size of the box about its origin that holds it [m]."""
+        return self.triangles.extent
+
+    @property
+    def closed(self) -> bool:
+        """Whether it has an inside: its triangles close, and are wound alike."""
+        return not self.triangles.flaw
+
+    def check_closed(self) -> None:
+        """Refuse a mesh without an inside. Raises ArgumentError."""
+        if flaw := self.triangles.flaw:
+            name = self.file or "given here"
+            raise ArgumentError(
+                "mesh", f"{name} is no volume: {flaw}; close it, or use it as a surface"
+            )
+
+    def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
+        """Signed distance of points, (K, 3), (K,) [m]: negative inside, or behind an open surface.
+
+        Beside an open surface it is positive. The first call takes a while (0.2 s for 20,000 triangles).
+
+        beyond, deep: farther outside or inside than these [m], it may be given as less far, but not as
+        less than these; deep behind an open surface, as in front.
+        """
+        return self.triangles.distance(points, beyond, deep)
+
+    def cover(self, spacing: float) -> Local:
+        """Random samples (always the same), thinned to about `spacing` [m]."""
+        from trimesh import Trimesh
+        from trimesh.sample import sample_surface
+
+        t = self.triangles
+        tries = TRIES * max(1, round(count(TRIES * t.area, spacing, 2) / TRIES))
+        mesh = Trimesh(t.vertices, t.faces, process=False)
+        points, face = sample_surface(mesh, tries, face_weight=t.areas, seed=0)[:2]
+        kept = thin(points, APART * spacing)
+        share = np.full(len(kept), t.area / len(kept))
+        return Local(np.asarray(points[kept], dtype=np.float64), t.normals[face[kept]], share)
+
+    @property
+    def triangles(self) -> Triangles:
+        """Its triangles [m]; read again when its file has changed to another mesh. Raises ArgumentError."""
+        kept: tuple[Stamp | None, Triangles] | None = vars(self).get("kept")
+        stamp = _stamp(self.file)
+        if kept is None or (stamp is not None and stamp != kept[0]):
+            try:
+                made = self._made(stamp)
+            except ArgumentError as error:
+                if kept is None:
+                    raise
+                logging.getLogger("pacinian").warning("a mesh stays as it was: %s", error)
+                made = kept[1]
+            kept = vars(self)["kept"] = stamp, made
+        return kept[1]
+
+    def _made(self, stamp: Stamp | None) -> Triangles:
+        if not self.file:
+            vertices = self.scale * np.array(self.vertices)
+            return Triangles.of(vertices, np.array(self.faces, dtype=np.int64), "given here")
+        key = self.file, self.scale, stamp
+        if (made := _read.get(key)) is None:
+            made = _read[key] = read(self.file, self.scale)
+        return made
+
+
+def _stamp(file: str) -> Stamp | None:
+    """When a file was changed; None if it is not there."""
+    try:
+        stat = os.stat(file) if file else None
+    except (OSError, ValueError):
+        return None
+    return (stat.st_mtime_ns, stat.st_size) if stat else None

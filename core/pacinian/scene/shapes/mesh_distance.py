@@ -1,0 +1,114 @@
+"""Signed distances to triangles."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.scene.shapes import mesh_kernels
+from pacinian.scene.shapes.mesh_bounds import Bounds
+
+if TYPE_CHECKING:
+    from pacinian.scene.shapes.triangles import Triangles
+    from pacinian.types import Floats, Indices, Longs
+
+
+class MeshDistance:
+    """Signed distances to triangles: to the nearest point, with the sign of the pseudo-normal there.
+
+    Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005. The
+    rim of an open surface has no normal: what is nearest to it lies beside the surface, and counts as in
+    front.
+
+    normals, features: as from `pseudo_normals`. inward, offset: in the plane of each face, a point x is
+    inward . x + offset from each of its edges [m].
+    """
+
+    def __init__(self, t: Triangles) -> None:
+        import igl
+
+        wide = t.areas > 0.0
+        self.triangles, self.vertices, self.faces = t, t.vertices, t.faces[wide]
+        self.tree: Any = igl.AABB()
+        weakref.finalize(self, self.__dict__.pop, "tree", None)  # before the interpreter is gone
+        self.tree.init(self.vertices, self.faces)
+        self.normals, features = pseudo_normals(t)
+        self.features = features[wide]
+        first, last = (self.vertices[np.roll(self.faces, -k, axis=1)] for k in (1, 2))
+        along = (last - first) / np.sqrt(((last - first) ** 2).sum(axis=2, keepdims=True))
+        self.inward: Floats = np.cross(t.normals[wide][:, None], along).astype(np.float64)
+        self.offset = -(self.inward * first).sum(axis=2)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Rough distances, for what is far away."""
+        return Bounds(self.triangles, self.unsigned)
+
+    def __call__(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
+        """Signed distance of points, (K, 3), (K,) [m]; infinite where one is not finite.
+
+        beyond, deep: farther outside or inside than these [m], it may be given as less far, but not as
+        less than these; deep behind an open surface, as in front.
+        """
+        d = np.empty(len(points))
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        if min(beyond, deep) < math.inf:
+            near = self.bounds(points, beyond, deep, d)
+            points = points[near]
+        else:
+            near = np.arange(len(points))
+        squared, face, nearest = self.tree.squared_distance(self.vertices, self.faces, points)
+        mesh_kernels.signed(
+            points, squared, face, nearest,
+            self.inward, self.offset, self.normals, self.features, near, d,
+        )  # fmt: skip
+        return d
+
+    def unsigned(self, points: Floats) -> Floats:
+        """Distance of points, (K, 3), (K,) [m]."""
+        squared: Floats = self.tree.squared_distance(self.vertices, self.faces, points)[0]
+        return np.sqrt(squared)
+
+
+def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
+    """Normals, not unit, of faces, edges and vertices in a row; and which of them each face has where.
+
+    The second is (F, 8), by the edges that a point of the face lies on: bit i for that opposite to
+    corner i.
+    """
+    import igl
+    from scipy import sparse
+
+    F, E, V = len(t.faces), len(t.sharing), len(t.vertices)
+    corner, edge, three = t.faces.ravel(), t.edges.ravel(), np.repeat(np.arange(F), 3)
+    first, last = (t.vertices[np.roll(t.faces, -k, axis=1)] for k in (1, 2))
+    lengths = np.sqrt(((last - first) ** 2).sum(axis=2)).reshape(-1, 1)
+    # a face without area is an edge: that of its neighbours on either side
+    normals, thin = t.normals.copy(), t.areas == 0.0
+    x, y, z = t.edges[thin].T
+    joins = np.concatenate([x, y]), np.concatenate([y, z])
+    graph = sparse.coo_array((np.ones(len(joins[0])), joins), shape=(E, E))
+    line = sparse.csgraph.connected_components(graph, directed=False)[1].astype(np.intp)
+    of_edges = _sums(line[edge], lengths * normals[three], E)[line]
+    normals[thin] = of_edges[x]
+    normals[thin] /= np.maximum(np.sqrt((normals[thin] ** 2).sum(axis=1, keepdims=True)), 1e-30)
+    angles = np.nan_to_num(igl.internal_angles(t.vertices, t.faces)).reshape(-1, 1)
+    of_vertices = _sums(corner, angles * normals[three], V)
+    rim = np.isin(line, line[t.sharing == 1])
+    of_edges[rim] = 0.0
+    for k in (1, 2):  # both ends of each edge of the rim
+        of_vertices[np.roll(t.faces, -k, axis=1)[rim[t.edges]]] = 0.0
+    face = np.arange(F)
+    (e0, e1, e2), (v0, v1, v2) = F + t.edges.T, F + E + t.faces.T
+    features = np.stack([face, e0, e1, v2, e2, v1, v0, face], axis=1)
+    return np.concatenate([normals, of_edges, of_vertices]), features
+
+
+def _sums(index: Indices, values: Floats, size: int) -> Floats:
+    """Sums of the rows of `values`, (K, 3), with the same index: (size, 3)."""
+    columns = [np.bincount(index, column, size) for column in values.T]
+    return np.stack(columns, axis=1).astype(np.float64, copy=False)

@@ -1,0 +1,51 @@
+"""What is mended of a mesh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats, Longs
+
+
+def merged(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
+    """Vertices and faces without repetition.
+
+    Vertices within 10 nm are one, and so are faces of the same vertices, whichever side they face. Faces
+    with a vertex twice are dropped, and vertices without a face.
+    """
+    from trimesh import Trimesh
+
+    mesh = Trimesh(vertices, faces, process=False)
+    mesh.merge_vertices()
+    distinct = (mesh.faces != np.roll(mesh.faces, 1, axis=1)).all(axis=1)
+    mesh.update_faces(distinct & mesh.unique_faces())
+    mesh.remove_unreferenced_vertices()
+    return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+
+
+def outward(vertices: Floats, faces: Longs) -> Longs:
+    """Faces of a closed mesh, with those bodies turned that are wound inside out.
+
+    A body wound inside out within another is a cavity, and stays.
+    """
+    import igl
+
+    if volume(vertices, faces).sum() < 0.0:
+        faces = faces[:, ::-1]
+    _, body = igl.facet_components(faces)
+    for k in np.flatnonzero(np.bincount(body, volume(vertices, faces)) < 0.0):
+        own = np.equal(body, k)
+        at = vertices[faces[own][:1, 0]]
+        turns: Floats = np.asarray(igl.winding_number(vertices, faces[~own], at))
+        if not turns[0] > 0.5:
+            faces = np.where(own[:, None], faces[:, ::-1], faces)
+    return np.ascontiguousarray(faces)
+
+
+def volume(vertices: Floats, faces: Longs) -> Floats:
+    """Signed volume between each face and the origin, (F,) [m^3]; in all, what a closed mesh encloses."""
+    a, b, c = (vertices[corner] for corner in faces.T)
+    return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0, dtype=np.float64)

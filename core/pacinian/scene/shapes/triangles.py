@@ -1,0 +1,143 @@
+"""The triangles of a mesh, read and made clean."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.checks import length
+from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.mesh_repair import merged, outward, volume
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.pose import Vector
+    from pacinian.scene.shapes.mesh_distance import MeshDistance
+    from pacinian.types import Floats, Longs
+
+LARGEST = 256 << 20  # [bytes] of a file
+MOST = 1_000_000  # triangles
+THIN = 1e-7  # share of the reach: what is lower is the rounding of single precision
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """F triangles in metres, mended as far as they can be.
+
+    vertices: (V, 3) [m]. faces: (F, 3). normals: unit, (F, 3), zero for those too thin to have one.
+    areas: (F,) [m^2]. edges: index of the edge opposite to each corner, (F, 3). sharing: how many faces
+    have each edge. flaw: why they enclose nothing, "" if they do.
+    """
+
+    vertices: Floats
+    faces: Longs
+    normals: Floats
+    areas: Floats
+    edges: Longs
+    sharing: Longs
+    flaw: str
+
+    @cached_property
+    def area(self) -> float:
+        """[m^2]."""
+        return float(self.areas.sum())
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance of the farthest point from the origin [m]."""
+        return _reach(self.vertices)
+
+    @cached_property
+    def extent(self) -> Vector:
+        """Half the size of the box about the origin that holds them [m]."""
+        x, y, z = np.abs(self.vertices).max(axis=0).tolist()
+        return x, y, z
+
+    @cached_property
+    def distance(self) -> MeshDistance:
+        """Their signed distance; made when it is first asked for."""
+        from pacinian.scene.shapes.mesh_distance import MeshDistance
+
+        return MeshDistance(self)
+
+    @classmethod
+    def of(cls, vertices: Floats, faces: Longs, name: str) -> Triangles:
+        """Make triangles of vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError about `name`."""
+        if not len(faces):
+            raise ArgumentError("mesh", f"{name} has no triangles")
+        if len(faces) > MOST:
+            raise ArgumentError("mesh", f"{name} has {len(faces):,} triangles: keep to {MOST:,}")
+        if faces.min() < 0 or faces.max() >= len(vertices):
+            raise ArgumentError("mesh", f"{name} has faces with vertices that are not there")
+        if not np.isfinite(vertices).all():
+            raise ArgumentError("mesh", f"{name} has vertices that are not finite")
+        length("mesh", 1e-30 + float(np.abs(vertices).max()))
+        vertices, faces = merged(vertices, faces)
+        normals, areas = _normals(vertices, faces)
+        if not areas.any():
+            raise ArgumentError("mesh", f"{name} has no area")
+        edges, sharing, flaw = _edges(vertices, faces, float(areas.sum()))
+        if not flaw:
+            turned = outward(vertices, faces)
+            swap = (turned != faces).any(axis=1, keepdims=True)
+            faces = turned
+            normals, edges = (
+                np.where(swap, -normals, normals),
+                np.where(swap, edges[:, ::-1], edges),
+            )
+        return cls(vertices, faces, normals, areas, edges, sharing, flaw)
+
+
+def _normals(vertices: Floats, faces: Longs) -> tuple[Floats, Floats]:
+    """Unit normals and areas [m^2] of faces; zero for those too thin."""
+    a, b, c = (vertices[corner] for corner in faces.T)
+    cross = np.cross(b - a, c - a)
+    twice = np.sqrt((cross**2).sum(axis=1))
+    longest = np.sqrt((np.stack([c - b, a - c, b - a]) ** 2).sum(axis=2).max(axis=0, initial=0.0))
+    wide = twice > THIN * _reach(vertices) * longest
+    normals = np.where(wide[:, None], cross, 0.0) / np.where(wide, twice, 1.0)[:, None]
+    return normals, np.where(wide, twice / 2.0, 0.0)
+
+
+def _edges(vertices: Floats, faces: Longs, area: float) -> tuple[Longs, Longs, str]:
+    """Edges, sharing and flaw, as in `Triangles`."""
+    first, last = faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]
+    name = np.minimum(first, last) * len(vertices) + np.maximum(first, last)
+    _, edges, sharing = np.unique(name, return_inverse=True, return_counts=True)
+    turns = np.bincount(edges.ravel(), np.where(first < last, 1.0, -1.0).ravel())
+    content = abs(float(volume(vertices, faces).sum()))  # [m^3]
+    flaw = ""
+    if gaps := int((sharing % 2).sum()):
+        flaw = f"it does not close at {gaps} edges"
+    elif turns.any():
+        flaw = "its triangles are not all wound the same way round"
+    elif content <= THIN * _reach(vertices) * area:
+        flaw = "it encloses nothing"
+    return edges.reshape(faces.shape), sharing, flaw
+
+
+def _reach(vertices: Floats) -> float:
+    """[m]."""
+    return math.sqrt(float((vertices**2).sum(axis=1).max(initial=0.0)))
+
+
+def read(file: str, scale: float) -> Triangles:
+    """Triangles of a file that trimesh reads, `scale` [m] per unit. Raises ArgumentError."""
+    import trimesh
+
+    try:
+        if (size := Path(file).stat().st_size) > LARGEST:
+            raise ArgumentError("mesh", f"{file} is {size >> 20} MiB: keep to {LARGEST >> 20}")
+        loaded: Any = trimesh.load_mesh(Path(file), process=False)
+        if not isinstance(loaded, trimesh.Trimesh):
+            raise ArgumentError("mesh", f"{file} has no triangles")
+        vertices = np.asarray(loaded.vertices, dtype=np.float64) * scale
+        return Triangles.of(vertices, np.asarray(loaded.faces, dtype=np.int64), file)
+    except ArgumentError:
+        raise
+    except Exception as error:
+        raise ArgumentError("mesh", f"{file} does not load: {error}") from error

@@ -1,0 +1,139 @@
+"""Voxel grids as solids."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.checks import length, number
+from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.arrays import packed, unpacked, within
+from pacinian.scene.shapes.solids import shell
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.pose import Vector
+    from pacinian.scene.shapes.local import Local
+    from pacinian.types import ArrayLike, Floats, Singles
+
+    Values = ArrayLike
+else:  # what a scene file may hold
+    Values = bytes | tuple[tuple[tuple[float, ...], ...], ...]
+
+RIM = 2  # empty voxels around the grid
+BAND = 2  # voxels from the shell, within which distances are exact
+
+
+class Field(NamedTuple):
+    """Distances [m] at the voxels and the rim around them, and the shell's size [m^2], [m]."""
+
+    distances: Singles
+    area: float
+    extent: Vector
+    reach: float
+
+
+class Voxels(
+    Struct,
+    frozen=True,
+    forbid_unknown_fields=True,
+    kw_only=True,
+    dict=True,
+    tag_field="type",
+    tag="voxels",
+):
+    """A volume given by how full each voxel of a grid about the origin is.
+
+    values: 0..1 on a grid over x, y and z, at most 1e8; or file: a .npy file, in a scene file from that
+    file's folder. pitch: side of a voxel [m]. level: the shell is where the values, interpolated between
+    the voxels' centres, are so much; beyond the grid they are 0. Raises ArgumentError.
+    """
+
+    values: Values | None = None
+    pitch: float
+    level: float = 0.5
+    file: str = ""
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "pitch", length("pitch", self.pitch))
+        force_setattr(self, "level", number("level", self.level, low=0.0, high=1.0, above=True))
+        force_setattr(self, "values", packed("values", self.values, self.file, 3))
+        if not self.file:
+            self._filled()
+
+    @property
+    def area(self) -> float:
+        """[m^2]; of a grid of only 0 and 1 that of its stairs, cut at the corners."""
+        return self._field.area
+
+    @property
+    def extent(self) -> Vector:
+        """Half the size of the box about the origin that holds it [m]."""
+        return self._field.extent
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from its origin [m]."""
+        return self._field.reach
+
+    def distance(self, points: Floats) -> Floats:
+        """Signed distance of points, (K, 3), (K,) [m], interpolated; negative inside.
+
+        Outside of the grid it may be less far than given. The first call takes a while (0.6 s for 1e6 voxels,
+        and 100 bytes for each of them).
+        """
+        from scipy.ndimage import map_coordinates
+
+        D = self._field.distances
+        last = np.array(D.shape)[:, None] - 1.0
+        at = points.T / self.pitch + last / 2.0
+        held = np.minimum(np.maximum(at, 0.0), last)
+        d = map_coordinates(D, held, np.float64, order=1, mode="nearest")
+        x, y, z = self.pitch * (at - held)
+        return np.asarray(d + np.sqrt(x * x + y * y + z * z))
+
+    def cover(self, spacing: float) -> Local:
+        """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
+        return shell(self, spacing)
+
+    @cached_property
+    def _field(self) -> Field:
+        """Exact near the shell; farther away to the point of it that is nearest to the nearest voxel there."""
+        import igl
+        from scipy import ndimage
+
+        v = np.pad(self._filled(), RIM)
+        inside, (X, Y, Z) = v > self.level, v.shape
+        axes = np.ogrid[:X, :Y, :Z]
+        nodes = np.stack(np.broadcast_arrays(*axes), axis=-1).reshape(-1, 3, order="F")
+        made: Any = igl.marching_cubes(v.ravel(order="F"), nodes.astype(float), X, Y, Z, self.level)
+        V, F = made[:2]
+        wide = 2 * BAND + 1
+        near = ndimage.maximum_filter(inside, wide) != ndimage.minimum_filter(inside, wide)
+        tree: Any = igl.AABB()
+        tree.init(V, F)
+        foot = tree.squared_distance(V, F, np.argwhere(near).astype(float))[2]
+        number = np.zeros(v.shape, dtype=np.int32)
+        number[near] = np.arange(len(foot))
+        nearest = ndimage.distance_transform_edt(~near, return_distances=False, return_indices=True)
+        which = number[tuple(nearest)]
+        squared = sum((x - foot[:, axis][which]) ** 2 for axis, x in enumerate(axes))
+        D = np.where(inside, -self.pitch, self.pitch) * np.sqrt(squared)
+        V = self.pitch * (V - (np.array(v.shape) - 1.0) / 2.0)
+        x, y, z = np.abs(V).max(axis=0).tolist()
+        area = float(np.asarray(igl.doublearea(V, F)).sum()) / 2.0
+        return Field(D.astype(np.float32), area, (x, y, z), math.sqrt((V * V).sum(axis=1).max()))
+
+    def _filled(self) -> Floats:
+        values = unpacked("values", self.values, self.file, 3)
+        within("values", values)
+        inside = values > self.level
+        if not inside.any() or inside.all():
+            are = "all" if inside.all() else "none"
+            raise ArgumentError("values", f"have no shell: {are} is above the level {self.level:g}")
+        length("pitch", self.pitch * max(values.shape))
+        return values.astype(np.float64)

@@ -1,0 +1,1 @@
+"""How strong an object is over time, and how its samples are presented."""

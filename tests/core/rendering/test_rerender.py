@@ -1,0 +1,284 @@
+"""A recording rendered again: the same frames, bit for bit, whatever the time was spent on."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+import numpy as np
+import pytest
+from msgspec.structs import replace
+from trimesh.creation import box
+
+import pacinian as pc
+from pacinian.gallery import HAND, SCENES
+from pacinian.rendering.rerender import rerender
+from pacinian.rendering.smooth import Smoothing
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.motion import Motion
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.time.technique import LM, STM
+from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ARRAY = pc.autd()
+TICK = 1e-3  # [s]
+
+
+class Slow(ManualClock):
+    """Each look at it takes time, so that deadlines are missed and the governor steps in."""
+
+    def __init__(self, each: float = 2e-5) -> None:
+        super().__init__(3.0)
+        self.each, self.looks = each, 0
+
+    def now(self) -> float:
+        self.looks += 1
+        self.advance(self.each * (1 + self.looks * 7919 % 13))
+        return self.time
+
+
+def make(path: Path, scene: Any, clock: Any = None, **options: Any) -> pc.Renderer:
+    options.setdefault("backend", Simulated(rate=2000.0))
+    clock = clock or ManualClock(3.0)
+    return pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path), **options)
+
+
+def again(path: Path) -> tuple[int, int]:
+    """How many ticks, and how many differ."""
+    return rerender(pc.Recording(path))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_built_in_scene_comes_out_the_same(tmp_path: Path, name: str) -> None:
+    report = make(tmp_path / "run.pac", SCENES[name]).run(0.04)
+    assert not report.faults
+    assert again(tmp_path / "run.pac") == (40, 0)
+
+
+@pytest.mark.parametrize("name", ["textured-plane", "palm", "crowd", "stm-circle", "rain"])
+def test_it_comes_out_the_same_where_time_decides(tmp_path: Path, name: str) -> None:
+    renderer = make(tmp_path / "run.pac", SCENES[name], Slow())
+    with renderer:
+        for k in range(60):
+            renderer.tick(3.0 + k * TICK)
+        assert not renderer.report.faults
+        if name == "palm":
+            assert renderer.report.statuses["deadline"] > 3
+            assert renderer.sampler.allowed < renderer.sampler.budget
+    assert again(tmp_path / "run.pac") == (60, 0)
+
+
+@pytest.mark.parametrize("name", ["palm", "mesh"])
+def test_it_comes_out_the_same_by_the_systems_clock(tmp_path: Path, name: str) -> None:
+    report = make(tmp_path / "run.pac", SCENES[name], pc.SystemClock()).run(0.3)
+    assert not report.faults
+    ticks, different = again(tmp_path / "run.pac")
+    assert (ticks, different) == (report.frames_sent, 0)
+
+
+def test_it_comes_out_the_same_after_faults_and_resets(tmp_path: Path) -> None:
+    device = Simulated(rate=2000.0)
+    calls = iter(range(1000))
+
+    def scene(t: float) -> pc.Scene:
+        if next(calls) in (13, 14, 31):
+            raise RuntimeError("in the middle")
+        return SCENES["palm"](t)
+
+    renderer = make(tmp_path / "run.pac", scene, Slow(), backend=device)
+    with renderer:
+        for k in range(60):
+            if k in (20, 45):
+                device.stall()  # after the tick has solved and read the clock
+            renderer.tick(3.0 + k * TICK)
+            device.resume()
+            if renderer.halted is not None and k % 3:
+                renderer.reset()
+        assert renderer.report.fault_count == 5
+        sent = renderer.report.frames_sent
+        assert sent < 60
+    assert again(tmp_path / "run.pac") == (sent, 0)
+
+
+def test_it_comes_out_the_same_after_a_pause_between_two_runs(tmp_path: Path) -> None:
+    clock = ManualClock(3.0)
+    renderer = make(tmp_path / "run.pac", SCENES["sliding-ball"], clock)
+    with renderer:
+        for _ in range(3):
+            renderer.run(0.01)
+            clock.advance(0.2)
+    assert again(tmp_path / "run.pac") == (30, 0)
+
+
+POINT = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=5.0, name="a")
+BALL = pc.Volume(
+    shape=pc.Sphere(0.02),
+    pose=pc.Pose((0.0, 0.0, 0.19)),
+    radiation_pressure=6.0,
+    motion=Motion((0.3, 0.0, 0.0), (0.0, 2.0, 0.0), 0.0),
+    name="ball",
+)
+PLATE = pc.Surface(
+    shape=pc.Rectangle(0.1, 0.1), pose=pc.Pose((0, 0, 0.2)), radiation_pressure=3.0, name="plate"
+)
+
+
+def fresh(t: float) -> pc.Scene:
+    """A new scene each time, of the same objects."""
+    return pc.Scene(OBJECTS, hands=(HAND,))
+
+
+def hands(t: float) -> pc.Scene:
+    """A hand that is seen somewhere else each 8 ms, in a new scene each time."""
+    return pc.Scene((PLATE,), hands=(seen(int(t / 0.008)),))
+
+
+def seen(update: int) -> Any:
+    if update not in SEEN:
+        SEEN[update] = HAND.moved(pc.Pose((0.004 * (update % 3), 0.0, 0.0)))
+    return SEEN[update]
+
+
+def tracked(t: float) -> pc.Scene:
+    """A hand with velocities that is lost now and then, and one that is a mesh, which moves."""
+    now = int(t / 0.008) * 0.008
+    joints = HAND.moved(pc.Pose((0.2 * now, 0.0, 0.0))).joints
+    assert joints is not None
+    if 0.02 < now < 0.04:
+        joints = np.full((26, 3), np.nan)
+    one = Hand(joints, velocities=(0.2, 0.0, 0.0), time=now, name="tracked")
+    return pc.Scene((PLATE,), hands=(one, GLOVE.moved(pc.Pose((0.0, -0.1, now)))))
+
+
+def comes_and_goes(t: float) -> pc.Scene:
+    """Two scenes in turn, with a thing that moves."""
+    return pc.Scene((BALL, POINT), hands=(HAND,)) if int(t / 0.003) % 2 else OTHER
+
+
+def gone_and_back(t: float) -> pc.Scene:
+    """A thing that moves, and is not there now and then."""
+    return pc.Scene((POINT, BALL) if int(t / 0.003) % 2 else (POINT,), hands=(HAND,))
+
+
+def put_and_remove(t: float) -> pc.Scene:
+    """Objects updated, taken away and put back, as an engine does."""
+    k = round(t / TICK)
+    scene = WORLD[-1] if k else OTHER
+    if k % 5 == 1:
+        pose = pc.Pose((0.002 * (k % 7), 0.0, 0.19))
+        scene = scene.put(replace(BALL, pose=pose, motion=Motion((0.1, 0, 0), (0, 1, 0), t)))
+    if k % 7 == 3:
+        scene = scene.remove("a")
+    if k % 7 == 6:
+        scene = scene.put(POINT)
+    if k == 30:
+        scene = scene.put(replace(BALL, motion=None))
+    WORLD.append(scene)
+    return scene
+
+
+def modulated(t: float) -> pc.Scene:
+    """A hand on a plate that is rendered by a technique, a new one now and then."""
+    techniques = STM(100.0, "outline"), LM(50.0, 0.003), STM(60.0, Circle(0.01))
+    plate = replace(PLATE, technique=techniques[int(t / 0.01) % 3])
+    return pc.Scene((plate, POINT), hands=(HAND,))
+
+
+BLOCK = box(extents=(0.08, 0.08, 0.02)).subdivide().subdivide().subdivide()
+GLOVE = Hand(vertices=BLOCK.vertices, faces=BLOCK.faces, name="glove").moved(pc.Pose((0, 0, 0.205)))
+OBJECTS = tuple(replace(BALL, name=f"{k}", pose=pc.Pose((0.01 * k, 0, 0.19))) for k in range(4))
+OTHER = pc.Scene((PLATE, BALL, POINT), hands=(HAND,))
+SEEN: dict[int, Any] = {}
+WORLD: list[pc.Scene] = []
+
+
+@pytest.mark.parametrize(
+    "scene", [fresh, hands, tracked, comes_and_goes, gone_and_back, put_and_remove, modulated]
+)
+@pytest.mark.parametrize("slow", [False, True])
+def test_it_comes_out_the_same_however_scenes_are_built(
+    tmp_path: Path, scene: Any, slow: bool
+) -> None:
+    renderer = make(tmp_path / "run.pac", scene, Slow(3e-5) if slow else None)
+    with renderer:
+        for k in range(60):
+            renderer.tick(3.0 + k * TICK if not slow else None)
+        assert not renderer.report.faults
+    assert renderer.recorder is not None
+    assert not renderer.recorder.unrecorded
+    assert again(tmp_path / "run.pac") == (60, 0)
+
+
+def test_it_comes_out_the_same_with_other_solvers_limits_and_settings(tmp_path: Path) -> None:
+    renderer = make(
+        tmp_path / "run.pac",
+        SCENES["palm"],
+        Slow(),
+        rate=700.0,
+        governed=False,
+        smoothing=Smoothing(rate=100.0, align=False),
+        sampler=pc.Sampler(40, 0.012, ramp=0.01, perception=False),
+        medium=pc.Air(temperature=31.0, attenuation="absorbing"),
+        solver="gs-pat",
+        backend=Simulated(phases=64, amplitudes=320, rate=2100.0),
+    )
+    with renderer:
+        for k in range(40):
+            if k == 10:
+                renderer.limits = pc.Limits(power=20.0)
+            if k == 20:
+                renderer.session.solver = pc.solver("lagrange", mu=1e-5)
+            if k == 30:
+                renderer.limits = pc.Limits(gain=0.5, quiet=([[0.05, 0.0, 0.1]], 20.0))
+            renderer.tick()
+        assert not renderer.report.faults
+    assert again(tmp_path / "run.pac") == (40, 0)
+
+
+def test_a_tilted_array_of_directive_transducers_comes_out_the_same(tmp_path: Path) -> None:
+    array = pc.autd(2, 1).fold("y", 37.0)
+    array = pc.Array(array.positions, array.normals, pc.T4010A1)
+    recorder = pc.Recorder(tmp_path / "run.pac")
+    clock = ManualClock(3.0)
+    renderer = pc.Renderer(array, SCENES["sliding-ball"], clock=clock, recorder=recorder)
+    assert not renderer.run(0.03).faults
+    assert again(tmp_path / "run.pac") == (30, 0)
+
+
+def test_a_frame_that_was_changed_is_noticed(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    make(path, SCENES["sliding-ball"]).run(0.03)
+    unpacker = msgpack.Unpacker(strict_map_key=False)
+    unpacker.feed(path.read_bytes())
+    maps = list(unpacker)
+    for k in (8, 20):
+        levels = np.frombuffer(maps[k]["phase"], "<u2").copy()
+        levels[17] = (levels[17] + 1) % 256
+        maps[k]["phase"] = levels.tobytes()
+    path.write_bytes(b"".join(map(msgpack.packb, maps)))
+    assert again(path) == (30, 2)
+
+
+def test_settings_that_are_missing_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    kind = pc.Transducer(directivity=lambda cosine: np.maximum(cosine, 0.0))
+    array = pc.lattice(0.05, 0.05, transducer=kind)
+    pc.Renderer(array, OTHER, clock=ManualClock(), recorder=pc.Recorder(path)).run(0.01)
+    assert len(list(pc.Recording(path))) == 10
+    with pytest.raises(pc.RecordingError, match="no settings"):
+        again(path)
+
+
+def test_a_changed_clock_that_changes_what_is_done_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    make(path, SCENES["palm"], Slow()).run(0.01)
+    recording = pc.Recording(path)
+    ticks = [dataclasses.replace(tick, clock=tick.clock[:1]) for tick in recording.ticks()]
+    recording.ticks = lambda **_: iter(ticks)  # type: ignore[method-assign]
+    with pytest.raises(pc.RecordingError, match="not read so often"):
+        rerender(recording)

@@ -1,0 +1,232 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.rendering.smooth import Smoother, Smoothing
+
+bounded = settings(deadline=None, derandomize=True)
+seeds = st.integers(0, 2**32 - 1)
+N, DT = 37, 0.5e-3
+FREE = Smoothing(rate=None)
+
+
+def drawn(seed: int, *shape: int, top: float = 1.0) -> Any:
+    """Gains within the unit disc times `top`."""
+    rng = np.random.default_rng(seed)
+    size = top * np.sqrt(rng.random(shape))
+    return (size * np.exp(2j * np.pi * rng.random(shape))).astype(np.complex64)
+
+
+def at(gains: Any, how: Smoothing = FREE) -> Smoother:
+    """A smoother that has given out `gains`, (N,)."""
+    smoother = Smoother(FREE, len(gains))
+    smoother.follow(gains[None], DT, np.empty((1, len(gains)), np.complex64))
+    smoother.settings = how
+    return smoother
+
+
+def followed(smoother: Smoother, gains: Any, rows: int = 1) -> Any:
+    out = np.empty((rows, gains.shape[-1]), np.complex64)
+    smoother.follow(np.ascontiguousarray(gains).reshape(-1, gains.shape[-1]), DT, out)
+    return out
+
+
+def reference(last: Any, gains: Any, how: Smoothing, seconds: float) -> Any:
+    """The rows, (K, N), in double precision, from the definition."""
+    out = np.empty(gains.shape, complex)
+    for k, g in enumerate(gains.astype(complex)):
+        inner = np.vdot(g, last)
+        target = g * inner / abs(inner) if how.align and abs(inner) else g
+        most = np.abs(target - last).max()
+        part = 1.0 if how.rate is None or not most else min(1.0, how.rate * seconds / most)
+        last = out[k] = last + part * (target - last)
+    return out
+
+
+@given(seed=seeds, rate=st.one_of(st.none(), st.floats(1.0, 5000.0)), align=st.booleans())
+@bounded
+def test_rows_are_the_definitions(seed: int, rate: float | None, align: bool) -> None:
+    last, gains = drawn(seed, N), drawn(seed + 1, 5, N)
+    how = Smoothing(rate=rate, align=align)
+    smoother = at(last, how)
+    out = np.empty((5, N), np.complex64)
+    smoother.follow(gains, DT, out)
+    np.testing.assert_allclose(out, reference(last.astype(complex), gains, how, DT), atol=3e-6)
+    np.testing.assert_array_equal(smoother.gains, out[-1])
+
+
+@given(seed=seeds, turn=st.floats(0.0, 2.0 * math.pi))
+@bounded
+def test_a_turn_of_all_phases_is_no_change(seed: int, turn: float) -> None:
+    gains = drawn(seed, N)
+    smoother = at(gains, Smoothing())
+    out = followed(smoother, (gains * np.exp(1j * turn)).astype(np.complex64))
+    np.testing.assert_allclose(out[0], gains, atol=2e-6)
+    assert smoother.settled
+
+
+@given(seed=seeds)
+@bounded
+def test_no_turn_of_the_gains_is_nearer_to_the_row_before(seed: int) -> None:
+    last, gains = drawn(seed, N), drawn(seed + 1, N)
+    out = followed(at(last), gains)[0]
+    turns = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 99))[:, None]
+    nearest = np.linalg.norm(turns * gains - last, axis=1).min()
+    assert np.linalg.norm(out - last) <= nearest * (1.0 + 1e-6)
+
+
+@given(seed=seeds, top=st.floats(1e-3, 30.0), rate=st.floats(1.0, 5000.0), align=st.booleans())
+@bounded
+def test_no_ceiling_is_exceeded_and_no_gain_is_too_fast(
+    seed: int, top: float, rate: float, align: bool
+) -> None:
+    last, gains = drawn(seed, N, top=top), drawn(seed + 1, 4, N)
+    smoother = at(last, Smoothing(rate=rate, align=align))
+    out = followed(smoother, gains, rows=4)
+    before = np.vstack([at(last).gains[None], out[:-1]])
+    size = np.abs(out.astype(complex))
+    most = np.maximum(np.abs(before.astype(complex)), np.abs(gains.astype(complex)))
+    assert (size <= most).all()
+    assert np.abs(out - before).max() <= rate * DT + 3e-6 * max(1.0, top)
+
+
+@given(seed=seeds)
+@bounded
+def test_convex_limits_that_both_ends_keep_are_kept_on_the_way(seed: int) -> None:
+    last, gains, B = drawn(seed, N), drawn(seed + 1, N), drawn(seed + 2, 6, N).astype(complex)
+    smoother = at(last, Smoothing(rate=100.0))
+    for row in followed(smoother, gains, rows=50).astype(complex):
+        power = max(np.linalg.norm(last), np.linalg.norm(gains))
+        assert np.linalg.norm(row) <= power * (1.0 + 1e-6)
+        quiet = np.maximum(np.abs(B @ last), np.abs(B @ gains))
+        assert (np.abs(B @ row) <= quiet + 1e-5).all()
+
+
+def test_a_pressure_that_both_ends_make_stays() -> None:
+    b = drawn(3, N).astype(complex)
+    ends = [g + (5.0 - b @ g) * b.conj() / np.vdot(b, b).real for g in drawn(4, 2, N)]
+    smoother = at(ends[0].astype(np.complex64), Smoothing(rate=100.0, align=False))
+    rows = followed(smoother, ends[1].astype(np.complex64), rows=60)
+    np.testing.assert_allclose(rows @ b, 5.0, atol=1e-4)
+    assert smoother.settled
+
+
+@given(seed=seeds, rate=st.floats(50.0, 2000.0))
+@bounded
+def test_the_output_goes_straight_and_settles_when_the_rate_allows(seed: int, rate: float) -> None:
+    last, gains = drawn(seed, N), drawn(seed + 1, N)
+    distance = np.abs(followed(at(last), gains)[0] - at(last).gains).max()
+    needed = distance / (rate * DT)
+    smoother, settled = at(last, Smoothing(rate=rate)), False
+    rows = 0
+    while not settled and rows < 100:
+        followed(smoother, gains)
+        settled, rows = smoother.settled, rows + 1
+    assert needed - 0.01 <= rows <= needed + 1.01
+
+
+def test_sound_ramps_up_from_silence_in_phase() -> None:
+    gains = np.exp(1j * np.arange(N)).astype(np.complex64)
+    smoother = Smoother(Smoothing(rate=200.0), N)
+    rows = followed(smoother, gains, rows=12)
+    ramp = np.minimum(0.1 * np.arange(1, 13), 1.0)
+    np.testing.assert_allclose(rows, ramp[:, None] * gains, atol=1e-5)
+    smoother.reset()
+    assert not smoother.settled
+    assert not smoother.gains.any()
+    np.testing.assert_allclose(followed(smoother, gains)[0], 0.1 * gains, atol=2e-6)
+
+
+def test_silence_follows_silence() -> None:
+    smoother = Smoother(Smoothing(), N)
+    assert not followed(smoother, np.zeros(N, np.complex64), rows=2).any()
+    assert smoother.settled
+
+
+def test_sound_fades_to_silence() -> None:
+    smoother = at(drawn(1, N), Smoothing(rate=100.0))
+    rows = np.abs(followed(smoother, np.zeros(N, np.complex64), rows=25))
+    assert (np.diff(rows, axis=0) <= 0.0).all()
+    assert not rows[-1].any()
+
+
+@pytest.mark.parametrize("scale", [1e-25, 1e-12, 1.0, 1e6])
+def test_gains_of_any_size_are_finite(scale: float) -> None:
+    gains = (scale * drawn(2, 4, N)).astype(np.complex64)
+    out = followed(at(gains[0], Smoothing()), gains, rows=4)
+    assert np.isfinite(out).all()
+
+
+def test_what_is_not_a_number_is_silent_and_leaves_no_trace() -> None:
+    good = drawn(5, N)
+    bad = good.copy()
+    bad[3], bad[7] = np.nan, complex(0.0, np.inf)
+    smoother = at(good)
+    out = followed(smoother, bad)[0]
+    assert np.isfinite(out).all()
+    assert out[3] == out[7] == 0.0
+    np.testing.assert_allclose(np.abs(followed(smoother, good)[0]), np.abs(good), atol=2e-6)
+
+
+def test_rows_at_once_are_rows_one_by_one_bit_for_bit() -> None:
+    gains, at_once, one_by_one = drawn(6, 20, N), at(drawn(7, N)), at(drawn(7, N))
+    at_once.settings = one_by_one.settings = Smoothing()
+    rows = followed(at_once, gains, rows=20)
+    single = np.vstack([followed(one_by_one, g) for g in gains])
+    assert rows.tobytes() == single.tobytes()
+    assert at_once.settled == one_by_one.settled
+
+
+def test_one_row_of_gains_stands_for_all() -> None:
+    gains = drawn(8, 1, N)
+    a, b = (at(drawn(9, N), Smoothing()) for _ in range(2))
+    repeated = np.repeat(gains, 3, axis=0)
+    assert followed(a, gains, rows=3).tobytes() == followed(b, repeated, rows=3).tobytes()
+
+
+@pytest.mark.parametrize("units", [1, 3])
+def test_a_focus_at_1_m_s_is_followed_without_lag_and_one_at_4_m_s_is_not(units: int) -> None:
+    array = pc.autd(units, units)
+    k = pc.Air().wavenumber(array.transducer.frequency)
+    for speed, followed_at_once in ((1.0, True), (4.0, False)):
+        smoother, settled = None, True
+        for x in speed * DT * np.arange(50):
+            away = np.linalg.norm(array.positions - [x, 0.0, 0.2], axis=1)
+            gains = np.exp(1j * k * away).astype(np.complex64)
+            smoother = smoother or at(gains, Smoothing())
+            followed(smoother, gains)
+            settled &= smoother.settled
+        assert settled == followed_at_once
+
+
+def test_a_vibration_of_200_hz_in_the_solved_gains_passes() -> None:
+    smoother, full = Smoother(Smoothing(), N), np.exp(1j * np.arange(N))
+    for t in DT * np.arange(1, 200):
+        gains = (abs(math.sin(math.pi * 200.0 * t)) * full).astype(np.complex64)
+        np.testing.assert_allclose(np.abs(followed(smoother, gains)[0]), np.abs(gains), atol=2e-6)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, 1e10, math.nan, math.inf, "fast"])
+def test_a_bad_rate_is_refused_by_name(bad: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`rate` "):
+        Smoothing(rate=bad)
+
+
+def test_other_bad_arguments_are_refused_by_name() -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`align` "):
+        Smoothing(align="yes")
+    with pytest.raises(pc.ArgumentError, match=r"^`columns` "):
+        Smoother(Smoothing(), 0)
+    with pytest.raises(pc.ArgumentError, match=r"^`settings` "):
+        Smoother(750.0, N)
+    smoother = Smoother(Smoothing(), N)
+    for gains, out in (((1, N + 1), (1, N)), ((3, N), (2, N)), ((1, 5), (1, 5)), ((1, N), (0, N))):
+        with pytest.raises(pc.ArgumentError, match=r"^`gains` "):
+            smoother.follow(np.zeros(gains, np.complex64), DT, np.zeros(out, np.complex64))

@@ -1,0 +1,394 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
+
+import pacinian as pc
+from pacinian.scene.hands.bones import BONES
+from pacinian.scene.hands.capsules import bounds, capsules, closest, distance_to_skin
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.hands.levels import SPACINGS
+from pacinian.scene.hands.skin import Skin, skin_of
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+REST = Hand.open()
+SKIN = skin_of(REST)
+ALL = np.arange(len(SKIN))
+LEVELS = range(len(SPACINGS))
+
+
+def around(flesh: Floats, points: Floats) -> Floats:
+    """Signed distance of each point to each capsule, (K, C) [m]."""
+    a, b = flesh[:, :3], flesh[:, 3:6]
+    axis = b - a
+    square = np.maximum((axis**2).sum(axis=1), 1e-300)
+    along = np.clip(((points[:, None] - a) * axis).sum(axis=2) / square, 0.0, 1.0)
+    return np.linalg.norm(points[:, None] - a - along[..., None] * axis, axis=2) - flesh[:, 6]
+
+
+def bent(joints: Floats, turns: list[Any]) -> Floats:
+    """The joints with those beyond each of the fingers' joints turned about it."""
+    joints, turns = np.array(joints), list(turns)
+    for first in (3, 7, 12, 17, 22):
+        for joint in range(first, first + (2 if first == 3 else 3)):
+            rest = slice(joint + 1, first + (3 if first == 3 else 4))
+            turn = Rotation.from_rotvec(turns.pop())
+            joints[rest] = joints[joint] + turn.apply(joints[rest] - joints[joint])
+    return joints
+
+
+@st.composite
+def hands(draw: st.DrawFn) -> Hand:
+    """Hands of any size, bent in any way."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    wild = draw(st.floats(0.0, 2.0))
+    joints = bent(REST.joints, list(rng.normal(0.0, wild, (14, 3))))  # type: ignore[arg-type]
+    joints = draw(st.floats(0.7, 1.2)) * joints + rng.normal(0.0, 1e-3 * wild, (26, 3))
+    hand = Hand(
+        joints,
+        REST.radii * rng.uniform(0.7, 1.3, 26),
+        side=draw(st.sampled_from(["left", "right"])),
+    )
+    turn = tuple(Rotation.random(random_state=rng.integers(2**31)).as_quat().tolist())
+    return hand.moved(pc.Pose(position=tuple(rng.normal(size=3)), rotation=turn))
+
+
+def test_at_rest_every_point_is_on_the_skin_and_seen() -> None:
+    placed = SKIN.place(REST)
+    away = around(placed.capsules, placed.points)
+    np.testing.assert_allclose(away.min(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-12)
+    assert SKIN.exposed(placed, ALL).all()
+    np.testing.assert_allclose(placed.points, SKIN.surface.points, atol=1e-12)
+    assert 1500 < len(SKIN) < 4000
+
+
+def test_normals_point_out_of_the_hand() -> None:
+    placed = SKIN.place(REST)
+    out = distance_to_skin(placed.capsules, placed.points + 1e-4 * placed.normals)
+    assert (out > 0.5e-4).all()
+    np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-12)
+
+
+def test_the_area_is_that_of_the_skin() -> None:
+    """Of what lies within 0.5 mm of it, half is its area times 0.5 mm, but for terms of second order."""
+    placed = SKIN.place(REST)
+    low, high = placed.points.min(axis=0) - 1e-3, placed.points.max(axis=0) + 1e-3
+    points = np.random.default_rng(2).uniform(low, high, (1_500_000, 3))
+    near = np.abs(distance_to_skin(placed.capsules, points)) < 5e-4
+    area = near.mean() * np.prod(high - low) / 1e-3
+    assert placed.area.sum() == pytest.approx(area, rel=0.015)
+    assert 0.035 < area < 0.055  # [m^2]; a hand has 2 to 2.5 % of a body's skin, some 1.8 m^2
+
+
+def test_the_skin_has_no_holes() -> None:
+    """Wherever one comes from, the skin one meets has a point within the finest spacing."""
+    rng = np.random.default_rng(3)
+    from_ = rng.uniform([-0.12, -0.1, -0.05], [0.08, 0.15, 0.05], (20_000, 3))
+    flesh = capsules(REST)
+    outside = from_[distance_to_skin(flesh, from_) > 0.0]
+    met = closest(flesh, outside).points
+    assert KDTree(SKIN.surface.points).query(met)[0].max() < 1.5 * SPACINGS[0]
+
+
+@settings(max_examples=40, deadline=None)
+@given(hands())
+def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
+    placed = SKIN.place(hand)
+    away = around(placed.capsules, placed.points)
+    np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-9)
+    np.testing.assert_array_equal(placed.capsules, capsules(hand))
+    away[ALL, SKIN.bone] = np.inf
+    clear = np.abs(away.min(axis=1) + 5e-4) > 1e-9
+    shown = away.min(axis=1) > -5e-4
+    np.testing.assert_array_equal(SKIN.exposed(placed, ALL)[clear], shown[clear])
+    some = ALL[::7]
+    np.testing.assert_array_equal(SKIN.exposed(placed, some), SKIN.exposed(placed, ALL)[some])
+
+
+@settings(max_examples=40, deadline=None)
+@given(hands(), st.integers(0, 2**31))
+def test_the_skin_moves_with_the_hand(hand: Hand, seed: int) -> None:
+    turn = Rotation.random(random_state=seed)
+    pose = pc.Pose(position=(0.3, -0.2, 0.1), rotation=tuple(turn.as_quat().tolist()))
+    before, after = SKIN.place(hand), SKIN.place(hand.moved(pose))
+    np.testing.assert_allclose(after.points, pose.points(before.points), atol=1e-9)
+    np.testing.assert_allclose(after.normals, pose.directions(before.normals), atol=1e-7)
+    np.testing.assert_allclose(after.area, before.area, rtol=1e-9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(hands())
+def test_the_mirrored_hand_has_the_mirrored_skin(hand: Hand) -> None:
+    mirror = np.array([-1.0, 1.0, 1.0])
+    other = "left" if hand.side == "right" else "right"
+    mirrored = Hand(mirror * hand.joints, hand.radii, side=other)  # type: ignore[arg-type]
+    before, after = SKIN.place(hand), SKIN.place(mirrored)
+    np.testing.assert_allclose(after.points, mirror * before.points, atol=1e-9)
+    np.testing.assert_allclose(after.normals, mirror * before.normals, atol=1e-7)
+
+
+def test_a_bent_finger_carries_its_skin_without_spinning_it() -> None:
+    """Bending the middle finger turns what is beyond each joint about x, and nothing else."""
+    angles = np.radians([80.0, 100.0, 70.0])
+    middle = [np.zeros(3)] * 14
+    for joint, angle in enumerate(angles):
+        middle[14 - 1 - 5 - joint] = np.array([-angle, 0.0, 0.0])  # thumb 2, index 3, then middle
+    # Each joint is turned as it lies, after those nearer to the palm.
+    placed = SKIN.place(Hand(bent(REST.joints, middle)))  # type: ignore[arg-type]
+    for c, bone in enumerate(BONES):
+        if bone.base[0] in (12, 13, 14) and bone.base[0] == bone.base[1]:
+            turn = Rotation.from_rotvec([-angles[: bone.base[0] - 11].sum(), 0.0, 0.0])
+            on = SKIN.of_bone[c]
+            np.testing.assert_allclose(
+                placed.normals[on], turn.apply(SKIN.surface.normals[on]), atol=1e-9
+            )
+
+
+def test_the_skin_moves_continuously_as_the_hand_closes() -> None:
+    rng = np.random.default_rng(4)
+    # Fingers to a fist with some twist and spread, all the way past what a hand can do.
+    axes = np.array([-1.0, 0.0, 0.0]) + rng.normal(0.0, 0.1, (14, 3))
+    steps = [
+        SKIN.place(Hand(bent(REST.joints, list(angle * axes)))).points  # type: ignore[arg-type]
+        for angle in np.linspace(0.0, 2.2, 221)
+    ]
+    # A step of 0.01 rad in each of three joints cannot move a point 0.13 m away by more.
+    assert np.abs(np.diff(steps, axis=0)).max() < 4e-3
+
+
+def test_area_stretches_with_the_bone() -> None:
+    longer = SKIN.place(Hand(2.0 * REST.joints, REST.radii))  # type: ignore[operator]
+    thicker = SKIN.place(Hand(REST.joints, 2.0 * REST.radii))
+    mantle = np.isclose(longer.area, 2.0 * SKIN.area)
+    np.testing.assert_allclose(longer.area[~mantle], SKIN.area[~mantle])
+    np.testing.assert_allclose(thicker.area, np.where(mantle, 2.0, 4.0) * SKIN.area)
+    assert 0.6 < mantle.mean() < 1.0
+
+
+@pytest.mark.parametrize("kept", [[], [0, 1, 2, 3], [1, 12], [7, 12, 22]])
+def test_joints_that_coincide_give_numbers(kept: list[int]) -> None:
+    joints = np.full((26, 3), 0.2)
+    joints[kept] = REST.joints[kept]  # type: ignore[index]
+    hand = Hand(joints)
+    placed = SKIN.place(hand)
+    for array in placed:
+        assert np.isfinite(array).all()
+    np.testing.assert_allclose(
+        around(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-12
+    )
+    for found in closest(placed.capsules, joints):
+        assert np.isfinite(found).all()
+
+
+def test_a_joint_bent_back_on_itself_gives_numbers() -> None:
+    joints = np.array(REST.joints)
+    for first in (12, 7):  # the middle finger exactly, the index nearly
+        joints[first + 1 : first + 4] = 2 * joints[first] - joints[first + 1 : first + 4]
+    joints[8] += 1e-9
+    placed = SKIN.place(Hand(joints))
+    np.testing.assert_allclose(
+        around(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-9
+    )
+
+
+def same_side(skin: Skin, points: Any) -> Any:
+    n, fingers = skin.surface.normals[points], skin.surface.fingers[points]
+    apart = (fingers[:, None] != fingers) & (fingers[:, None] > 0) & (fingers > 0)
+    return (n @ n.T > 0.0) & ~apart
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_nodes_of_a_level_are_its_spacing_apart(level: int) -> None:
+    nodes = np.arange(SKIN.counts[level])
+    points = SKIN.surface.points[nodes]
+    apart = np.linalg.norm(points[:, None] - points, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    assert apart[same_side(SKIN, nodes)].min() >= SPACINGS[level]
+
+
+def test_levels_are_nested_from_fine_to_coarse() -> None:
+    assert SKIN.counts[0] == len(SKIN)
+    assert list(SKIN.counts) == sorted(SKIN.counts, reverse=True)
+    np.testing.assert_allclose(SKIN.levels[1:] / SKIN.levels[:-1], math.sqrt(2.0))
+    assert (SKIN.levels[0], SKIN.levels[-1]) == (0.0035, pytest.approx(0.028))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
+    indices, weights = SKIN.share[level]
+    assert (weights >= 0.0).all()
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-12)
+    assert indices.min() >= 0
+    assert indices.max() < SKIN.counts[level]
+    nodes = ALL[: SKIN.counts[level]]
+    np.testing.assert_array_equal(indices[nodes][:, 0], nodes)
+    np.testing.assert_array_equal(weights[nodes][:, 0], 1.0)
+    used = weights > 0.0
+    cosine = (SKIN.surface.normals[:, None] * SKIN.surface.normals[indices]).sum(axis=2)
+    assert cosine[used].min() > 0.0
+    mine, theirs = SKIN.surface.fingers[:, None], SKIN.surface.fingers[indices]
+    assert not (used & (mine != theirs) & (mine > 0) & (theirs > 0)).any()
+    # The force stays near where it was.
+    middle = (weights[..., None] * SKIN.surface.points[indices]).sum(axis=1)
+    moved = np.linalg.norm(middle - SKIN.surface.points, axis=1)
+    assert moved.mean() < 0.4 * SPACINGS[level]
+    assert moved.max() < 1.5 * SPACINGS[level]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_nodes_of_a_level_stand_for_all_the_skin(level: int) -> None:
+    area = SKIN.node_area[level]
+    assert area.shape == (SKIN.counts[level],)
+    assert area.sum() == pytest.approx(SKIN.area.sum())
+    assert area.min() > 0.0
+
+
+def test_shares_change_smoothly_over_the_skin() -> None:
+    """A fine point's neighbours give to the nodes nearly as it does."""
+    indices, weights = SKIN.share[3]
+    full = np.zeros((len(SKIN), SKIN.counts[3]))
+    np.add.at(full, (ALL[:, None], indices), weights)
+    pairs = KDTree(SKIN.surface.points).query_pairs(5e-3, output_type="ndarray")
+    close = (SKIN.surface.normals[pairs[:, 0]] * SKIN.surface.normals[pairs[:, 1]]).sum(axis=1)
+    pairs = pairs[close > 0.9]
+    change = np.abs(full[pairs[:, 0]] - full[pairs[:, 1]]).sum(axis=1) / 2.0  # 0 same, 1 disjoint
+    assert np.median(change) < 0.45
+    assert np.quantile(change, 0.99) < 0.95
+
+
+def test_bones_own_their_points() -> None:
+    assert len(BONES) == len(capsules(REST))
+    every = np.concatenate(SKIN.of_bone)
+    np.testing.assert_array_equal(np.sort(every), ALL)
+    for c, on in enumerate(SKIN.of_bone):
+        assert (SKIN.bone[on] == c).all()
+        assert (np.diff(on) > 0).all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(hands())
+def test_bounds_hold_each_bones_points(hand: Hand) -> None:
+    placed = SKIN.place(hand)
+    np.testing.assert_array_equal(placed.bounds, bounds(placed.capsules))
+    centre, radius = placed.bounds[SKIN.bone, :3], placed.bounds[SKIN.bone, 3]
+    assert (np.linalg.norm(placed.points - centre, axis=1) <= radius + 1e-12).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(hands(), st.integers(0, 2**31))
+def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, seed: int) -> None:
+    flesh = capsules(hand)
+    rng = np.random.default_rng(seed)
+    points = hand.joints.mean(axis=0) + rng.normal(0.0, 0.05, (200, 3))  # type: ignore[union-attr]
+    found = closest(flesh, points)
+    away = around(flesh, points).min(axis=1)
+    np.testing.assert_allclose(found.distance, away, atol=1e-12)
+    np.testing.assert_array_equal(distance_to_skin(flesh, points), found.distance)
+    on = around(flesh, found.points)
+    np.testing.assert_allclose(on[np.arange(200), found.bone], 0.0, atol=1e-9)
+    assert on.min() > -1e-6
+    outside = away > 1e-9
+    travel = np.linalg.norm(found.points - points, axis=1)
+    np.testing.assert_allclose(travel[outside], away[outside], atol=1e-9)
+    way = (points - found.points)[outside] / travel[outside, None]
+    np.testing.assert_allclose(found.normals[outside], way, atol=1e-6)
+    step = around(flesh, found.points + 1e-5 * found.normals)[np.arange(200), found.bone]
+    np.testing.assert_allclose(step, 1e-5, atol=1e-9)
+
+
+def blob() -> tuple[Floats, Any]:
+    """An ellipsoid of a hand's size."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    return np.array(ball.vertices) * [0.04, 0.09, 0.015], np.array(ball.faces)
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_a_mesh_has_a_skin_too(inside_out: bool) -> None:
+    vertices, faces = blob()
+    hand = Hand(vertices=vertices, faces=faces[:, ::-1] if inside_out else faces)
+    skin = skin_of(hand)
+    placed, mesh = skin.place(hand), trimesh.Trimesh(vertices, faces)
+    assert placed.area.sum() == pytest.approx(mesh.area)
+    assert (placed.normals * placed.points / np.array([0.04, 0.09, 0.015]) ** 2).sum(
+        axis=1
+    ).min() > 0
+    on, away, _ = trimesh.proximity.closest_point_naive(mesh, placed.points[::20])
+    np.testing.assert_allclose(on, placed.points[::20], atol=1e-9)
+    assert away.max() < 1e-9
+    assert skin.exposed(placed, np.arange(5)).all()
+    for level in LEVELS:
+        nodes = np.arange(skin.counts[level])
+        apart = np.linalg.norm(placed.points[nodes][:, None] - placed.points[nodes], axis=2)
+        np.fill_diagonal(apart, np.inf)
+        assert apart[same_side(skin, nodes)].min() >= SPACINGS[level]
+        np.testing.assert_allclose(skin.share[level].weights.sum(axis=1), 1.0)
+    centre, radius = placed.bounds[skin.bone, :3], placed.bounds[skin.bone, 3]
+    assert (np.linalg.norm(placed.points - centre, axis=1) <= radius + 1e-12).all()
+    assert placed.bounds[:, 3].max() < 0.06
+
+
+def test_a_mesh_carries_its_skin() -> None:
+    vertices, faces = blob()
+    hand = Hand(vertices=vertices, faces=faces)
+    skin = skin_of(hand)
+    assert skin_of(Hand(vertices=0.9 * vertices, faces=faces.tolist())) is skin
+    assert skin_of(Hand(vertices=vertices, faces=faces[:-1])) is not skin
+    before = skin.place(hand)
+    pose = pc.Pose.turned("y", 50.0, (0.1, 0.2, 0.3))
+    after = skin.place(hand.moved(pose))
+    np.testing.assert_allclose(after.points, pose.points(before.points), atol=1e-12)
+    np.testing.assert_allclose(after.normals, pose.directions(before.normals), atol=1e-9)
+    smaller = skin.place(Hand(vertices=0.5 * vertices, faces=faces))
+    np.testing.assert_allclose(smaller.area, before.area / 4.0)
+    flat = skin.place(Hand(vertices=np.zeros_like(vertices), faces=faces))
+    assert not np.isnan(np.concatenate([flat.points, flat.normals])).any()
+    assert flat.area.sum() == 0.0
+
+
+def test_the_closest_skin_of_a_mesh() -> None:
+    vertices, faces = blob()
+    hand = Hand(vertices=vertices, faces=faces)
+    skin = skin_of(hand)
+    points = np.array([[0.0, 0.0, -0.1], [0.0, 0.0, 0.014], [0.1, 0.0, 0.0]])
+    found = skin.closest(hand, points)
+    np.testing.assert_allclose(found.distance, [0.085, -0.001, 0.06], atol=1e-4)
+    np.testing.assert_allclose(found.points[0], [0.0, 0.0, -0.015], atol=1e-4)
+    np.testing.assert_allclose(found.normals[0], [0.0, 0.0, -1.0], atol=0.05)
+    assert (found.bone < 24).all()
+    inside_out = Hand(vertices=vertices, faces=faces[:, ::-1])
+    turned = skin_of(inside_out).closest(inside_out, points)
+    np.testing.assert_allclose(turned.distance, found.distance, atol=1e-12)
+    np.testing.assert_allclose(turned.normals, found.normals, atol=1e-9)
+
+
+def test_hands_of_other_kinds_are_refused() -> None:
+    vertices, faces = blob()
+    mesh = Hand(vertices=vertices, faces=faces)
+    with pytest.raises(pc.ArgumentError, match="joints"):
+        SKIN.place(mesh)
+    with pytest.raises(pc.ArgumentError, match="vertices"):
+        skin_of(mesh).place(REST)
+    lost = Hand(vertices=np.full_like(vertices, math.nan), faces=faces[1:])
+    with pytest.raises(pc.ArgumentError, match="lost"):
+        skin_of(lost)
+    with pytest.raises(pc.ArgumentError, match="area"):
+        skin_of(Hand(vertices=np.zeros((3, 3)), faces=[[0, 1, 2]]))
+
+
+def test_all_hands_of_joints_share_one_skin() -> None:
+    assert skin_of(Hand.open("left")) is SKIN
+    assert SKIN.closest(REST, np.zeros((1, 3))).distance[0] == pytest.approx(
+        distance_to_skin(capsules(REST), np.zeros((1, 3)))[0]
+    )

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.scene.sampling.perception import LOWEST, MARGIN, TABLE, perceptible, threshold
+
+frequencies = st.floats(0.0, 1e5)
+
+
+def test_the_level_is_the_measured_force_on_the_measured_area() -> None:
+    assert threshold(200.0) == pytest.approx(0.4e-3 / 1.8e-4, rel=0.02)  # Dalecki et al. 1995
+
+
+def test_single_pulses_are_felt_at_ten_times_that_and_nothing_needs_more() -> None:
+    assert max(threshold(f) for f in np.geomspace(0.1, 1e5, 500)) == pytest.approx(10.0 * LOWEST)
+
+
+def test_the_rows_of_the_table_are_met() -> None:
+    for frequency, pressure in TABLE:
+        assert threshold(frequency) == pytest.approx(pressure)
+
+
+@pytest.mark.parametrize(("f", "slope"), [(20.0, 0.0), (55.0, -12.0), (120.0, 0.0), (400.0, 9.0)])
+def test_an_octave_changes_it_by_the_published_decibels(f: float, slope: float) -> None:
+    octave = 20.0 * math.log10(threshold(math.sqrt(2.0) * f) / threshold(f / math.sqrt(2.0)))
+    assert octave == pytest.approx(slope, abs=0.5)
+
+
+@given(f=frequencies)
+def test_it_is_never_below_the_lowest(f: float) -> None:
+    assert threshold(f) >= LOWEST * (1.0 - 1e-12)
+
+
+@given(f=frequencies, kind=st.sampled_from([pc.Sine, pc.Square]))
+def test_a_tenth_of_the_threshold_counts_as_felt(f: float, kind: Any) -> None:
+    P = np.array([0.0, 0.99 * LOWEST / MARGIN, 1.01 * threshold(f) / MARGIN, 1e6])
+    assert perceptible(P, kind(f)).tolist() == [False, False, True, True]
+
+
+def test_a_slow_vibration_needs_more_than_a_quick_one() -> None:
+    P = np.array([2.0 * LOWEST / MARGIN])
+    assert perceptible(P, pc.Sine(200.0)).all()
+    assert not perceptible(P, pc.Sine(20.0)).any()
+
+
+@pytest.mark.parametrize(
+    "envelope",
+    [None, pc.Constant(), pc.Function(lambda t: t), pc.Sine(0.0), pc.Sine(1990.0), "buzzing"],
+)
+def test_all_others_count_where_the_skin_is_most_sensitive(envelope: Any) -> None:
+    P = LOWEST / MARGIN * np.array([0.99, 1.01])
+    assert perceptible(P, envelope).tolist() == [False, True]
+
+
+def test_no_samples_have_no_flags() -> None:
+    assert perceptible(np.empty(0), None).shape == (0,)
+
+
+@pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf, "low"])
+def test_bad_frequencies_are_refused_by_name(bad: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`frequency` "):
+        threshold(bad)

@@ -1,0 +1,220 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.scene.sampling.ramps import JUMP, LONGEST, Ramps
+from pacinian.scene.sampling.samples import Samples, nothing
+
+bounded = settings(deadline=None, derandomize=True, max_examples=100)
+RAMP, TICK = 0.005, 0.001
+ITEMS = tuple(
+    pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=P, name=name)
+    for name, P in (("a", 10.0), ("b", 10.0), ("c", 1.0))
+)
+
+
+def samples(what: dict[int, tuple[float, float]], items: Any = ITEMS) -> Samples:
+    """A sample for each key, at x [m] and a share of its object's pressure; keys name objects in turn."""
+    M = len(what)
+    x, share = np.array(list(what.values())).reshape(M, 2).T
+    objects = np.array([key % len(items) for key in what], dtype=np.intp)
+    most = np.array([items[i].pressure for i in objects])
+    return Samples(
+        np.stack([x, np.zeros(M), np.full(M, 0.2)], axis=-1),
+        share * most,
+        np.zeros((M, 3)),
+        np.ones(M),
+        objects,
+        np.array(list(what), dtype=np.int64),
+        most,
+        items,
+    )
+
+
+def at(given: Samples) -> dict[tuple[int, float], float]:
+    """The pressure of each sample, by its object's name and its place."""
+    out: dict[Any, float] = {}
+    for m in range(len(given)):
+        key = given.items[given.objects[m]].name, given.positions[m, 0]
+        out[key] = out.get(key, 0.0) + given.radiation_pressure[m]
+    return out
+
+
+shares = st.floats(0.0, 1.0)
+shown = st.dictionaries(
+    st.integers(0, 7), st.tuples(st.sampled_from([0.0, 0.1, 0.2]), shares), max_size=5
+)
+scenes = st.lists(st.tuples(shown, st.integers(1, 4)), min_size=1, max_size=6)
+
+
+@given(scenes=scenes)
+@bounded
+def test_no_pressure_changes_faster_than_the_ramp_allows(scenes: Any) -> None:
+    ramps, t = Ramps(RAMP), 0.0
+    before: dict[float, float] = {}
+    number: dict[float, int] = {}
+    for what, ticks in scenes:
+        for _ in range(ticks):
+            now = ramps.follow(samples(what), t)
+            assert len(set(now.keys.tolist())) == len(now)
+            assert (now.radiation_pressure >= 0.0).all()
+            assert (now.radiation_pressure <= 10.0).all()
+            places = now.positions[:, 0].tolist()
+            after = {x: now.radiation_pressure[now.positions[:, 0] == x].sum() for x in places}
+            count = {x: places.count(x) for x in places}
+            for x in after | before:
+                most = 10.0 * max(count.get(x, 0), number.get(x, 0))
+                change = abs(after.get(x, 0.0) - before.get(x, 0.0))
+                assert change <= TICK / RAMP * most * (1.0 + 1e-9)
+            before, number, t = after, count, t + TICK
+
+
+@given(scenes=scenes, last=shown)
+@bounded
+def test_all_settles_to_the_very_samples_asked_for(scenes: Any, last: Any) -> None:
+    ramps, t = Ramps(RAMP), 0.0
+    for what, ticks in scenes:
+        for _ in range(ticks):
+            ramps.follow(samples(what), t)
+            t += TICK
+    asked = samples(last)
+    for _ in range(7):
+        now = ramps.follow(asked, t)
+        t += TICK
+    assert now is asked
+    assert ramps.settled
+
+
+def test_it_comes_up_in_a_straight_line_and_goes_so() -> None:
+    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
+    up = [ramps.follow(here, TICK * i).radiation_pressure[0] for i in range(7)]
+    assert up == pytest.approx([0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 10.0])
+    down = [ramps.follow(gone, TICK * i).radiation_pressure.sum() for i in range(7, 13)]
+    assert down == pytest.approx([8.0, 6.0, 4.0, 2.0, 0.0, 0.0], abs=1e-12)
+    assert ramps.follow(gone, 0.013) is gone
+
+
+def test_what_is_gone_fades_where_it_was_last() -> None:
+    ramps, here = Ramps(RAMP), samples({0: (0.1, 1.0), 1: (0.2, 1.0)})
+    for i in range(7):
+        ramps.follow(here, TICK * i)
+    now = ramps.follow(samples({1: (0.2, 1.0)}), 0.007)
+    assert at(now) == pytest.approx({("a", 0.1): 8.0, ("b", 0.2): 10.0})
+
+
+def test_what_moves_a_little_keeps_its_pressure_and_what_jumps_does_not() -> None:
+    for d, expected in (
+        (0.9 * JUMP, {("a", 0.9 * JUMP): 10.0}),
+        (1.1 * JUMP, {("a", 0.0): 8.0, ("a", 1.1 * JUMP): 2.0}),
+    ):
+        ramps = Ramps(RAMP)
+        for i in range(7):
+            ramps.follow(samples({0: (0.0, 1.0)}), TICK * i)
+        assert at(ramps.follow(samples({0: (d, 1.0)}), 0.007)) == pytest.approx(expected)
+
+
+def test_what_comes_back_comes_up_from_what_is_left_of_it() -> None:
+    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
+    for i in range(7):
+        ramps.follow(here, TICK * i)
+    ramps.follow(gone, 0.007)
+    assert ramps.follow(gone, 0.008).radiation_pressure == pytest.approx([6.0])
+    now = ramps.follow(here, 0.009)
+    assert now.radiation_pressure == pytest.approx([8.0])
+    assert now.keys.tolist() == [0]
+
+
+def test_what_flickers_stays_between_what_is_asked() -> None:
+    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
+    for i in range(20):
+        ramps.follow(here, TICK * i)
+    pressures = [
+        ramps.follow(here if i % 2 else gone, TICK * i).radiation_pressure.sum()
+        for i in range(20, 60)
+    ]
+    assert min(pressures) >= 8.0 - 1e-9
+
+
+def test_it_goes_down_to_a_fraction_of_itself_as_fast() -> None:
+    ramps = Ramps(RAMP)
+    for i in range(10):
+        ramps.follow(samples({0: (0.0, 1.0)}), TICK * i)
+    faint = (ITEMS[0].__class__(position=(0.0, 0.0, 0.2), radiation_pressure=1e-3, name="a"),)
+    asked = samples({0: (0.0, 1.0)}, faint)
+    P = [ramps.follow(asked, TICK * i).radiation_pressure[0] for i in range(10, 80)]
+    assert (np.diff(P) <= 0.0).all()
+    assert P[0] >= 8.0 - 1e-9
+    assert P[-1] == 1e-3
+
+
+def test_objects_that_are_gone_are_known_while_they_fade() -> None:
+    ramps = Ramps(RAMP)
+    for i in range(7):
+        ramps.follow(samples({0: (0.0, 1.0), 1: (0.1, 1.0)}), TICK * i)
+    left = (ITEMS[1],)
+    now = ramps.follow(samples({1: (0.1, 1.0)}, left), 0.007)
+    assert at(now) == pytest.approx({("a", 0.0): 8.0, ("b", 0.1): 10.0})
+    assert now.items == (ITEMS[1], ITEMS[0])
+
+
+def test_samples_of_an_object_that_is_still_there_fade_as_its_own() -> None:
+    ramps = Ramps(RAMP)
+    for i in range(7):
+        ramps.follow(samples({0: (0.0, 1.0), 3: (0.1, 1.0)}), TICK * i)
+    stronger = tuple(
+        pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=12.0, name=item.name)
+        for item in ITEMS
+    )
+    now = ramps.follow(samples({3: (0.1, 1.0)}, stronger), 0.007)
+    assert now.items is stronger
+    assert now.objects.tolist() == [0, 0]
+
+
+def test_nothing_grows_while_samples_come_and_go() -> None:
+    ramps = Ramps(RAMP)
+    for i in range(300):
+        now = ramps.follow(samples({i: (0.0, 1.0)}, ITEMS[:1]), TICK * i)
+        assert len(now) <= 1 + RAMP / TICK
+        assert len(now.items) == 1
+
+
+def test_without_a_ramp_it_follows_at_once() -> None:
+    ramps, first, second = Ramps(0.0), samples({0: (0.0, 1.0)}), samples({1: (0.0, 1.0)})
+    assert ramps.follow(first, 0.0) is first
+    assert ramps.follow(second, 0.0) is second
+
+
+@pytest.mark.parametrize("later", [0.0, -1e3, -1e-3])
+def test_while_time_stands_still_or_jumps_back_nothing_changes(later: float) -> None:
+    ramps, asked = Ramps(RAMP), samples({0: (0.0, 1.0)})
+    for i in range(3):
+        before = ramps.follow(asked, TICK * i)
+    P = before.radiation_pressure
+    now = ramps.follow(nothing(ITEMS), 0.002 + later)
+    assert now.radiation_pressure.tolist() == P.tolist()
+    again = ramps.follow(nothing(ITEMS), 0.002 + later + TICK)
+    assert again.radiation_pressure == pytest.approx(P - 2.0)
+
+
+def test_a_jump_of_time_counts_for_a_moment_only() -> None:
+    ramps = Ramps(1.0)
+    asked = samples({0: (0.0, 1.0)})
+    ramps.follow(asked, 0.0)
+    assert ramps.follow(asked, 1e6).radiation_pressure == pytest.approx([10.0 * LONGEST])
+
+
+def test_the_samples_given_are_left_as_they_are() -> None:
+    asked = samples({0: (0.0, 1.0), 1: (0.1, 0.5)})
+    kept = replace(asked, radiation_pressure=asked.radiation_pressure.copy())
+    ramps = Ramps(RAMP)
+    for i in range(4):
+        ramps.follow(asked if i % 2 else samples({2: (0.0, 1.0)}), TICK * i)
+    assert np.array_equal(asked.radiation_pressure, kept.radiation_pressure)
+    assert asked.keys.tolist() == [0, 1]

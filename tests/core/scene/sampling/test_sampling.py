@@ -1,0 +1,602 @@
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+from scipy.spatial.transform import Rotation
+
+import pacinian as pc
+from pacinian.scene.motion import Motion
+from pacinian.scene.objects import Particles, Path
+from pacinian.scene.sampling.covers import KEPT
+from pacinian.scene.shapes.curves import Circle, Line
+from pacinian.scene.time.technique import STM
+
+bounded = settings(deadline=None, derandomize=True, max_examples=40)
+lengths = st.floats(0.002, 0.12)
+coordinates = st.floats(-0.3, 0.3)
+positions = st.tuples(coordinates, coordinates, coordinates)
+poses = st.builds(
+    lambda position, seed: pc.Pose(
+        position, tuple(Rotation.random(rng=np.random.default_rng(seed)).as_quat().tolist())
+    ),
+    positions,
+    st.integers(0, 2**31),
+)
+strengths = st.floats(0.01, 1000.0)
+points = st.builds(
+    lambda position, pressure: pc.Point(position=position, radiation_pressure=pressure),
+    positions,
+    strengths,
+)
+surfaces = st.builds(
+    lambda shape, pose, pressure: pc.Surface(shape=shape, pose=pose, radiation_pressure=pressure),
+    st.one_of(
+        st.builds(pc.Rectangle, lengths, lengths),
+        st.builds(pc.Disc, lengths),
+        st.builds(pc.Sphere, lengths),
+    ),
+    poses,
+    strengths,
+)
+volumes = st.builds(
+    lambda shape, felt, pose, pressure: pc.Volume(
+        shape=shape, felt=felt, pose=pose, radiation_pressure=pressure
+    ),
+    st.one_of(
+        st.builds(pc.Sphere, lengths),
+        st.builds(lambda x, y, z: pc.Box((x, y, z)), lengths, lengths, lengths),
+        st.builds(pc.Capsule, lengths, lengths),
+    ),
+    st.sampled_from(("shell", "interior")),
+    poses,
+    strengths,
+)
+paths = st.builds(
+    lambda shape, pose, pressure: Path(shape=shape, pose=pose, radiation_pressure=pressure),
+    st.one_of(st.builds(Line, lengths), st.builds(Circle, lengths)),
+    poses,
+    strengths,
+)
+particles = st.builds(
+    lambda places, pose, pressure: Particles(
+        positions=tuple(places), pose=pose, radiation_pressure=pressure
+    ),
+    st.lists(positions, max_size=5),
+    poses,
+    strengths,
+)
+
+
+def apart(objects: Any) -> Any:
+    """Objects of different voices, so that none are merged."""
+    return tuple(replace(item, envelope=pc.Sine(1.0 + i)) for i, item in enumerate(objects))
+
+
+objects = st.lists(st.one_of(points, surfaces, volumes, paths, particles), max_size=12).map(apart)
+ROOM = pc.Workspace((-0.15, -0.15, -0.15), (0.15, 0.15, 0.15))
+
+
+def point(x: float, pressure: float = 1.0) -> pc.Point:
+    return pc.Point(position=(x, 0.0, 0.2), radiation_pressure=pressure)
+
+
+def square(width: float, pose: pc.Pose | None = None, pressure: float = 1.0) -> pc.Surface:
+    shape = pc.Rectangle(width, width)
+    return pc.Surface(shape=shape, pose=pose or pc.Pose(), radiation_pressure=pressure)
+
+
+def moved(item: Any, pose: pc.Pose) -> Any:
+    """The object after a rigid motion, by SciPy's rotations."""
+    turn = Rotation.from_quat(pose.rotation)
+    if isinstance(item, pc.Point):
+        return replace(item, position=tuple(turn.apply(item.position) + pose.position))
+    position = turn.apply(item.pose.position) + pose.position
+    rotation = (turn * Rotation.from_quat(item.pose.rotation)).as_quat()
+    return replace(item, pose=pc.Pose(tuple(position), tuple(rotation)))
+
+
+def sampled(objects: Any, room: Any = None, **how: Any) -> tuple[Any, Counter[str]]:
+    """Samples, and what was left out."""
+    sampler = pc.Sampler(**how)
+    return sampler.sample(pc.Scene(tuple(objects), room)), sampler.skipped
+
+
+def spacing(samples: Any, index: int = 0) -> float:
+    """How near the nearest samples of one object are [m]."""
+    q = samples.positions[samples.objects == index]
+    d = np.linalg.norm(q[:, None] - q, axis=2)
+    return float(d[d > 0.0].min())
+
+
+@given(objects=objects, budget=st.integers(1, 300), room=st.sampled_from((None, ROOM)))
+@bounded
+def test_the_budget_is_never_exceeded(objects: Any, budget: int, room: Any) -> None:
+    samples, skipped = sampled(objects, room, budget=budget)
+    assert len(samples) <= budget
+    assert all(count >= 0 for count in skipped.values())
+
+
+@given(objects=objects, budget=st.integers(1, 300), room=st.sampled_from((None, ROOM)))
+@bounded
+def test_every_sample_belongs_to_its_object(objects: Any, budget: int, room: Any) -> None:
+    samples, _ = sampled(objects, room, budget=budget)
+    M = len(samples)
+    assert samples.positions.shape == samples.normals.shape == (M, 3)
+    for each in (samples.radiation_pressure, samples.area, samples.objects, samples.keys):
+        assert each.shape == (M,)
+    assert (np.diff(samples.objects) >= 0).all()
+    assert len(set(samples.keys.tolist())) == M
+    assert samples.items == objects
+    assert samples.capsules is None
+    for i, item in enumerate(objects):
+        mine = samples.objects == i
+        assert (samples.radiation_pressure[mine] == item.pressure).all()
+        assert (samples.most[mine] == item.pressure).all()
+        lengths = np.linalg.norm(samples.normals[mine], axis=1)
+        if isinstance(item, (pc.Point, Path, Particles)):
+            assert (lengths == 0.0).all()
+        elif getattr(item, "felt", "shell") == "shell":
+            assert lengths == pytest.approx(np.ones(mine.sum()))
+        away = np.linalg.norm(samples.positions[mine] - item.pose.position, axis=1)
+        assert (away <= item.reach + 1e-9).all()
+
+
+@given(objects=objects, room=st.sampled_from((None, ROOM)))
+@bounded
+def test_within_the_budget_all_of_an_object_is_covered(objects: Any, room: Any) -> None:
+    samples, _ = sampled(objects, room, budget=100_000)
+    whole = [item.pose.points(item.cover(0.0085).points) for item in objects]
+    area = np.concatenate([np.empty(0), *(item.cover(0.0085).area for item in objects)])
+    everything = np.concatenate([np.empty((0, 3)), *whole])
+    if room is not None:
+        inside = room.holds(everything)
+        everything, area = everything[inside], area[inside]
+    assert samples.positions == pytest.approx(everything, abs=1e-12)
+    assert samples.area == pytest.approx(area)
+
+
+@given(objects=objects, pose=poses)
+@bounded
+def test_sampling_follows_a_rigid_motion_of_everything(objects: Any, pose: pc.Pose) -> None:
+    here, _ = sampled(objects)
+    there, _ = sampled(moved(item, pose) for item in objects)
+    turn = Rotation.from_quat(pose.rotation).as_matrix()
+    assert there.positions == pytest.approx(here.positions @ turn.T + pose.position, abs=1e-12)
+    assert there.normals == pytest.approx(here.normals @ turn.T, abs=1e-12)
+    for name in ("objects", "keys", "area", "radiation_pressure"):
+        assert np.array_equal(getattr(there, name), getattr(here, name))
+
+
+@given(objects=objects, index=st.integers(0, 11), pose=poses)
+@bounded
+def test_moving_one_object_moves_its_samples_and_no_other(
+    objects: Any, index: int, pose: pc.Pose
+) -> None:
+    assume(index < len(objects))
+    sampler = pc.Sampler()
+    before = sampler.sample(pc.Scene(objects))
+    changed = (*objects[:index], moved(objects[index], pose), *objects[index + 1 :])
+    after = sampler.sample(pc.Scene(changed))
+    mine = before.objects == index
+    assert np.array_equal(after.objects, before.objects)
+    assert np.array_equal(after.keys, before.keys)
+    assert np.array_equal(after.positions[~mine], before.positions[~mine])
+    turn = Rotation.from_quat(pose.rotation).as_matrix()
+    expected = before.positions[mine] @ turn.T + pose.position
+    assert after.positions[mine] == pytest.approx(expected, abs=1e-12)
+
+
+@given(objects=objects, seed=st.integers(0, 2**31))
+@bounded
+def test_samples_of_named_objects_keep_their_keys_in_any_order(objects: Any, seed: int) -> None:
+    named = [replace(item, name=f"{i}") for i, item in enumerate(objects)]
+    sampler = pc.Sampler(budget=100_000)
+    before = sampler.sample(pc.Scene(tuple(named)))
+    order = np.random.default_rng(seed).permutation(len(named))
+    after = sampler.sample(pc.Scene(tuple(named[i] for i in order)))
+    assert sorted(after.keys.tolist()) == sorted(before.keys.tolist())
+    place = dict(zip(before.keys.tolist(), before.positions, strict=True))
+    for key, at in zip(after.keys.tolist(), after.positions, strict=True):
+        assert np.array_equal(place[key], at)
+
+
+def counted() -> tuple[pc.SDF, Counter[str]]:
+    """A ball that counts how often it is asked."""
+    asked: Counter[str] = Counter()
+
+    def distance(p: Any) -> Any:
+        asked["distance"] += 1
+        return np.linalg.norm(p, axis=1) - 0.03
+
+    ball = pc.SDF(distance, (0.03, 0.03, 0.03))
+    assert ball.area > 0.0  # measured once
+    asked.clear()
+    return ball, asked
+
+
+def test_a_moved_object_is_not_covered_again() -> None:
+    shape, asked = counted()
+    sampler = pc.Sampler()
+    ball = pc.Volume(shape=shape, radiation_pressure=1.0)
+    first = sampler.sample(pc.Scene((ball,)))
+    before = asked["distance"]
+    assert before > 0
+    for x in (0.01, 0.02, 0.03):
+        samples = sampler.sample(pc.Scene((replace(ball, pose=pc.Pose((x, 0, 0))),)))
+        assert samples.positions == pytest.approx(first.positions + np.array([x, 0, 0]), abs=1e-15)
+    changed = replace(ball, radiation_pressure=7.0, envelope=pc.Sine(200.0), name="ball")
+    assert (sampler.sample(pc.Scene((changed,))).radiation_pressure == 7.0).all()
+    assert asked["distance"] == before
+
+
+def test_objects_of_one_shape_share_its_covering() -> None:
+    shape, asked = counted()
+    one = pc.Volume(shape=shape, radiation_pressure=1.0)
+    pc.Sampler(budget=10_000).sample(pc.Scene((one,)))
+    once = asked["distance"]
+    asked.clear()
+    many = tuple(
+        pc.Volume(shape=shape, pose=pc.Pose((x, 0, 0)), radiation_pressure=1.0)
+        for x in (0.0, 0.1, 0.2)
+    )
+    pc.Sampler(budget=10_000).sample(pc.Scene(many))
+    assert asked["distance"] == once
+
+
+def test_the_shell_and_the_interior_of_a_shape_are_covered_apart() -> None:
+    shape = pc.Sphere(0.04)
+    shell, inside = (
+        pc.Volume(shape=shape, felt=felt, radiation_pressure=1.0) for felt in ("shell", "interior")
+    )
+    samples = pc.Sampler(budget=10_000).sample(pc.Scene((shell, inside)))
+    r = np.linalg.norm(samples.positions, axis=1)
+    assert r[samples.objects == 0].min() > 0.0399
+    assert r[samples.objects == 1].min() < 0.02
+
+
+def test_one_key_is_one_place_on_an_object_however_finely_it_is_covered() -> None:
+    places: dict[int, Any] = {}
+    sampler = pc.Sampler(budget=2000)
+    sampler.prepare(pc.autd(), pc.Air())
+    plate = replace(square(0.1), name="plate")
+    for allowed in (2000, 100, 30):
+        sampler.allowed = allowed
+        for z in np.linspace(0.1, 1.0, 19).tolist():
+            moved = replace(plate, pose=pc.Pose((0.0, 0.0, z)))
+            samples = sampler.sample(pc.Scene((moved,)))
+            for key, at in zip(samples.keys.tolist(), samples.positions - [0, 0, z], strict=True):
+                assert places.setdefault(key, at) == pytest.approx(at, abs=1e-12)
+
+
+def test_the_same_scene_gives_the_same_samples_object() -> None:
+    sampler = pc.Sampler()
+    scene, other = (pc.Scene((point(0.0), square(0.05))) for _ in range(2))
+    samples = sampler.sample(scene)
+    assert sampler.sample(scene) is samples
+    assert sampler.sample(scene, 1.0) is samples
+    assert sampler.sample(other) is not samples
+    assert np.array_equal(sampler.sample(other).positions, samples.positions)
+
+
+def test_a_moving_object_is_sampled_anew_until_it_stands_still() -> None:
+    moving = replace(square(0.05), motion=Motion((1.0, 0.0, 0.0), time=0.0))
+    sampler, scene = pc.Sampler(), pc.Scene((moving,))
+    for t in (0.0, 0.03, 0.08):
+        assert sampler.sample(scene, t).positions[:, 0].mean() == pytest.approx(t)
+    last = sampler.sample(scene, 0.2)
+    assert last.positions[:, 0].mean() == pytest.approx(0.1)
+    assert sampler.sample(scene, 0.3) is last
+
+
+def test_an_object_that_is_updated_arrives_where_it_is() -> None:
+    sampler = pc.Sampler()
+    item = replace(square(0.05), name="plate", motion=Motion())
+    sampler.sample(pc.Scene((item,)), 0.0)
+    item = replace(item, pose=pc.Pose((0.01, 0.0, 0.0)), motion=Motion(time=1.0))
+    scene = pc.Scene((item,))
+    x = [sampler.sample(scene, 1.0 + 0.001 * i).positions[:, 0].mean() for i in range(15)]
+    assert x[0] == pytest.approx(0.0)  # without a jump
+    assert np.diff(x).max() < 0.0011
+    assert x[-1] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("room", [None, ROOM])
+def test_an_empty_scene_has_no_samples(room: Any) -> None:
+    samples, _ = sampled((), room)
+    assert len(samples) == samples.force == 0
+    assert samples.positions.shape == samples.normals.shape == (0, 3)
+    assert samples.radiation_pressure.shape == samples.objects.shape == (0,)
+    assert samples.positions.dtype == samples.radiation_pressure.dtype == np.float64
+    assert samples.objects.dtype.kind == samples.keys.dtype.kind == "i"
+
+
+def test_what_does_not_press_gives_no_samples() -> None:
+    silent = replace(square(0.05), envelope=pc.Constant(0.0))
+    samples, _ = sampled((square(0.05, pressure=0.0), silent, point(0.0, 0.0)))
+    assert len(samples) == 0
+
+
+def test_points_keep_a_sample_each_while_surfaces_are_covered_more_coarsely() -> None:
+    line = [point(0.01 * i) for i in range(50)]
+    samples, skipped = sampled((square(0.2), *line, square(0.2)), budget=100)
+    counts = Counter(samples.objects.tolist())
+    assert all(counts[i] == 1 for i in range(1, 51))
+    assert spacing(samples) > 0.0085
+    assert not skipped["samples over budget"]
+    assert 20 < counts[0] + counts[51] <= 50
+
+
+def test_the_spacing_is_as_asked_while_the_budget_suffices() -> None:
+    samples, _ = sampled((square(0.06),), budget=36, spacing=0.01)
+    assert len(samples) == 36
+    assert spacing(samples) == pytest.approx(0.01)
+
+
+def test_the_spacing_is_what_the_array_resolves_and_never_less_than_a_wavelength() -> None:
+    seen = []
+    for z in (0.1, 0.3, 0.6, 1.2):
+        sampler = pc.Sampler(budget=100_000)
+        sampler.prepare(pc.autd(), pc.Air())
+        samples = sampler.sample(pc.Scene((square(0.4, pc.Pose((0.0, 0.0, z))),)))
+        seen.append(spacing(samples))
+    assert seen == sorted(seen)
+    assert seen[0] == pytest.approx(0.0085, rel=0.05)
+    assert seen[-1] > 0.02
+
+
+def test_on_a_transducer_the_spacing_is_a_wavelength() -> None:
+    array = pc.lattice(0.2, 0.2, 0.02)
+    x, y, z = array.positions[0]
+    sampler = pc.Sampler()
+    sampler.prepare(array.moved(pc.Pose((0.01 - x, 0.01 - y, 0.01 - z))), pc.Air())
+    plate = square(0.1, pc.Pose((0.012, 0.012, 0.012)))
+    assert spacing(sampler.sample(pc.Scene((plate,)))) == pytest.approx(0.0085, rel=0.1)
+
+
+def test_a_single_transducer_resolves_nothing() -> None:
+    sampler = pc.Sampler()
+    sampler.prepare(pc.Array(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])), pc.Air())
+    for z in (0.05, 0.2, 5.0):
+        samples = sampler.sample(pc.Scene((square(0.2, pc.Pose((0.0, 0.0, z))),)))
+        assert len(samples) == 1
+
+
+@given(budget=st.integers(20, 1000))
+@bounded
+def test_most_of_the_budget_is_used(budget: int) -> None:
+    disc = pc.Surface(shape=pc.Disc(0.3), radiation_pressure=1.0)
+    samples, _ = sampled((disc,), budget=budget)
+    assert 0.45 * budget <= len(samples) <= budget  # the spacing's step is 2^(1/2)
+
+
+@given(count=st.integers(1, 40), budget=st.integers(1, 40))
+@bounded
+def test_points_beyond_the_budget_are_dropped_last_first(count: int, budget: int) -> None:
+    line = tuple(point(0.01 * i, float(i + 1)) for i in range(count))
+    samples, skipped = sampled(line, budget=budget)
+    assert samples.objects.tolist() == list(range(min(count, budget)))
+    assert samples.radiation_pressure.tolist() == [i + 1.0 for i in range(min(count, budget))]
+    assert skipped["samples over budget"] == max(0, count - budget)
+
+
+def test_the_order_decides_who_is_dropped_and_before_it_the_priority() -> None:
+    line = tuple(point(0.01 * i) for i in range(10))
+    ball = pc.Surface(shape=pc.Sphere(0.03), radiation_pressure=1.0)
+    first, dropped = sampled((*line, ball), budget=8)
+    assert set(first.objects.tolist()) == set(range(8))
+    assert dropped["samples over budget"] > 0
+    last, _ = sampled((ball, *line), budget=8)
+    assert 0 in last.objects
+    urgent, _ = sampled((*line, replace(ball, priority=1)), budget=8)
+    assert 10 in urgent.objects
+    urgent, _ = sampled((ball, *line[:5], replace(line[5], priority=1)), budget=8)
+    assert urgent.objects[0] == 6
+
+
+def test_fewer_are_made_while_fewer_are_allowed() -> None:
+    sampler, scene = pc.Sampler(), pc.Scene((square(0.3),))
+    assert len(sampler.sample(scene)) > 100
+    sampler.allowed = 20
+    assert len(sampler.sample(scene)) <= 20
+    sampler.allowed = 256
+    for _ in range(5):
+        samples = sampler.sample(pc.Scene(scene.objects))
+    assert len(samples) > 100
+
+
+def test_the_workspace_cuts_and_counts() -> None:
+    scene = pc.Scene((point(0.05), point(0.5), point(-0.05), point(-0.5)))
+    assert len(pc.Sampler().sample(scene)) == 4
+    room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+    samples, skipped = sampled(scene.objects, room)
+    assert samples.objects.tolist() == [0, 2]
+    assert skipped["objects out of reach"] == 2
+    assert not skipped["samples over budget"]
+
+
+def test_what_is_outside_takes_none_of_the_budget() -> None:
+    far = square(0.2, pc.Pose((1.0, 0.0, 0.0)))
+    near = square(0.08)
+    alone, _ = sampled((near,), ROOM, budget=100, spacing=0.008)
+    both, skipped = sampled((far, near), ROOM, budget=100, spacing=0.008)
+    assert np.array_equal(alone.positions, both.positions)
+    assert skipped["objects out of reach"] == 1
+    assert spacing(both, 1) == pytest.approx(0.008)
+
+
+def test_a_scene_outside_of_its_workspace_has_no_samples() -> None:
+    far = pc.Pose((5.0, 0.0, 0.0))
+    samples, skipped = sampled((square(0.05, far), point(3.0)), ROOM)
+    assert len(samples) == 0
+    assert skipped["objects out of reach"] == 2
+
+
+def test_what_is_too_far_from_the_array_is_out_of_reach() -> None:
+    sampler = pc.Sampler()
+    sampler.prepare(pc.autd(), pc.Air())
+    samples = sampler.sample(pc.Scene((point(0.0), point(100.0))))
+    assert samples.objects.tolist() == [0]
+    assert sampler.skipped["objects out of reach"] == 1
+
+
+def test_objects_of_one_voice_that_meet_are_merged() -> None:
+    three = point(0.0, 2.0), point(0.002, 4.0), point(0.05, 1.0)
+    samples, skipped = sampled(three)
+    assert samples.objects.tolist() == [0, 2]
+    assert samples.radiation_pressure == pytest.approx([3.0, 1.0])
+    assert samples.force == pytest.approx(sum(p.pressure * p.area for p in three))
+    assert skipped["samples merged"] == 1
+    for other in ({"envelope": pc.Sine(50.0)}, {"technique": STM(50.0)}):
+        kept, _ = sampled((three[0], replace(three[1], **other), three[2]))
+        assert len(kept) == 3
+
+
+def test_only_keeps_what_is_chosen() -> None:
+    samples, _ = sampled(point(0.01 * i, 1.0 + i) for i in range(5))
+    some = samples.only(np.array([True, False, True, False, False]))
+    assert some.objects.tolist() == [0, 2]
+    assert some.radiation_pressure.tolist() == [1.0, 3.0]
+    assert len(samples) == 5
+    assert len(some.only(np.zeros(2, dtype=bool))) == 0
+    assert samples.only(np.array([3, 1])).objects.tolist() == [3, 1]
+
+
+def test_forgotten_it_begins_anew() -> None:
+    sampler, scene = pc.Sampler(ramp=0.01), pc.Scene((point(0.0),))
+    for t in (0.0, 0.01, 0.02):
+        sampler.sample(scene, t)
+    assert sampler.sample(scene, 0.03).radiation_pressure.tolist() == [1.0]
+    sampler.reset()
+    assert sampler.sample(scene, 0.04).radiation_pressure.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("times", [[5.0] * 20, [0.001 * -i for i in range(20)], [1e9, -1e9, 0.0]])
+def test_whatever_time_does_there_are_samples_of_at_most_what_was_asked(times: Any) -> None:
+    sampler = pc.Sampler(ramp=0.005)
+    moving = replace(square(0.05), motion=Motion((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.05), name="a")
+    scene = pc.Scene((moving, point(0.0)))
+    for t in times:
+        samples = sampler.sample(scene, t)
+        assert np.isfinite(samples.positions).all()
+        assert (samples.radiation_pressure >= 0.0).all()
+        assert (samples.radiation_pressure <= samples.most).all()
+
+
+def test_samples_are_values_that_cannot_be_set() -> None:
+    samples = pc.Sampler().sample(pc.Scene((point(0.0),)))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        samples.positions = np.zeros((1, 3))  # type: ignore[misc]
+
+
+def test_what_is_done_to_samples_does_not_reach_the_kept_coverings() -> None:
+    sampler, scene = pc.Sampler(), pc.Scene((square(0.05),))
+    samples = sampler.sample(scene)
+    expected = samples.positions.copy()
+    for values in (samples.positions, samples.normals, samples.area):
+        if values.flags.writeable:
+            values[:] += 1.0
+    again = sampler.sample(pc.Scene(scene.objects))
+    assert np.array_equal(again.positions, expected)
+    assert (again.normals == [0.0, 0.0, 1.0]).all()
+    assert again.force == pytest.approx(0.05 * 0.05)
+
+
+def test_whole_numbers_for_pressures_become_floats() -> None:
+    whole = pc.Point(position=(0, 0, 0), radiation_pressure=5)
+    assert pc.Sampler().sample(pc.Scene((whole,))).radiation_pressure.dtype == np.float64
+
+
+def test_a_thousand_objects_are_sampled() -> None:
+    shape = pc.Disc(0.02)
+    scene = pc.Scene(
+        tuple(
+            pc.Surface(shape=shape, pose=pc.Pose((0.05 * i, 0, 0.2)), radiation_pressure=1.0)
+            for i in range(1000)
+        )
+    )
+    samples = pc.Sampler().sample(scene)
+    assert len(samples) == 256
+    assert samples.objects.tolist() == list(range(256))
+    rich = pc.Sampler(budget=20_000).sample(scene)
+    assert len(rich) == 17_000
+
+
+def test_the_coverings_that_are_kept_are_bounded() -> None:
+    sampler = pc.Sampler(budget=100_000)
+    for start in range(0, 2 * KEPT, 128):
+        shapes = [pc.Disc(0.001 + 1e-6 * i) for i in range(start, start + 128)]
+        sampler.sample(pc.Scene(tuple(pc.Surface(shape=s, radiation_pressure=1.0) for s in shapes)))
+        assert len(sampler._covers._covers) <= KEPT
+    assert len(sampler._covers._covers) == KEPT
+
+
+def test_a_covering_is_never_taken_for_that_of_a_shape_that_is_gone() -> None:
+    sampler = pc.Sampler()
+    for i in range(2000):  # ids of shapes that are gone come up again
+        radius = 0.005 + 1e-5 * (i % 700)
+        ball = pc.Surface(shape=pc.Sphere(radius), radiation_pressure=1.0)
+        positions = sampler.sample(pc.Scene((ball,))).positions
+        assert np.linalg.norm(positions[0]) == pytest.approx(radius)
+
+
+@pytest.mark.parametrize("bad", [0, -1, 2.5, True, math.nan, math.inf, "many", None])
+def test_a_bad_budget_is_refused(bad: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`budget` "):
+        pc.Sampler(budget=bad)
+
+
+@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, math.inf, 20.0, "wide"])
+def test_a_bad_spacing_is_refused(bad: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`spacing` "):
+        pc.Sampler(spacing=bad)
+
+
+@pytest.mark.parametrize(
+    "big",
+    [
+        pc.Volume(shape=pc.Box((3.0, 3.0, 3.0)), felt="interior", radiation_pressure=1.0),
+        pc.Volume(
+            shape=pc.SDF(lambda p: np.linalg.norm(p, axis=1) - 0.5, (0.5, 0.5, 0.5)),
+            radiation_pressure=1.0,
+        ),
+    ],
+    ids=["interior", "SDF"],
+)
+def test_a_big_volume_is_sampled_more_coarsely(big: pc.Volume) -> None:
+    assert 0 < len(pc.Sampler().sample(pc.Scene((big,)))) <= 256
+
+
+def test_a_spacing_too_fine_for_memory_is_refused_or_coarsened() -> None:
+    disc = pc.Surface(shape=pc.Disc(0.1), radiation_pressure=1.0)
+    try:
+        samples = pc.Sampler(spacing=1e-9).sample(pc.Scene((disc,)))
+    except pc.ArgumentError:
+        return
+    assert 0 < len(samples) <= 256
+
+
+def test_many_shapes_of_their_own_are_not_covered_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: Counter[str] = Counter()
+    cover = pc.Sphere.cover
+
+    def counting(self: pc.Sphere, spacing: float) -> Any:
+        asked["cover"] += 1
+        return cover(self, spacing)
+
+    monkeypatch.setattr(pc.Sphere, "cover", counting)
+    balls = tuple(
+        pc.Surface(shape=pc.Sphere(0.01 + 1e-4 * i), radiation_pressure=1.0) for i in range(100)
+    )
+    sampler = pc.Sampler()
+    sampler.sample(pc.Scene(balls))
+    asked.clear()
+    sampler.sample(pc.Scene(balls[::-1]))
+    assert asked["cover"] == 0

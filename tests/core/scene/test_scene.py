@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.material import Material
+from pacinian.scene.motion import LATEST, Motion
+from pacinian.scene.objects import Particles, Path
+from pacinian.scene.shapes.curves import Circle
+
+bounded = settings(deadline=None, derandomize=True, max_examples=80)
+names = st.sampled_from(["", "a", "b", "c", "d"])
+places = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
+motions = st.one_of(st.none(), st.builds(Motion, places, places, st.floats(0.0, 10.0)))
+
+
+def made(what: int, name: str, at: Any, motion: Motion | None) -> Any:
+    how: dict[str, Any] = {"radiation_pressure": 1.0, "name": name, "motion": motion}
+    if what == 0:
+        return pc.Point(position=at, **how)
+    pose = pc.Pose(at)
+    if what == 1:
+        return pc.Volume(shape=pc.Sphere(0.03), pose=pose, material=Material(reach=0.01), **how)
+    if what == 2:
+        return Path(shape=Circle(0.02), pose=pose, **how)
+    return Particles(positions=((0.0, 0.0, 0.1),), pose=pose, **how)
+
+
+items = st.builds(made, st.integers(0, 3), names, places, motions)
+steps = st.lists(
+    st.one_of(
+        st.tuples(st.just("put"), st.lists(items, max_size=4)),
+        st.tuples(st.just("remove"), st.lists(names, max_size=3)),
+        st.tuples(st.just("held"), st.booleans()),
+    ),
+    max_size=8,
+)
+
+
+def same(scene: pc.Scene, other: pc.Scene) -> None:
+    """Whether they are the same, what they keep for later too."""
+    assert scene.objects == other.objects
+    assert scene.hands == other.hands
+    assert scene.workspace is other.workspace
+    assert np.array_equal(scene.bounds, other.bounds)
+    assert scene.bounds.shape == (len(scene.objects), 8)
+    assert scene._index == other._index
+    assert scene.moves_until >= other.moves_until
+
+
+@given(steps=steps)
+@bounded
+def test_a_changed_scene_is_as_one_built_anew(steps: Any) -> None:
+    scene, hand = pc.Scene((), pc.Workspace((-1.0,) * 3, (1.0,) * 3)), Hand.open()
+    objects: list[Any] = []
+    for what, how in steps:
+        if what == "put":
+            scene = scene.put(*how)
+            for item in how:
+                where = [i for i, x in enumerate(objects) if item.name and x.name == item.name]
+                if where:
+                    objects[where[0]] = item
+                else:
+                    objects.append(item)
+        elif what == "remove":
+            scene = scene.remove(*how)
+            objects = [x for x in objects if not x.name or x.name not in how]
+        else:
+            scene = scene.held(*([hand] if how else []))
+        same(scene, pc.Scene(tuple(objects), scene.workspace, scene.hands))
+
+
+def test_a_scene_is_not_changed_by_what_comes_of_it() -> None:
+    a, b = (made(1, name, (0.0, 0.0, 0.1), None) for name in "ab")
+    scene = pc.Scene((a,))
+    bounds = scene.bounds.copy()
+    _ = scene.put(b), scene.put(replace(a, pose=pc.Pose((0.5, 0.0, 0.0)))), scene.remove("a")
+    same(scene, pc.Scene((a,)))
+    assert np.array_equal(scene.bounds, bounds)
+
+
+def test_two_scenes_may_come_of_one() -> None:
+    a, b, c = (made(0, name, (0.0, 0.0, 0.1), None) for name in "abc")
+    root = pc.Scene((a,))
+    same(root.put(b), pc.Scene((a, b)))
+    same(root.put(c), pc.Scene((a, c)))
+    same(root.put(b).put(c).remove("b").put(b), pc.Scene((a, c, b)))
+
+
+def test_put_twice_at_once_the_last_counts() -> None:
+    first, second = (made(0, "a", (x, 0.0, 0.1), None) for x in (0.1, 0.2))
+    same(pc.Scene().put(first, second), pc.Scene((second,)))
+
+
+def test_a_change_of_hands_shares_the_objects() -> None:
+    scene = pc.Scene((made(0, "a", (0.0, 0.0, 0.1), None),))
+    bounds = scene.bounds
+    held = scene.held(Hand.open("left"), Hand.open("right"))
+    assert held.objects is scene.objects
+    assert held.bounds is bounds
+    assert [hand.name for hand in held.hands] == ["left", "right"]
+
+
+@given(item=items, t=st.floats(0.0, 12.0), seed=st.integers(0, 2**31))
+@bounded
+def test_all_that_is_felt_of_an_object_is_within_its_bound(item: Any, t: float, seed: int) -> None:
+    centre, v, (seen, radius) = np.split(pc.Scene((item,)).bounds[0], [3, 6])
+    now = item.pose if item.motion is None else item.motion.pose(item.pose, t)
+    points = now.points(item.cover(0.005).points)
+    age = min(max(t - seen, 0.0), LATEST)
+    away = np.linalg.norm(points - (centre + age * v), axis=1).max()
+    assert away + getattr(item, "radius", 0.0) + item.material.reach <= radius + 1e-9
+
+
+def test_it_tells_when_all_stand_still() -> None:
+    still = made(0, "still", (0.0, 0.0, 0.1), Motion(time=5.0))
+    moving = made(0, "moving", (0.0, 0.0, 0.1), Motion((1.0, 0.0, 0.0), time=3.0))
+    turning = made(1, "turning", (0.0, 0.0, 0.1), Motion((0.0,) * 3, (1.0, 0.0, 0.0), time=4.0))
+    assert pc.Scene().moves_until == -math.inf
+    assert pc.Scene((still,)).moves_until == -math.inf
+    assert pc.Scene((still, moving)).moves_until == 3.0 + LATEST
+    assert pc.Scene((turning, moving)).moves_until == 4.0 + LATEST
+
+
+# ---------------------------------------------------------------------------------- bad input
+
+
+def test_names_are_unique() -> None:
+    a = made(0, "ball", (0.0, 0.0, 0.1), None)
+    with pytest.raises(pc.ArgumentError, match=r"^`objects` must have names of their own.*'ball'"):
+        pc.Scene((a, a))
+    unnamed = made(0, "", (0.0, 0.0, 0.1), None)
+    assert len(pc.Scene((unnamed, unnamed)).objects) == 2
+
+
+def test_hands_have_names_of_their_own_too() -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`hands` must have names of their own"):
+        pc.Scene(hands=(Hand.open(), Hand.open()))
+    assert len(pc.Scene(hands=(Hand.open(name="mine"), Hand.open(name="yours"))).hands) == 2
+
+
+@pytest.mark.parametrize("bad", [None, 1, "hand", pc.Sphere(0.1)])
+def test_what_is_no_object_or_hand_is_refused(bad: Any) -> None:
+    scene = pc.Scene()
+    for refused in (
+        lambda: scene.put(bad),
+        lambda: scene.held(bad),
+        lambda: pc.Scene((bad,)),
+        lambda: pc.Scene(hands=(bad,)),
+        lambda: pc.Scene(hands=bad),
+    ):
+        with pytest.raises(pc.ArgumentError):
+            refused()
+
+
+def test_what_is_not_there_may_be_removed() -> None:
+    scene = pc.Scene((made(0, "a", (0.0, 0.0, 0.1), None),))
+    assert scene.remove("b", "") is scene
+
+
+# ---------------------------------------------------------------------------------------- many
+
+
+def seconds(call: Any) -> float:
+    begin = time.perf_counter()
+    call()
+    return time.perf_counter() - begin
+
+
+def test_new_names_do_not_cost_the_square_of_their_number() -> None:
+    many = [made(0, f"{i}", (0.0, 0.0, 0.1), None) for i in range(20_000)]
+    few = min(seconds(lambda: pc.Scene().put(*many[:1000])) for _ in range(3))
+    assert seconds(lambda: pc.Scene().put(*many)) < 200.0 * few  # 20 times as many
+
+
+def test_a_million_objects_are_a_scene() -> None:
+    far = made(1, "", (5.0, 5.0, 5.0), None)
+    few, many = pc.Scene((far,) * 10_000), pc.Scene((far,) * 1_000_000)
+    small = min(seconds(lambda: pc.Scene(few.objects).bounds) for _ in range(3))
+    assert seconds(lambda: many.bounds) < 1000.0 * small  # 100 times as many
+    ball = made(1, "ball", (0.0, 0.0, 0.2), None)
+    touched = many.put(ball).held(Hand.open("right", pc.Pose((0.0, 0.0, 0.21))))
+    samples = pc.Sampler().sample(touched)
+    assert set(samples.objects.tolist()) == {1_000_000}
+    assert samples.items[1_000_000] is ball
