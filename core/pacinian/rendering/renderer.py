@@ -47,7 +47,7 @@ Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "
 SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
 MOST = 1000  # frames a tick
 RAMP = 0.005  # [s] in which a sample comes up or goes
-LOOK = 8  # solves for each whose error after rounding to levels is measured
+LOOK = 64  # solves for each whose error after rounding to levels is measured
 BEHIND = 0.1  # [s] by which the loop may lag before it gives up catching up (sleep, a debugger)
 
 
@@ -122,6 +122,7 @@ class Renderer:
         self._frame: Frame
         self._entered = self._start = 0.0  # [s]
         self._stage: Stage = "open"
+        self._unlooked = LOOK  # solves since the error of one was measured
         self._opened = False
         self._loud = False  # something was sent since the last silence
 
@@ -156,11 +157,12 @@ class Renderer:
         self._start = self.clock.now()
 
     def _warm_up(self) -> None:
-        """Sample the scene, solve and round two points for nobody: the first tick is then like the others."""
+        """Sample the scene, solve and round a few points for nobody: the first tick is then like the others."""
         spare = Session(self.session.array, self.session.medium, self.session.solver)
         points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
         up = np.array([[0.0, 0.0, -1.0]] * 2)
         try:
+            spare.solve(points[:1], [1.0])
             gains = spare.solve(points, [1.0, 1.0], facing=Facing(up)).gains
             self._quantiser.emitted(gains, self._ceiling)
             given = self.scene
@@ -306,9 +308,11 @@ class Renderer:
         self.player.solve(samples, t, self.limits, SHARE * self.period)
         self._sent = sent
         fresh = self.player.fresh
-        look = -self.report.solves % LOOK < len(fresh)
+        self._unlooked += len(fresh)
         for one in fresh:  # the propagator is where the last of them is
-            error = self._error(one) if look and one is fresh[-1] else None
+            error = None
+            if one is fresh[-1] and self._unlooked >= LOOK and len(one.samples):
+                self._unlooked, error = 0, self._error(one)
             self.report.solved(one.solution.status, error)
         self._enter("drive")
         down = self.limits.power is not None

@@ -180,7 +180,7 @@ def test_a_solver_that_raises_in_the_middle_silences_and_is_reported() -> None:
     assert report.ticks == 10
     assert report.fault_count == 1
     fault = report.faults[0]
-    assert (fault.stage, fault.tick) == ("solve", 3)  # one call went into warming up
+    assert (fault.stage, fault.tick) == ("solve", 2)  # two calls went into warming up
     assert "in the middle of a run" in fault.message
     assert report.skipped["halted"] == 6
     assert device.silent

@@ -71,11 +71,12 @@ def box(bounds: Floats, out: Floats) -> tuple[float, float, float, float, float,
     return out[0], out[1], out[2], out[3], out[4], out[5]
 
 
-@compiled("f8(f8[::1], f8[::1], f8[:, ::1])")
-def _seen(point: Floats, normal: Floats, some: Floats) -> float:
-    """The mean of cos^2 of the incidence from some places, (V, 3)."""
+@compiled("f8(f8[::1], f8[::1], f8[:, ::1], f8)")
+def _seen(point: Floats, normal: Floats, some: Floats, enough: float) -> float:
+    """The mean of cos^2 of the incidence from some places, (V, 3); at least `enough` where it is more."""
+    V = some.shape[0]
     total = 0.0
-    for v in range(some.shape[0]):
+    for v in range(V):
         along, away = 0.0, 0.0
         for k in range(3):
             d = some[v, k] - point[k]
@@ -83,7 +84,9 @@ def _seen(point: Floats, normal: Floats, some: Floats) -> float:
             away += d * d
         if along > 0.0:
             total += along * along / max(away, TINY)
-    return float(total / some.shape[0])
+            if total >= enough * V:
+                break
+    return float(total / V)
 
 
 @compiled(
@@ -120,7 +123,7 @@ def press(
         k = touched[n]
         share = 0.0 if deep[n] else 1.0
         if some.shape[0] and not deep[n]:
-            x = (_seen(points[k], normals[k], some) - hardly) / (well - hardly)
+            x = (_seen(points[k], normals[k], some, well) - hardly) / (well - hardly)
             x = min(max(x, 0.0), 1.0)
             share = x * x * (3.0 - 2.0 * x)
         if share > 0.0 and force[n] > 0.0:
