@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-HIGH, LOW = 0.85, 0.6  # share of a tick above which the budget shrinks, below which it may grow
+HIGH, LOW = 0.75, 0.5  # share of a tick above which the budget shrinks, below which it may grow
 RUN = 8  # ticks in a row that must be too long: a few may be the machine's doing
 FAR, SOON = 3.0, 2  # ticks that take so many times as long as they may need be only so many
 WAIT = 50  # ticks in a row that must be short before it grows
@@ -13,7 +13,7 @@ LONGEST = (
     800  # of them, twice as many after each relapse; so many at its most, and all is forgotten
 )
 LEAST = 16  # samples: with fewer, it is not they that take the time
-AIM = 0.7  # share of a tick that the next ones are to take
+AIM = 0.6  # share of a tick that the next ones are to take
 
 
 @dataclass

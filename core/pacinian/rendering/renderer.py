@@ -22,7 +22,9 @@ from pacinian.rendering.report import Fault, Report
 from pacinian.rendering.scene_log import Asked
 from pacinian.rendering.smooth import Smoothing
 from pacinian.rendering.tape import Tape
+from pacinian.rendering.turns import Turns
 from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.sampling.samples import nothing
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
 from pacinian.solving.blas import one_thread
@@ -60,8 +62,9 @@ class Renderer:
     for tests. recorder: keeps every tick; closed with the renderer.
 
     Envelopes are followed at the device's rate; where limits join all gains (power, quiet zones, exact
-    samples) and objects have different envelopes, each one's mean over a tick counts. A tick that would
-    be late has fewer samples, highest priority first, until there is time again: `governed`.
+    samples) and objects have different envelopes, each one's mean over a tick counts. Where ticks would be
+    late, one samples the scene and the next solves for it, by turns, and then there are fewer samples,
+    highest priority first, until there is time again: `governed`. Every tick sends a frame.
 
     Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a
     device is gone) silences the output and holds it silent until `reset`; the loop goes on and counts.
@@ -117,6 +120,10 @@ class Renderer:
         self.sampler.prepare(array, self.session.medium)
         self.player = Player(self.session, times, gap, self.smoothing, self.report.skipped)
         self.governor = Governor(self.period, self.sampler.budget) if governed else None
+        self.turns = Turns(self.period)
+        self._sampled = self._played = nothing()
+        self._seen: Scene | None = None
+        self._changed = True  # since it was sampled
         self._quantiser = Quantiser(capability, rows, len(array))
         self._sent: tuple[object, ...] = ()
         self._frame: Frame
@@ -265,6 +272,9 @@ class Renderer:
         self.sampler.reset()
         self.player.reset()
         self.session.forget()
+        self.turns = Turns(self.period)
+        self._sampled = self._played = nothing()
+        self._seen, self._changed = None, True
         if self.governor is not None:
             self.governor = Governor(self.period, self.sampler.budget)
             self.sampler.allowed = self.sampler.budget
@@ -284,9 +294,8 @@ class Renderer:
         self._loud = True
         self.backend.send(frame)
         self.report.frames_sent += 1
-        if self.governor is not None and self.player.fresh:
-            samples = max(len(one.samples) for one in self.player.fresh)
-            self.sampler.allowed = self.governor.tick(self.tape.now() - begin, samples)
+        if self.governor is not None:
+            self._govern(self.governor, self.tape.now() - begin)
         self._enter("record")
         noted = self.tape.take()
         if self.recorder is not None:
@@ -294,10 +303,28 @@ class Renderer:
             self.recorder.write(frame, t, asked, noted, same=frame is not self._frame)
         self._enter("scene")
 
+    def _govern(self, governor: Governor, seconds: float) -> None:
+        """Decide how the next ticks come to be in time, by how long this one took [s]."""
+        fresh = self.player.fresh
+        if self.turns.tick(seconds, bool(fresh)) or not fresh:
+            return
+        samples = max(len(one.samples) for one in fresh)
+        self.sampler.allowed = governor.tick(seconds, samples)
+
     def _frame_of(self, scene: Scene, t: float, due: float) -> Frame:
         """The frame for a scene at time t [s]; the last one again if nothing has changed."""
         self._enter("sample")
-        samples = self.sampler.sample(scene, t)
+        self._changed = self._changed or scene is not self._seen
+        self._seen = scene
+        if self.turns.samples:
+            if self._changed:  # also where it has come back since
+                self.sampler.changed()
+            self._sampled, self._changed = self.sampler.sample(scene, t), False
+        if self.turns.solves:
+            self._played = self._sampled
+        else:
+            self.report.skipped["solve, in turn with sampling"] += 1
+        samples = self._played
         sequence, sent = self.report.frames_sent, (samples, self.limits, self.session.solver)
         if self.player.steady and self._sent == sent:
             self.player.fresh.clear()

@@ -87,7 +87,7 @@ class Report:
 
     @property
     def error(self) -> float:
-        """Median relative error of the emitted sound pressures, of every 8th solve; 0 before the first."""
+        """Median relative error of the emitted sound pressures, of every 64th solve; 0 before the first."""
         return float(np.median(self._errors[: self._measured])) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:

@@ -160,6 +160,19 @@ class Hand:
         assert points is not None  # one of them was given
         return points
 
+    def same(self, other: Hand) -> bool:
+        """Whether it is the other, seen at the same time in the same place."""
+        return (self.side, self.time, self.name) == (other.side, other.time, other.name) and all(
+            a is b or (a is not None and b is not None and np.array_equal(a, b, equal_nan=True))
+            for a, b in (
+                (self.joints, other.joints),
+                (self.vertices, other.vertices),
+                (self.velocities, other.velocities),
+                (self.radii, other.radii),
+                (self.faces, other.faces),
+            )
+        )
+
     def shifted(self, d: Floats) -> Hand:
         """With each of its carriers moved by d, (P, 3) [m]."""
         name = "joints" if self.vertices is None else "vertices"

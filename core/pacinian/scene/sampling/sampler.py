@@ -86,6 +86,10 @@ class Sampler:
         self._resolving = Resolving(array, medium)
         self.reset()
 
+    def changed(self) -> None:
+        """Look at the next scene anew, even if it is the last one."""
+        self._still = False
+
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """Samples of `scene` at time t [s]; the same object as before where nothing has changed."""
         asked = scene, self.allowed, self.spacing

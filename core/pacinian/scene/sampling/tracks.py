@@ -100,7 +100,7 @@ class HandTrack:
 
     def at(self, hand: Hand, t: float) -> tuple[Hand | None, float]:
         """The hand at time t [s], and with which share, 0..1, of its pressures; None where it is gone."""
-        if hand is not self._given:
+        if hand is not self._given and not (self._given is not None and hand.same(self._given)):
             before, self._given = self._given, hand
             if not hand.lost:
                 self._take(hand, t)
