@@ -35,6 +35,7 @@ AIR = Air()
 FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
+FEWER = 4  # where up to a quarter of the points, and one, come or go, the last solution is a start
 MOST = 1e6  # times as strong: beyond that a problem is solved anew
 
 
@@ -119,11 +120,16 @@ class Session:
         if warm is not None and (c := self._multiple(targets, limits)) == c:
             self.last = self._scaled(c, targets, out, start)
             return self.last
-        if warm is not None and len(warm.sound_pressure) != len(q):
-            warm = None
+        if warm is not None and (M := len(warm.sound_pressure)) != len(q):
+            alike = FEWER * abs(M - len(q)) <= max(M, len(q)) + FEWER
+            warm = self._there(warm) if alike and M and len(q) else None
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
         self._solved_with = (self._solver, limits, self.propagator.version)
         return self.last
+
+    def _there(self, warm: Solution) -> Solution:
+        """The last solution as it is heard at the points of now: those that stay keep their phases."""
+        return dataclasses.replace(warm, sound_pressure=self.propagator.apply(warm.gains))
 
     def forget(self) -> None:
         """Forget all that was solved and cached: the next solve is a cold one."""

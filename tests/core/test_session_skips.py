@@ -182,3 +182,19 @@ def test_steady_state_allocates_nothing_that_grows_with_the_array(level: float) 
         tracemalloc.stop()
     assert max(peaks) < 48 * 48 * 16 / 2  # less than half a Gram matrix
     assert peaks[1] < peaks[0] + 3000
+
+
+def test_points_that_stay_keep_their_phases_when_another_comes_or_goes() -> None:
+    array = pc.autd()
+    rng = np.random.default_rng(3)
+    points = rng.uniform([-0.05, -0.05, 0.15], [0.05, 0.05, 0.2], (9, 3))
+    session = pc.Session(array)
+    session.solve(points[:8], np.full(8, 100.0))
+    before = session.solve(points[:8], np.full(8, 100.0)).sound_pressure
+    for kept in (points, points[:7]):  # one more, one less
+        after = session.solve(kept, np.full(len(kept), 100.0)).sound_pressure
+        M = min(len(before), len(after))
+        turn = np.angle(after[:M] / before[:M])
+        turn -= np.angle(np.exp(1j * turn).sum())
+        assert np.abs(np.angle(np.exp(1j * turn))).max() < 0.5
+        session.solve(points[:8], np.full(8, 100.0))

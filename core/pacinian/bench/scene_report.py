@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pacinian.bench.growth import Growth
     from pacinian.bench.savings import Saving
     from pacinian.bench.scenes import Row
+    from pacinian.bench.sounds import Sound
 
 FAR_BELOW = 0.01  # of linear growth
 
@@ -67,7 +68,11 @@ def _verdict(target: str, misses: list[str], found: str) -> Verdict:
 
 
 def plain(
-    rows: Sequence[Row], savings: Sequence[Saving], growth: Sequence[Growth], **said: Any
+    rows: Sequence[Row],
+    savings: Sequence[Saving],
+    growth: Sequence[Growth],
+    sounds: Sequence[Sound] = (),
+    **said: Any,
 ) -> dict[str, Any]:
     """Everything, in the units that the names tell, else in SI units."""
     return {
@@ -82,4 +87,5 @@ def plain(
         "rows": [asdict(row) for row in rows],
         "savings": [{**asdict(one), "ratio": one.ratio} for one in savings],
         "growth": [asdict(line) for line in growth],
+        "sounds": [asdict(one) for one in sounds],
     }

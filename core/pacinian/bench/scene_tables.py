@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from pacinian.bench.savings import Saving
     from pacinian.bench.scene_report import Verdict
     from pacinian.bench.scenes import Row
+    from pacinian.bench.sounds import Sound
 
 
 def scenes(rows: Sequence[Row]) -> Table:
@@ -69,6 +70,18 @@ def growth(found: Sequence[Growth]) -> Table:
         "one replaced\neach tick [ms]", f"over\n{found[0].objects}",
     ]  # fmt: skip
     return _table("Growth with the number of objects: medians, in turn", head, lines)
+
+
+def sounds(found: Sequence[Sound]) -> Table:
+    """What can be heard."""
+    head = [
+        "",
+        *(f"{place}, {way}" for place in ("focus", "ear") for way in ("off", "aligned", "on")),
+    ]
+    lines = [[one.what, *(f"{dB:.0f}" for dB in one.focus + one.ear)] for one in found]
+    return _table(
+        "Audible energy of |p|^2 over its mean square [dB(A)], by smooth output", head, lines
+    )
 
 
 def verdicts(found: Sequence[Verdict]) -> Table:

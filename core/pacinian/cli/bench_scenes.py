@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pacinian.bench.growth import Growth
     from pacinian.bench.savings import Saving
     from pacinian.bench.scenes import Row
+    from pacinian.bench.sounds import Sound
 
 TICKS = 60  # of each side of a comparison, for each second of a scene
 
@@ -74,7 +75,8 @@ def scenes(
     """Measure the built-in scenes at 1 kHz: time per tick by stage, late ticks, error.
 
     Each runs second by second in turn with a loop that burns as much time: what that is late by is the
-    machine's doing. Then what each skip saves, on against off in turn, and growth with the number of objects.
+    machine's doing. Then what each skip saves, on against off in turn, growth with the number of objects, and
+    what can be heard with smooth output and without.
     """
     from pacinian.acoustics.array import autd
     from pacinian.bench import scene_report
@@ -119,6 +121,7 @@ class Found(NamedTuple):
     rows: list[Row]
     savings: list[Saving]
     growth: list[Growth]
+    sounds: list[Sound]
 
 
 def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> tuple[Found, bool]:
@@ -126,13 +129,13 @@ def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> t
     from rich.console import Console
     from rich.progress import Progress
 
-    from pacinian.bench import growth, savings, scenes
+    from pacinian.bench import growth, savings, scenes, sounds
     from pacinian.bench.skips import skips
 
-    found, ticks = Found([], [], []), max(1, round(TICKS * seconds))
+    found, ticks = Found([], [], [], []), max(1, round(TICKS * seconds))
     others = skips() if more else []
     with Progress(console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
-        task = bar.add_task("", total=len(todo) + len(others) + more)
+        task = bar.add_task("", total=len(todo) + len(others) + 2 * more)
 
         def step(what: str, done: int = 1) -> None:
             bar.update(task, description=what, advance=done)
@@ -148,6 +151,8 @@ def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> t
                 step("skips")
             if more:
                 found.growth.extend(growth.measure(array, ticks))
+                step("sounds")
+                found.sounds.extend(sounds.measure(array))
         except KeyboardInterrupt:
             return found, True
     return found, False
@@ -164,7 +169,10 @@ def _print(found: Found) -> None:
         shown.append(scene_tables.savings(found.savings))
     if found.growth:
         shown.append(scene_tables.growth(found.growth))
-    shown.append(scene_tables.verdicts(scene_report.verdicts(*found)))
+    if found.sounds:
+        shown.append(scene_tables.sounds(found.sounds))
+    told = scene_report.verdicts(found.rows, found.savings, found.growth)
+    shown.append(scene_tables.verdicts(told))
     for table in shown:
         console.print(table)
         console.print()

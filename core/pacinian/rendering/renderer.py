@@ -259,6 +259,13 @@ class Renderer:
         self.report.tick(end - begin, end > due + self.period)
 
     @property
+    def sent(self) -> Frame:
+        """The last frame; its arrays are reused. Raises BackendError before the first."""
+        if not self._sent:
+            raise BackendError("nothing has been sent yet")
+        return self._frame
+
+    @property
     def emitted(self) -> Gains:
         """What the device made of the last gains at full envelope, (N,), whether it is silent now or not."""
         solved = self.player.solved

@@ -1,0 +1,16 @@
+from __future__ import annotations
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.bench import sounds
+
+
+def test_a_focus_that_stays_is_not_disturbed_and_the_room_is_quieter_with_ramps() -> None:
+    found = sounds.measure(pc.autd())
+    assert [one.what for one in found] == list(sounds.CASES)
+    for one in found:
+        assert np.isfinite([*one.focus, *one.ear]).all()
+        assert max(one.focus) < -55.0
+    for one in found[1:]:
+        assert one.ear[2] < one.ear[0] - 2.0
