@@ -1,4 +1,4 @@
-"""What the README shows works as shown."""
+"""What the README and the pages it leads to show works as shown."""
 
 import json
 import re
@@ -13,12 +13,19 @@ import pacinian as pc
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
+BLOCKS = PYTHON.findall(README)
+PAGES = ["README.md", "docs/touch.md", "docs/scenes.md"]
+SHOWN = [
+    pytest.param(page, block, id=f"{page}-{i}")
+    for page in PAGES
+    for i, block in enumerate(PYTHON.findall((ROOT / page).read_text()))
+]
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=range(len(BLOCKS)))
-def test_its_python_runs(block: str, capsys: pytest.CaptureFixture[str]) -> None:
-    exec(compile(block, "README.md", "exec"), {"__name__": "readme"})
+@pytest.mark.parametrize(("page", "block"), SHOWN)
+def test_its_python_runs(page: str, block: str, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(block, page, "exec"), {"__name__": "readme"})
     if "print" in block:
         assert capsys.readouterr().out
 
@@ -45,6 +52,14 @@ def test_its_solver_is_short() -> None:
 def test_the_focus_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
     runpy.run_path(str(ROOT / "examples" / "focus.py"))
     assert "ok" in capsys.readouterr().out
+
+
+def test_the_touch_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(ROOT / "examples" / "touch.py"))
+    out = capsys.readouterr().out
+    assert "2000 ticks" in out
+    assert " 0 faults" in out
+    assert "too faint to feel" in out
 
 
 def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:

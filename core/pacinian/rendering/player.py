@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.checks import FAR
+from pacinian.errors import PointOnTransducer
 from pacinian.rendering.smooth import Smoother
 from pacinian.rendering.voices import Voices, contributions
 from pacinian.scene.sampling.resolving import WELL, grazing
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
 CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
+SOME = 128  # transducers that stand for all in that
 TINY = 1e-300
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
@@ -88,11 +90,13 @@ class Player:
         self.steady = False
         """Whether the next tick's rows are the last one of these, if nothing changes."""
         self._gap = gap
-        self._powers: dict[tuple[int, int, int], float] = {}
+        self._some = _some(session.array)
+        self._powers: dict[tuple[float, ...], float] = {}
         self._key: tuple[object, ...] = ()
         self._steps: dict[Step, Solved] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
         self._followed: list[Solved] = []
+        self._limited = False  # anew: what kept other limits may not fade
         self._carriers = np.zeros((K, N), dtype=np.complex64)
         self._smooth = np.zeros((K, N), dtype=np.complex64)
         self._rows = np.zeros((K, N), dtype=np.complex64)
@@ -101,7 +105,7 @@ class Player:
 
     def reset(self) -> None:
         """Forget what was solved, and begin from silence."""
-        self._key, self._steps = (), {}
+        self._key, self._steps, self._limited = (), {}, False
         self.solved, self._followed = [], []
         self.smoother.reset()
 
@@ -109,6 +113,7 @@ class Player:
         """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now."""
         key = samples, limits, self.session.solver
         if self._key != key:
+            self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
             self._key, self._steps, self._parts = key, {}, _parts(samples)
         self.fresh = []
         base, parts = self._parts
@@ -148,8 +153,10 @@ class Player:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
-        # a focus that is meant to jump is not held back
-        self.smoother.settings = self._jumps if self._parts[1] else self._smoothing
+        # a focus that is meant to jump is not held back, and new limits hold from the first row on
+        jumps = self._limited or bool(self._parts[1])
+        self.smoother.settings = self._jumps if jumps else self._smoothing
+        self._limited = False
         self.smoother.follow(carriers, self._gap, self._smooth)
         self._followed = solved
 
@@ -166,11 +173,11 @@ class Player:
         assert solved.voices is not None
         shares = np.bincount(solved.voices.index, P, len(a))
         mean = np.float32(np.sqrt(shares @ strength / max(shares.sum(), 1e-300)))
-        turn = np.vdot(g, s)  # the smoother's, for all gains alike
-        size = abs(turn)
-        turn = turn / size if size > 0.0 else turn + 1.0
+        power = max(float(np.vdot(g, g).real), TINY)
+        c = complex(np.vdot(g, s)) / power  # s = c g + what has not faded yet
+        c /= max(abs(c), 1.0)
         mixed = np.append(a, mean) @ parts
-        return np.asarray(turn * mixed + mean * (s - turn * g), dtype=np.complex64)
+        return np.asarray(c * mixed + mean * (s - c * g), dtype=np.complex64)
 
     def _found(
         self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
@@ -229,24 +236,29 @@ class Player:
         propagator = self.session.propagator
         propagator.place(q, facing)
         power: Floats = propagator.gram.diagonal().real.astype(np.float64)
-        seen = power / self._free(q[0])
+        seen = power / self._free(q)
         if seen.min() >= WELL:
             return np.ones(len(q))
         share = grazing(seen)
         self.skipped["samples hardly reached"] += int((share < 0.5).sum())
         return share
 
-    def _free(self, place: Floats) -> float:
-        """The power of all sound at a place, if all of it pressed [Pa^2]."""
-        x, y, z = (math.floor(v / CELL) for v in place.tolist())
-        kept = self._powers.get((x, y, z))
-        if kept is None:
-            if len(self._powers) >= CELLS:
-                self._powers.clear()
-            middle = CELL * (np.array([[x, y, z]]) + 0.5)
-            B = matrix(self.session.array, middle, self.session.medium)
-            kept = self._powers[x, y, z] = max(float(np.vdot(B, B).real), TINY)
-        return kept
+    def _free(self, q: Floats) -> Floats:
+        """The power of all sound at points q, (M, 3) [m], if all of it pressed, (M,) [Pa^2]."""
+        cells = list(map(tuple, np.floor(q / CELL).tolist()))
+        if len(self._powers) > CELLS:
+            self._powers.clear()
+        new = [cell for cell in dict.fromkeys(cells) if cell not in self._powers]
+        if new:
+            middles = CELL * (np.array(new) + 0.5)
+            try:
+                B = matrix(self._some, middles, self.session.medium)
+            except PointOnTransducer:  # so near to it, all counts
+                return np.full(len(q), TINY)
+            share = len(self.session.array) / len(self._some)
+            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), TINY)
+            self._powers.update(zip(new, powers.tolist(), strict=True))
+        return np.array([self._powers[cell] for cell in cells])
 
     def _reachable(self, q: Floats) -> Flags:
         """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
@@ -265,6 +277,12 @@ class Player:
                     kept[m] = False
                     self.skipped["samples on a transducer"] += 1
         return kept
+
+
+def _some(array: Array) -> Array:
+    """Of many transducers a few, from all over it."""
+    step = -(-len(array) // SOME)
+    return Array(array.positions[::step], array.normals[::step], array.transducer)
 
 
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

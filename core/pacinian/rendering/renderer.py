@@ -26,6 +26,7 @@ from pacinian.rendering.turns import Turns
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.sampling.samples import nothing
 from pacinian.scene.scene import Scene
+from pacinian.scene.time.envelope import resolve
 from pacinian.session import Session
 from pacinian.solving.blas import one_thread
 from pacinian.solving.problem import Limits
@@ -129,6 +130,7 @@ class Renderer:
         self._frame: Frame
         self._entered = self._start = 0.0  # [s]
         self._stage: Stage = "open"
+        self._limits = self.limits  # of this tick
         self._unlooked = LOOK  # solves since the error of one was measured
         self._opened = False
         self._loud = False  # something was sent since the last silence
@@ -173,7 +175,11 @@ class Renderer:
             gains = spare.solve(points, [1.0, 1.0], facing=Facing(up)).gains
             self._quantiser.emitted(gains, self._ceiling)
             given = self.scene
-            self.sampler.sample(given if isinstance(given, Scene) else given(0.0))
+            scene = given if isinstance(given, Scene) else given(0.0)
+            self.sampler.sample(scene)
+            held = {id(item.envelope): resolve(item.envelope) for item in scene.objects}
+            for envelope in held.values():
+                envelope.at(self.player.times)  # a recorded wave takes 0.3 s to load
         except Exception:  # the first tick meets it again, and reports it
             return
 
@@ -293,9 +299,11 @@ class Renderer:
             self.reset()
         begin = self._entered = self.tape.now()
         self._stage = "scene"
-        t = due - self._start
+        t = number("clock", due - self._start)
+        self._limits, solver = self.limits, self.session.solver  # others may set them at any time
         given = self.scene
         scene = given if isinstance(given, Scene) else given(t)
+        kind("scene", scene, Scene)
         frame = self._frame_of(scene, t, due)
         self._enter("send")
         self._loud = True
@@ -306,7 +314,7 @@ class Renderer:
         self._enter("record")
         noted = self.tape.take()
         if self.recorder is not None:
-            asked = Asked(scene, self.session.solver, self.limits)
+            asked = Asked(scene, solver, self._limits)
             self.recorder.write(frame, t, asked, noted, same=frame is not self._frame)
         self._enter("scene")
 
@@ -332,14 +340,14 @@ class Renderer:
         else:
             self.report.skipped["solve, in turn with sampling"] += 1
         samples = self._played
-        sequence, sent = self.report.frames_sent, (samples, self.limits, self.session.solver)
+        sequence, sent = self.report.frames_sent, (samples, self._limits, self.session.solver)
         if self.player.steady and self._sent == sent:
             self.player.fresh.clear()
             self.report.skipped["solve, nothing moved"] += 1
             self.report.skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self._enter("solve")
-        self.player.solve(samples, t, self.limits, SHARE * self.period)
+        self.player.solve(samples, t, self._limits, SHARE * self.period)
         self._sent = sent
         fresh = self.player.fresh
         self._unlooked += len(fresh)
@@ -349,7 +357,7 @@ class Renderer:
                 self._unlooked, error = 0, self._error(one)
             self.report.solved(one.solution.status, error)
         self._enter("drive")
-        down = self.limits.power is not None
+        down = self._limits.power is not None
         rows = self.player.rows(t)
         self._frame = self._quantiser.frame(rows, self._ceiling, sequence, due, down)
         return self._frame
@@ -366,12 +374,12 @@ class Renderer:
         return solved.solution.targets.miss(p)
 
     def _emitted(self, gains: Gains) -> Gains:
-        down = self.limits.power is not None
+        down = self._limits.power is not None
         return self._quantiser.emitted(gains, self._ceiling, down)
 
     @property
     def _ceiling(self) -> float:
-        return min(1.0, self.limits.gain or 1.0)
+        return min(1.0, self._limits.gain or 1.0)
 
     def _attempt(self, stage: Stage, action: Callable[[], None]) -> bool:
         """Do it; a failure is reported, halts, and silences the output."""

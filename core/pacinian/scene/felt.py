@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 SMALLEST = 1e-12  # [m^2]
+MOST = 1e30  # [Pa], [N]
 MANY = 1_000_000
 
 
@@ -51,7 +52,7 @@ class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
             raise ArgumentError("radiation_pressure", "or `force` must be given, and not both")
         for name in ("radiation_pressure", "force"):
             if (value := getattr(self, name)) is not None:
-                force_setattr(self, name, number(name, value, low=0.0))
+                force_setattr(self, name, number(name, value, low=0.0, high=MOST))
         if self.envelope is not STEADY:
             force_setattr(self, "envelope", resolve(self.envelope))
         if self.technique is not SIMULTANEOUS:

@@ -189,6 +189,8 @@ class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
 
     def __post_init__(self) -> None:
         kind("shape", self.shape, *SHELLS)
+        if isinstance(self.shape, Mesh) and not self.shape.file:
+            _ = self.shape.area  # it must have some
         self._check()
 
     def load(self) -> Iterator[str]:

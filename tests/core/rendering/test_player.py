@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import Counter
 from typing import Any
 
@@ -235,6 +236,24 @@ def test_limits_that_join_all_gains_are_kept_in_every_row(limits: pc.Limits) -> 
         assert np.abs(without @ pc.matrix(ARRAY, QUIET, AIR).T).max() > 15.0  # it does something
 
 
+@pytest.mark.parametrize(
+    "limits", [pc.Limits(gain=0.02), pc.Limits(power=0.1), pc.Limits(quiet=(QUIET, 2.0))]
+)
+def test_new_limits_hold_from_the_first_row_on(limits: pc.Limits) -> None:
+    loop = Loop(pc.Scene((point(LEFT, 40.0), point(RIGHT, 40.0))), 4, rate=100.0)
+    loop.run(20)
+    rows = loop.tick(limits)
+    g = np.abs(rows)
+    assert g.max() <= (limits.gain or 1.0) * (1.0 + 1e-5)
+    assert (g * g).sum(axis=1).max() <= (limits.power or math.inf) * (1.0 + 1e-5)
+    if limits.quiet is not None:
+        assert np.abs(rows @ pc.matrix(ARRAY, QUIET, AIR).T).max() <= 2.0 * 1.01
+    after = np.concatenate([rows[-1:], loop.tick(FULL), loop.tick(FULL)])
+    loop.scene = silent
+    fading = np.concatenate([after[-1:], loop.tick(FULL)])
+    assert np.abs(np.diff(fading, axis=0)).max() <= 100.0 * loop.gap * (1.0 + 1e-4)  # as ever
+
+
 def test_limits_that_join_all_gains_still_follow_the_mean_of_each_envelope() -> None:
     wave = pc.Sine(frequency=40.0)
     loop = Loop(pc.Scene((point(LEFT, envelope=wave), point(RIGHT))), 4)
@@ -254,6 +273,10 @@ def test_limits_that_join_all_gains_need_no_solve_where_nothing_changes() -> Non
     loop.run(3, limits)
     assert not loop.player.fresh
     assert loop.player.steady
+
+
+def silent(t: float) -> pc.Scene:
+    return NOTHING
 
 
 def still(t: float) -> pc.Scene:
@@ -291,6 +314,15 @@ def test_different_envelopes_that_stand_still_change_no_faster_either() -> None:
     assert change <= rate * TICK / 2 * 1.05
     P = pressures(played[-1:], [LEFT, RIGHT])[0]
     np.testing.assert_allclose(P, [36.0, 40.0], rtol=0.05)
+
+
+def test_voices_of_different_strengths_come_up_from_silence() -> None:
+    items = point(LEFT, 80.0), point(RIGHT, 80.0, envelope=pc.Constant(0.01))
+    rate = 100.0
+    _, played = Loop(pc.Scene(items), 2, rate).run(20)
+    before = np.concatenate([np.zeros((1, len(ARRAY))), played[:-1]])
+    assert np.abs(played - before).max() <= rate * TICK / 2 * 1.05
+    np.testing.assert_allclose(pressures(played[-1:], [LEFT, RIGHT])[0], [80.0, 0.8], atol=2.0)
 
 
 def test_rows_are_steady_only_once_all_of_them_are_the_same() -> None:
@@ -381,3 +413,18 @@ def test_on_a_hand_each_envelope_is_followed_too() -> None:
     full = pc.radiation_pressure(np.asarray(solved.solution.sound_pressure), AIR)
     expected = np.where(index == 0, wave.at(t)[:, None], 1.0) * full
     np.testing.assert_allclose(P, expected, atol=0.05 * full.max())
+
+
+def test_what_is_well_seen_is_asked_for_in_full_however_far_another_hand_is() -> None:
+    near, far = (Hand.open("right", pc.Pose((0.0, 0.0, z)), name=f"{z}") for z in (0.1, 0.9))
+    balls = [
+        pc.Volume(shape=pc.Sphere(0.008), radiation_pressure=0.5, pose=pc.Pose((0.0, 0.0, z)))
+        for z in (0.086, 0.886)
+    ]
+    loop = Loop(pc.Scene(tuple(balls), hands=(near, far)))
+    loop.tick()
+    samples = loop.player.solved[0].samples
+    assert np.ptp(samples.positions[:, 2]) > 0.7
+    asked = pc.radiation_pressure(loop.player.solved[0].solution.targets.amplitudes, AIR)
+    seen = samples.normals[:, 2] < -0.9
+    np.testing.assert_allclose(asked[seen], samples.radiation_pressure[seen], rtol=1e-6)

@@ -372,6 +372,15 @@ def test_a_renderer_that_is_not_open_does_not_tick() -> None:
         renderer.close()
 
 
+def test_a_recorded_wave_is_loaded_before_the_first_tick() -> None:
+    wave = pc.Wave(samples=(0.0, 0.5, -0.5), rate=1000.0)
+    point = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0, envelope=wave)
+    renderer, _, _ = make(pc.Scene((point,)))
+    assert "_table" not in wave.__dict__
+    with renderer:
+        assert "_table" in wave.__dict__
+
+
 def test_a_look_at_what_is_emitted_leaves_the_frame_alone() -> None:
     faint = pc.Point(position=(0, 0, 0.15), radiation_pressure=50.0, envelope=pc.Constant(0.01))
     renderer, device, _ = make(pc.Scene((faint,)))
@@ -434,7 +443,7 @@ def test_what_is_remembered_of_the_last_solution_is_intact() -> None:
     with renderer:
         for _ in range(3):
             renderer.tick()
-    assert seen == pytest.approx([0.25, 0.25])
+    assert seen[-2:] == pytest.approx([0.25, 0.25])  # before them, those of the warm-up
 
 
 @pytest.mark.parametrize("value", [1e9, math.inf, math.nan, -5.0])

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Side = Literal["left", "right"]
 
 LARGEST = 1.0  # [m] across; nothing longer is a hand
+SMALLEST = 0.01  # [m] across; nothing smaller is
+FARTHEST = 1e6  # [m], or [m/s]; what is farther or faster was not measured
 THICKEST = 0.1  # [m]
 HERE = Pose()
 PALM, WRIST, KNUCKLE = (
@@ -38,9 +40,9 @@ class Hand:
     given and finite. time: when it was measured [s]. vertices, faces: a mesh of the skin, (V, 3) [m] and
     (F, 3), in place of joints and radii. name: its side unless given.
 
-    A tracker that loses the hand may give joints or vertices that are NaN or infinite: such a hand is
-    `lost`, its radii are not looked at, and it must not be placed. Raises ArgumentError for anything
-    else that cannot be meant.
+    A tracker that loses the hand may give joints or vertices that are NaN, infinite, 1000 km away, or all
+    within a centimetre, as zeros are: such a hand is `lost`, its radii are not looked at, and it must not
+    be placed. Raises ArgumentError for anything else that cannot be meant.
     """
 
     joints: Floats | None
@@ -73,9 +75,8 @@ class Hand:
             raise ArgumentError("joints", "or `vertices` and `faces` must be given")
         J, lost = (None, False) if joints is None else _measured("joints", joints, (rest.JOINTS, 3))
         V, gone = (None, False) if vertices is None else _measured("vertices", vertices, (None, 3))
-        for given, points in (("joints", J), ("vertices", V)):
-            if points is not None:
-                _sized(given, points)
+        lost = lost or (J is not None and _collapsed("joints", J))
+        gone = gone or (V is not None and _collapsed("vertices", V))
         self._set(
             joints=J,
             radii=RADII if radii is None or (J is not None and lost) else _radii(radii),
@@ -194,20 +195,21 @@ class Hand:
 def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tuple[Floats, bool]:
     """A copy of `value` as numbers of that shape, with NaN for each that is none, and whether any is."""
     try:
-        known = np.isfinite(cast("Floats", value))
+        known = np.abs(cast("Floats", value)) < FARTHEST  # not if NaN
     except (TypeError, ValueError):
         return numbers(name, value, shape).copy(), False
     array = numbers(name, np.where(known, cast("Floats", value), 0.0), shape)
     return np.where(known, array, np.nan), not known.all()
 
 
-def _sized(name: str, points: Floats) -> None:
-    """Refuse what is too large for a hand, and so must have been meant in millimetres."""
+def _collapsed(name: str, points: Floats) -> bool:
+    """Whether this is too small for a hand. Refuses what is too large, so was meant in millimetres."""
     across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
     if across > LARGEST:  # not if NaN
         raise ArgumentError(
             name, f"span {across:.4g} m: lengths are in metres (were millimetres given?)"
         )
+    return across < SMALLEST
 
 
 def _radii(value: ArrayLike) -> Floats:

@@ -19,14 +19,10 @@ read: not the curves of [1] and [2]. That both descriptions may be joined is our
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.checks import number
-
-if TYPE_CHECKING:
-    from pacinian.types import Flags, Floats
 
 TABLE = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
 LOWEST = float(TABLE[:, 1].min())  # [Pa]
@@ -57,11 +53,3 @@ def faintest(envelope: object) -> float:
     if isinstance(frequency, (int, float)) and 0.0 < frequency <= FASTEST:
         return threshold(frequency) / MARGIN
     return LOWEST / MARGIN
-
-
-def perceptible(radiation_pressure: Floats, envelope: object) -> Flags:
-    """Which samples, of `radiation_pressure` [Pa] at full envelope, (M,), anyone might feel; flags, (M,).
-
-    envelope: as for `faintest`.
-    """
-    return np.asarray(radiation_pressure >= faintest(envelope))

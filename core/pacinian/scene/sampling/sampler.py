@@ -131,12 +131,12 @@ class Sampler:
         tracks = {hand.name: self._hands.get(hand.name) or HandTrack() for hand in scene.hands}
         self._hands = tracks
         there: list[tuple[Touchable, float]] = []
-        for place, hand in enumerate(scene.hands):
+        for hand in scene.hands:
             now, share = tracks[hand.name].at(hand, t)
             if now is None:
                 self.skipped["hands lost"] += 1
             else:
-                there.append((tracks[hand.name].touchable(now, place), share))
+                there.append((tracks[hand.name].touchable(now), share))
         return there
 
     def _boxes(self, scene: Scene, hands: list[tuple[Touchable, float]], skin: bool) -> Floats:

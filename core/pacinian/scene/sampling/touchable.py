@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
     from pacinian.types import Flags, Floats, Indices
 
-ODD = 0x9E3779B1  # tells the names of what touches one hand from those of another
 SHARED = 1e-9  # of a force: less is rounding
 TINY = 1e-300
 
@@ -22,10 +22,10 @@ TINY = 1e-300
 class Touchable:
     """The skin of `hand` where it is now.
 
-    number: of this hand among those of a scene. skin: of a hand of its kind, if it is at hand.
+    skin: of a hand of its kind, if it is at hand.
     """
 
-    def __init__(self, hand: Hand, number: int, skin: Skin | None = None) -> None:
+    def __init__(self, hand: Hand, skin: Skin | None = None) -> None:
         from pacinian.scene.sampling import contact_kernels
 
         self.hand = hand
@@ -37,7 +37,8 @@ class Touchable:
         """Its lower and upper corner [m], (6,)."""
         a, b, c, x, y, z = contact_kernels.box(self.placed.bounds, self.box)
         self.centre: Vector = ((a + x) / 2.0, (b + y) / 2.0, (c + z) / 2.0)
-        self.salt = number * ODD
+        self.salt = zlib.crc32(hand.name.encode())
+        """Tells the keys of what touches this hand from those of another, whatever hands come and go."""
 
     def near(self, pose: Pose, radius: float, corners: Floats) -> tuple[Indices, Floats]:
         """Points within `radius` [m] of a pose: which, and where in its frame [m].

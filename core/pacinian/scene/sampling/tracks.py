@@ -117,12 +117,12 @@ class HandTrack:
             return None, 0.0
         return self._moved(last, t), share
 
-    def touchable(self, hand: Hand, number: int) -> Touchable:
+    def touchable(self, hand: Hand) -> Touchable:
         """The skin of the hand as `at` gave it; the one before, where it has not moved."""
         if self._touchable is None or self._touchable.hand is not hand:
             kind = self._touchable
             same = kind is not None and kind.hand.faces is hand.faces
-            self._touchable = Touchable(hand, number, kind.skin if kind and same else None)
+            self._touchable = Touchable(hand, kind.skin if kind and same else None)
         return self._touchable
 
     def moving(self, t: float) -> bool:

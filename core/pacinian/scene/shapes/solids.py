@@ -88,7 +88,8 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
         if d.shape != (len(points),) or not np.isfinite(d).all():
             raise ArgumentError(
                 "function",
-                f"must give one finite distance a point, shape ({len(points)},), not {d.shape}",
+                f"must give one finite distance a point, shape ({len(points)},), not shape {d.shape}, "
+                f"{np.isfinite(d).sum()} of {d.size} finite",
             )
         return d
 

@@ -384,7 +384,7 @@ def test_hands_of_other_kinds_are_refused() -> None:
     with pytest.raises(pc.ArgumentError, match="lost"):
         skin_of(lost)
     with pytest.raises(pc.ArgumentError, match="area"):
-        skin_of(Hand(vertices=np.zeros((3, 3)), faces=[[0, 1, 2]]))
+        skin_of(Hand(vertices=[[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]], faces=[[0, 1, 2]]))
 
 
 def test_all_hands_of_joints_share_one_skin() -> None:

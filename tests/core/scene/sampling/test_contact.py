@@ -109,7 +109,7 @@ def to_capsules(capsules: Any, points: Any) -> Any:
 @functools.lru_cache(maxsize=4)
 def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
     """Points all over a hand's skin and their areas, by a grid on each capsule: no code of the skin's."""
-    capsules = Touchable(hand, 0).capsules
+    capsules = Touchable(hand).capsules
     points, areas = [np.empty((0, 3))], [np.empty(0)]
     for capsule in capsules:
         a, b, r = capsule[:3], capsule[3:6], capsule[6]
@@ -149,7 +149,7 @@ def test_samples_lie_on_the_skin_with_its_normals(
     hand = bent(seed, SIDES[side]) if seed else Hand.open(SIDES[side], pc.Pose((0, 0, 0.2)))
     samples = touched(item, hands=(hand,), spacing=spacing)
     assert len(samples)
-    capsules = Touchable(hand, 0).capsules
+    capsules = Touchable(hand).capsules
     d = to_capsules(capsules, samples.positions)
     nearest = np.abs(d).min(axis=1)
     assert nearest.max() < 1e-9
@@ -181,7 +181,7 @@ def test_skin_is_touched_where_it_is_inside_and_nowhere_else(
     assert (away < radius + 2.0 * FINEST).all()  # a node stands for what is around it
     inside = (np.linalg.norm(dense(hand, 2e-3)[0] - centre, axis=1) < radius - FINEST).any()
     assert bool(len(samples)) >= bool(inside)
-    outside = to_capsules(Touchable(hand, 0).capsules, centre[None]).min() > radius + 1e-9
+    outside = to_capsules(Touchable(hand).capsules, centre[None]).min() > radius + 1e-9
     assert not (outside and len(samples))
 
 
@@ -727,3 +727,15 @@ def test_what_is_left_out_is_counted_each_time_it_is_looked_for() -> None:
     for t in (0.1, 0.2, 0.3):
         assert sampler.sample(scene, t) is samples
     assert sampler.skipped == once  # nothing was looked for again
+
+
+def test_hands_that_come_and_go_share_no_key() -> None:
+    first, second, third = (
+        Hand.open("right", pc.Pose((x, 0.0, 0.2)), name=name)
+        for x, name in ((-0.15, "a"), (0.0, "b"), (0.15, "c"))
+    )
+    sampler, plane = pc.Sampler(), plate(0.2, 0.6)
+    for hands in ((first, second), (second,), (second, third), (third, second)):
+        keys = sampler.sample(pc.Scene((plane,), hands=hands)).keys
+        assert len(keys)
+        assert len(set(keys.tolist())) == len(keys)

@@ -292,8 +292,8 @@ def test_a_hand_that_does_not_move_keeps_its_skin_where_it_is() -> None:
     track, hand = HandTrack(), moved(0.0)
     now, _ = track.at(hand, 0.0)
     assert now is not None
-    first = track.touchable(now, 0)
-    assert track.touchable(now, 0) is first
+    first = track.touchable(now)
+    assert track.touchable(now) is first
     after, _ = track.at(moved(0.01), TICK)
     assert after is not None
-    assert track.touchable(after, 0).skin is first.skin
+    assert track.touchable(after).skin is first.skin

@@ -1,0 +1,51 @@
+"""A game sends a hand that strokes a ball, 120 times a second; its own loop renders it, 1000 times."""
+
+import math
+import threading
+import time
+
+import pacinian as pc
+
+RATE, SECONDS = 120.0, 2.0  # [Hz] of the game, [s]
+SHAKE = pc.Sine(150.0)
+REST = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+
+
+def swing(t: float, width: float) -> tuple[float, float]:
+    """Where something is that goes to and fro once a second [m], and how fast [m/s]."""
+    return width * math.sin(math.tau * t), math.tau * width * math.cos(math.tau * t)
+
+
+def ball(t: float) -> pc.Volume:
+    """A ball that rolls across, as the game knows it at time t [s]."""
+    y, v = swing(t, 0.01)
+    return pc.Volume(
+        shape=pc.Sphere(0.03),
+        pose=pc.Pose((0.0, y, 0.175)),
+        motion=pc.Motion(velocity=(0.0, v, 0.0), time=t),
+        radiation_pressure=8.0,
+        envelope=SHAKE,
+        name="ball",  # the next of this name takes its place
+    )
+
+
+def hand(t: float) -> pc.Hand:
+    """A hand that strokes it, as a tracker sees it at time t [s]."""
+    x, v = swing(t, 0.02)
+    joints = REST.moved(pc.Pose((x, 0.0, 0.0))).joints
+    return pc.Hand(joints, velocities=(v, 0.0, 0.0), time=t)
+
+
+scene = pc.Scene((ball(0.0),), hands=(hand(0.0),))
+with pc.Renderer(pc.autd(3, 3), scene) as renderer:
+    start = time.perf_counter()  # times are the renderer's: since it was opened
+    loop = threading.Thread(target=renderer.run, args=(SECONDS,))
+    loop.start()
+    while loop.is_alive():  # the game
+        t = time.perf_counter() - start
+        renderer.scene = scene = scene.put(ball(t)).held(hand(t))
+        time.sleep(1.0 / RATE)
+report = renderer.report
+print(f"{report.ticks} ticks, {report.solves} solves, {report.fault_count} faults")
+for reason, count in report.skipped.items():
+    print(f"{count:8} {reason}")
