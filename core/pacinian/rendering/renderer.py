@@ -347,7 +347,11 @@ class Renderer:
             self.report.skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self._enter("solve")
+        skipped, kept = self.report.skipped, "solve, nothing moved"
+        before = skipped[kept]
         self.player.solve(samples, t, self._limits, SHARE * self.period)
+        if not self.turns.solves:  # whether anything has moved was not looked at
+            skipped[kept] = before
         self._sent = sent
         fresh = self.player.fresh
         self._unlooked += len(fresh)

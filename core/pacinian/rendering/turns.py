@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 LONG = 0.8  # share of a tick from which it is long
 SEEN, MANY = 64, 12  # of so many ticks that solved so many may be long before turns are taken
-SHORT = 0.6  # share of a tick within which both must fit to go back
-WAIT, LONGEST = 256, 4096  # pairs in a row that must; twice as many after each relapse
+SHORT = 0.75  # share of a tick within which both must fit to go back
+WAIT, LONGEST = 256, 4096  # pairs that must; twice as many after each relapse
+BACK = 8  # pairs that one which does not fit takes away: a few may be the machine's doing
 
 
 @dataclass
@@ -40,7 +41,8 @@ class Turns:
         if self.samples:
             self._before = seconds
         elif solved:
-            self._fits = self._fits + 1 if self._before + seconds < SHORT * self.period else 0
+            fits = self._before + seconds < SHORT * self.period
+            self._fits = self._fits + 1 if fits else max(0, self._fits - BACK)
         self.samples, self.solves = self.solves, self.samples
         if self._fits >= self._wait:
             self.taking, self.samples, self.solves = False, True, True
