@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-from rich.text import Text
+from pacinian.bench.tables import plain_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from rich.table import Table
 
     from pacinian.bench.growth import Growth
     from pacinian.bench.savings import Saving
@@ -32,14 +32,14 @@ def scenes(rows: Sequence[Row]) -> Table:
         ]
         for row in rows
     ]  # fmt: skip
-    return _table("A tick of each scene", head, lines)
+    return plain_table("A tick of each scene", head, lines)
 
 
 def stages(rows: Sequence[Row]) -> Table:
     """What each scene's ticks spend their time on."""
     names = list(dict.fromkeys(stage for row in rows for stage in row.stages))
     lines = [[row.scene, *(f"{row.stages.get(name, 0.0):.3f}" for name in names)] for row in rows]
-    return _table("Mean time of each stage in a tick [ms]", ["", *names], lines)
+    return plain_table("Mean time of each stage in a tick [ms]", ["", *names], lines)
 
 
 def savings(found: Sequence[Saving]) -> Table:
@@ -52,7 +52,7 @@ def savings(found: Sequence[Saving]) -> Table:
         for one in found
     ]  # fmt: skip
     head = ["", "with\n[ms]", "without\n[ms]", "left\n[%]", "target\n[%]"]
-    return _table("What is left of a tick by each skip: medians, in turn", head, lines)
+    return plain_table("What is left of a tick by each skip: medians, in turn", head, lines)
 
 
 def growth(found: Sequence[Growth]) -> Table:
@@ -69,14 +69,14 @@ def growth(found: Sequence[Growth]) -> Table:
         "objects", "near", "tick\n[ms]", f"over\n{found[0].objects}", "of linear\n[%]",
         "one replaced\neach tick [ms]", f"over\n{found[0].objects}",
     ]  # fmt: skip
-    return _table("Growth with the number of objects: medians, in turn", head, lines)
+    return plain_table("Growth with the number of objects: medians, in turn", head, lines)
 
 
 def sounds(found: Sequence[Sound]) -> Table:
     """What can be heard."""
     head = ["", "focus: off", "aligned", "on", "ear: off", "aligned", "on"]
     lines = [[one.what, *(f"{dB:.0f}" for dB in one.focus + one.ear)] for one in found]
-    return _table(
+    return plain_table(
         "Audible energy of |p|^2 over its mean square [dB(A)], by smooth output", head, lines
     )
 
@@ -84,24 +84,7 @@ def sounds(found: Sequence[Sound]) -> Table:
 def verdicts(found: Sequence[Verdict]) -> Table:
     """A line for each target."""
     lines = [["met" if one.met else "missed", f"{one.target}: {one.found}"] for one in found]
-    table = _table("Targets", ["", ""], lines)
-    table.show_header = False
-    table.columns[1].justify, table.columns[1].no_wrap = "left", False
-    return table
-
-
-def _table(title: str, head: list[str], lines: list[list[str]]) -> Table:
-    """A table whose texts are taken as they are: a unit in brackets is no markup."""
-    table = Table(
-        title=Text(title, no_wrap=True, overflow="ignore"),
-        title_justify="left",
-        box=SIMPLE_HEAD,
-        collapse_padding=True,
-        padding=0,
-        show_edge=False,
-    )
-    for n, name in enumerate(head):
-        table.add_column(Text(name), justify="right" if n else "left", no_wrap=True)
-    for line in lines:
-        table.add_row(*(Text(cell) for cell in line))
-    return table
+    made = plain_table("Targets", ["", ""], lines)
+    made.show_header = False
+    made.columns[1].justify, made.columns[1].no_wrap = "left", False
+    return made

@@ -46,7 +46,7 @@ def _results(cells: list[Cell], level: float, N: int) -> Table:
             row += _numbers(found.get((solver, mode, M)), found.get(("roofline", REFERENCE, M)))
         rows.append(row)
     title = f"Level {level:g}, N = {N} transducers, M points; x t: times what was asked"
-    return _table(title, head, rows)
+    return plain_table(title, head, rows)
 
 
 def _numbers(cell: Cell | None, roofline: Cell | None) -> list[str]:
@@ -75,7 +75,7 @@ def updates(cells: Sequence[Cell]) -> Table:
             for mode in modes
         ]
         rows.append([solver, *map(short, times)])
-    return _table(f"Run time over cold, N = {N}, M = {M}", head, rows)
+    return plain_table(f"Run time over cold, N = {N}, M = {M}", head, rows)
 
 
 def resources(rows: Sequence[Row]) -> Table:
@@ -102,7 +102,7 @@ def resources(rows: Sequence[Row]) -> Table:
         numbers = [short(1e-6 * size) for size in held]
         name = "  warm" if mode == "warm" else solver
         table.append([name, str(large), *numbers, _gain(groups[large]), _gain(groups[small])])
-    return _table("Memory, and run time with all threads over that with one", head, table)
+    return plain_table("Memory, and run time with all threads over that with one", head, table)
 
 
 def _gain(rows: list[Row]) -> str:
@@ -124,7 +124,9 @@ def verdicts(found: Iterable[Verdict]) -> Table:
             worst = 0.0 if v is None else v.worst * (100.0 if target.percent else 1.0)
             row.append("" if v is None else f"{v.met}/{v.of}\n{short(worst)}")
         rows.append(row)
-    return _table("Targets: met in so many of the kinds of problems, and the worst", head, rows)
+    return plain_table(
+        "Targets: met in so many of the kinds of problems, and the worst", head, rows
+    )
 
 
 def exponents(found: Sequence[Growth]) -> Table:
@@ -139,7 +141,7 @@ def exponents(found: Sequence[Growth]) -> Table:
         for solver in dict.fromkeys(g.solver for g in found)
     ]
     title = f"Run time grows as size to the power of (cold, level {found[0].level:g})"
-    return _table(title, head, rows)
+    return plain_table(title, head, rows)
 
 
 def _first(found: Sequence[Growth]) -> list[Growth]:
@@ -160,10 +162,10 @@ def short(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-") if value else "0"
 
 
-def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
+def plain_table(title: str, head: list[str], rows: list[list[str]]) -> Table:
     """A table whose texts are taken as they are: a unit in brackets is no markup."""
     line = Text(title, no_wrap=True, overflow="ignore")
-    table = Table(
+    made = Table(
         title=line,
         title_justify="left",
         box=SIMPLE_HEAD,
@@ -172,7 +174,7 @@ def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
         show_edge=False,
     )
     for n, name in enumerate(head):
-        table.add_column(Text(name), justify="right" if n else "left", no_wrap=True)
+        made.add_column(Text(name), justify="right" if n else "left", no_wrap=True)
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
+        made.add_row(*(Text(cell) for cell in row))
+    return made

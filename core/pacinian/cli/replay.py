@@ -9,12 +9,12 @@ import click
 
 @click.command()
 @click.argument("recording")
-@click.option("--backend", default="simulated", show_default=True, help="Where to play it.")
+@click.option("--backend", default=None, help="Where to play it.  [default: simulated]")
 @click.option(
     "--again", is_flag=True, help="Render the scenes again instead, and compare with the frames."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
-def replay(recording: str, backend: str, again: bool, as_json: bool) -> None:
+def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> None:
     """Play a recording's frames on a backend, at the times they had.
 
     With --again, its scenes are rendered once more, as fast as it goes, with the decisions that were
@@ -25,6 +25,9 @@ def replay(recording: str, backend: str, again: bool, as_json: bool) -> None:
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.replay import replay as play
 
+    if again and backend is not None:
+        raise click.UsageError("--again plays on no backend: give one of --again and --backend")
+    backend = backend or "simulated"
     opened = Recording(recording)
     if again:
         from pacinian.rendering.rerender import rerender

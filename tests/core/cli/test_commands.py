@@ -232,3 +232,9 @@ def test_a_full_disk_is_told_and_not_a_crash() -> None:
     assert "Traceback" not in done.stderr
     assert done.returncode == 2
     assert "No space" in done.stdout + done.stderr
+
+
+def test_rendering_again_plays_on_no_backend() -> None:
+    done = process("replay", "any.pac", "--again", "--backend", "simulated")
+    assert done.returncode == 2
+    assert "--backend" in done.stderr
