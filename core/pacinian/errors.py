@@ -8,6 +8,10 @@
     │   └── UnknownPlugin (ValueError)      no plug-in of that name; lists those there are
     ├── UnsupportedLimit (ValueError)       the chosen solver cannot keep a limit that was asked
     ├── BackendError                        a device that refuses, stalls or is gone
+    ├── ServerError                         the server cannot be started, reached, or refuses
+    │   ├── Refused                         it refuses a request; carries code, path and advice
+    │   └── ConnectionLost (ConnectionError)   it is gone, or has never been there
+    ├── WireError (ValueError)              bytes that are no message; carries the field's path
     ├── RecordingError (ValueError)         a recording that cannot be read
     └── MissingExtra (ImportError)          an optional library is not installed; says which extra
 
@@ -108,6 +112,37 @@ class UnsupportedLimit(PacinianError, ValueError):
 
 class BackendError(PacinianError):
     """A device that refuses, stalls or is gone."""
+
+
+class ServerError(PacinianError):
+    """The server cannot be started, reached, or refuses."""
+
+
+class Refused(ServerError):
+    """The server refuses a request.
+
+    code: as in `pacinian.wire.replies.Code`. path: of the field that is wrong. advice: what to do.
+    """
+
+    def __init__(self, code: str, message: str, path: str = "", advice: str = "") -> None:
+        where = f"{path}: " if path else ""
+        super().__init__(f"{where}{message}" + (f"; {advice}" if advice else ""))
+        self.code, self.path, self.advice = code, path, advice
+
+
+class ConnectionLost(ServerError, ConnectionError):
+    """The server is gone, or has never been there; nothing is sent again by itself."""
+
+
+class WireError(PacinianError, ValueError):
+    """Bytes that are no message of the protocol.
+
+    path: of the field that is wrong, as `$.objects[...].shape`. problem: what is wrong with it.
+    """
+
+    def __init__(self, problem: str, path: str = "") -> None:
+        super().__init__(f"{path}: {problem}" if path else problem)
+        self.path, self.problem = path, problem
 
 
 class RecordingError(PacinianError, ValueError):

@@ -14,7 +14,11 @@ CLASSES = {
     for name, kind in inspect.getmembers(errors, inspect.isclass)
     if kind.__module__ == errors.__name__
 }
-BUILT_IN = {"ValueError": ValueError, "ImportError": ImportError}
+BUILT_IN = {
+    "ValueError": ValueError,
+    "ImportError": ImportError,
+    "ConnectionError": ConnectionError,
+}
 SAMPLES = {
     "PacinianError": errors.PacinianError("it broke"),
     "ArgumentError": errors.ArgumentError("points", "must be finite"),
@@ -24,6 +28,10 @@ SAMPLES = {
     "UnknownPlugin": errors.UnknownPlugin("solver", "x", ["auto", "gs-pat"]),
     "UnsupportedLimit": errors.UnsupportedLimit("gs-pat", "gain"),
     "BackendError": errors.BackendError("it is gone"),
+    "ServerError": errors.ServerError("it does not start"),
+    "Refused": errors.Refused("limit", "too many objects", "$.objects", "remove some"),
+    "ConnectionLost": errors.ConnectionLost("the server is gone"),
+    "WireError": errors.WireError("must be finite", "$.objects[0].radius"),
     "RecordingError": errors.RecordingError("a.rec", "is cut short"),
     "MissingExtra": errors.MissingExtra("matplotlib", "plot"),
 }
@@ -76,6 +84,8 @@ def test_every_error_has_a_sample_here() -> None:
         ("UnknownPlugin", ["solver", "'x'", "auto, gs-pat", "pacinian plugins"]),
         ("UnsupportedLimit", ["'gs-pat'", "limits.gain"]),
         ("RecordingError", ["a.rec", "is cut short"]),
+        ("Refused", ["$.objects", "too many objects", "remove some"]),
+        ("WireError", ["$.objects[0].radius", "must be finite"]),
         ("MissingExtra", ["matplotlib", "pip install 'pacinian[plot]'"]),
     ],
 )

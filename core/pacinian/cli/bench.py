@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from pacinian.cli.bench_bus import bus
+from pacinian.cli.bench_expiry import expiry
+from pacinian.cli.bench_faults import faults, hostile
 from pacinian.cli.bench_scenes import scenes
 
 if TYPE_CHECKING:
@@ -230,4 +233,5 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-bench.add_command(scenes)
+for command in (scenes, bus, expiry, faults, hostile):
+    bench.add_command(command)

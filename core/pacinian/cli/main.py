@@ -11,12 +11,20 @@ import click
 
 from pacinian.cli.bench import bench
 from pacinian.cli.demo import demo
+from pacinian.cli.doctor import doctor
+from pacinian.cli.keys import keys
 from pacinian.cli.paper import paper
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
 from pacinian.cli.replay import replay
 from pacinian.cli.schema import schema
+from pacinian.cli.serve import serve
+from pacinian.cli.soak import soak
+from pacinian.cli.status import status
+from pacinian.cli.stop import stop
 from pacinian.cli.stress import stress
+from pacinian.cli.watch import watch
+from pacinian.cli.wire import wire
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
@@ -35,7 +43,12 @@ def cli() -> None:
     """Mid-air haptics: a scene goes in, gains for an ultrasound transducer array come out."""
 
 
-for command in (demo, render, replay, plugins, bench, stress, paper, schema):
+COMMANDS = (
+    *(demo, render, replay, schema),
+    *(serve, status, watch, stop, keys, doctor),
+    *(plugins, wire, bench, soak, stress, paper),
+)
+for command in COMMANDS:
     cli.add_command(command)
 
 

@@ -64,8 +64,9 @@ class Frame:
 class Backend(ABC):
     """A device, or what stands for one.
 
-    Opened, sent to and closed by one thread. `send` and `silence` raise BackendError for a device that
-    refuses or is gone; the loop then goes silent and says so.
+    Never called by two threads at once; a server opens and closes it in other threads than it sends from.
+    `send` and `silence` raise BackendError for a device that refuses or is gone; the loop then goes silent
+    and says so.
     """
 
     name: ClassVar[str]

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+BEHIND = 0.1  # [s] by which a loop may lag before it gives up catching up (sleep, a debugger)
 
 
 class Clock(Protocol):
@@ -30,3 +35,21 @@ class SystemClock:
         left = due - time.perf_counter()
         if left > 0.0:
             time.sleep(left)
+
+
+def paced(
+    clock: Clock, period: float, duration: float | None = None
+) -> Iterator[tuple[float, int]]:
+    """When each tick of a loop is due [s], as soon as it is, for `duration` [s], or for ever.
+
+    period: from tick to tick [s]. With each: how many were left out before it, as the loop lagged too far.
+    """
+    begin = due = clock.now()
+    lost = 0
+    while duration is None or due - begin < duration - period / 2.0:
+        clock.wait_until(due)
+        yield due, lost
+        due += period
+        behind = clock.now() - due
+        lost = int(behind / period) if behind > BEHIND else 0
+        due += lost * period

@@ -7,15 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.array import Array
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import sound_pressure
-from pacinian.acoustics.propagation import matrix
-from pacinian.checks import FAR
-from pacinian.errors import PointOnTransducer
+from pacinian.rendering.reach import Reach
 from pacinian.rendering.smooth import Smoother
 from pacinian.rendering.voices import Voices, contributions
-from pacinian.scene.sampling.resolving import WELL, grazing
 from pacinian.scene.sampling.samples import joined, nothing
 from pacinian.solving.solution import Status
 
@@ -28,11 +24,8 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
     from pacinian.solving.solution import Solution
-    from pacinian.types import Flags, Floats, Gains
+    from pacinian.types import Floats, Gains
 
-TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
-CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
-SOME = 128  # transducers that stand for all in that
 TINY = 1e-300
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
@@ -79,34 +72,37 @@ class Player:
         smoothing: Smoothing,
         skipped: Counter[str],
     ) -> None:
-        K, N = len(times), len(session.array)
-        self.session, self.times, self.skipped = session, times, skipped
-        self.smoother = Smoother(smoothing, N)
+        self.session, self.skipped = session, skipped
+        self.smoother = Smoother(smoothing, len(session.array))
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.solved: list[Solved] = []
         """What sounds: one solution for all rows, or one for each."""
         self.fresh: list[Solved] = []
         """Those that were solved for this tick."""
-        self.steady = False
-        """Whether the next tick's rows are the last one of these, if nothing changes."""
-        self._gap = gap
-        self._some = _some(session.array)
-        self._powers: dict[tuple[float, ...], float] = {}
+        self.placed: Solved | None = None
+        """The one whose points the propagator has; None where it may have others."""
+        self.reach = Reach(session)
         self._key: tuple[object, ...] = ()
         self._steps: dict[Step, Solved] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
         self._followed: list[Solved] = []
         self._limited = False  # anew: what kept other limits may not fade
+        self.retime(times, gap)
+
+    def retime(self, times: Floats, gap: float) -> None:
+        """Make rows at other times from the next tick on, as for a new player; what is solved stays."""
+        K, N = len(times), len(self.session.array)
+        self.times, self._gap = times, gap
+        self.steady = False
+        """Whether the next tick's rows are the last one of these, if nothing changes."""
         self._carriers = np.zeros((K, N), dtype=np.complex64)
         self._smooth = np.zeros((K, N), dtype=np.complex64)
         self._rows = np.zeros((K, N), dtype=np.complex64)
-        away = np.abs(session.array.positions - session.propagator.origin)
-        self._extent = away.max(axis=0) + TOUCHING  # [m]
 
     def reset(self) -> None:
         """Forget what was solved, and begin from silence."""
         self._key, self._steps, self._limited = (), {}, False
-        self.solved, self._followed = [], []
+        self.solved, self._followed, self.placed = [], [], None
         self.smoother.reset()
 
     def solve(self, samples: Samples, t: float, limits: Limits, deadline: float) -> None:
@@ -198,17 +194,17 @@ class Player:
             self.skipped["solve, nothing moved"] += 1
             return kept
         q = samples.positions
-        sounded = (P > 0.0) & self._reachable(q)
+        sounded = (P > 0.0) & self.reach.reachable(q, self.skipped)
         index = voices.index
         if limits.exact is not None:  # which of them, of those that are left
             exact = limits.exactly(len(q))[sounded] if len(q) else None
             limits = replace(limits, exact=exact)
         if not sounded.all():
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
-        facing = None
+        facing, self.placed = None, None
         if samples.capsules is not None and len(q):
             facing = Facing.of(samples.normals, samples.capsules)
-            P = P * self._reached(q, facing)
+            P = P * self.reach.share(q, facing, self.skipped)
         solution = self.session.solve(
             q,
             sound_pressure(P, self.session.medium),
@@ -226,63 +222,11 @@ class Player:
         if kept is not None and solution.error > BETTER * kept.solution.error:
             made = replace(kept, steady=voices.steady, final=True)
         self.fresh.append(made)
+        self.placed = made
         if (len(self._steps) + 1) * made.nbytes > KEPT:
             self._steps = {}
         self._steps[step] = made
         return made
-
-    def _reached(self, q: Floats, facing: Facing) -> Floats:
-        """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
-        propagator = self.session.propagator
-        propagator.place(q, facing)
-        power: Floats = propagator.gram.diagonal().real.astype(np.float64)
-        seen = power / self._free(q)
-        if seen.min() >= WELL:
-            return np.ones(len(q))
-        share = grazing(seen)
-        self.skipped["samples hardly reached"] += int((share < 0.5).sum())
-        return share
-
-    def _free(self, q: Floats) -> Floats:
-        """The power of all sound at points q, (M, 3) [m], if all of it pressed, (M,) [Pa^2]."""
-        cells = list(map(tuple, np.floor(q / CELL).tolist()))
-        if len(self._powers) > CELLS:
-            self._powers.clear()
-        new = [cell for cell in dict.fromkeys(cells) if cell not in self._powers]
-        if new:
-            middles = CELL * (np.array(new) + 0.5)
-            try:
-                B = matrix(self._some, middles, self.session.medium)
-            except PointOnTransducer:  # so near to it, all counts
-                return np.full(len(q), TINY)
-            share = len(self.session.array) / len(self._some)
-            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), TINY)
-            self._powers.update(zip(new, powers.tolist(), strict=True))
-        return np.array([self._powers[cell] for cell in cells])
-
-    def _reachable(self, q: Floats) -> Flags:
-        """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
-        kept = np.ones(len(q), dtype=np.bool_)
-        if not len(q):
-            return kept
-        d = np.abs(q - self.session.propagator.origin)
-        if d.max() > FAR / 2.0:
-            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
-            self.skipped["samples out of reach"] += len(q) - int(kept.sum())
-        inside = (d <= self._extent).all(axis=1)
-        if self.session.medium.singular and inside.any():
-            for m in np.flatnonzero(inside):
-                r = self.session.array.positions - q[m]
-                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
-                    kept[m] = False
-                    self.skipped["samples on a transducer"] += 1
-        return kept
-
-
-def _some(array: Array) -> Array:
-    """Of many transducers a few, from all over it."""
-    step = -(-len(array) // SOME)
-    return Array(array.positions[::step], array.normals[::step], array.transducer)
 
 
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict, deque
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
+
+Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
 REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 
@@ -80,6 +84,11 @@ class Report:
         times = self._times[: self.ticks]
         return float(np.percentile(times, percentile)) * 1e3 if self.ticks else 0.0
 
+    def recent(self, count: int) -> Floats:
+        """Times of the last ticks, `count` of them at most, in no order [s]."""
+        count = min(count, self.ticks, REMEMBERED)
+        return self._times[np.arange(self.ticks - count, self.ticks) % REMEMBERED]
+
     @property
     def late_share(self) -> float:
         """late_ticks / ticks."""
@@ -108,3 +117,26 @@ class Report:
             "fault_count": self.fault_count,
             "interrupted": self.interrupted,
         }
+
+
+class Stages:
+    """Which stage of a tick the loop is in; tells a report how long each took.
+
+    now: the time [s]. report: may be replaced.
+    """
+
+    def __init__(self, now: Callable[[], float], report: Report) -> None:
+        self.report = report
+        self.stage: Stage = "open"
+        self._now = now
+        self._entered = 0.0  # [s]
+
+    def begin(self, time: float) -> None:
+        """A tick begins, at `time` [s], with its scene."""
+        self.stage, self._entered = "scene", time
+
+    def enter(self, stage: Stage) -> None:
+        """A stage begins: the one before it is over."""
+        now = self._now()
+        self.report.staged(self.stage, now - self._entered)
+        self.stage, self._entered = stage, now

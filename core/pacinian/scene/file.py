@@ -144,16 +144,7 @@ def load(path: str | Path) -> SceneFile:
     Raises SceneFileError, which names the file, the key and the fix.
     """
     path = Path(path)
-    text = _read(path)
-    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
-    try:
-        file: SceneFile = decode(text, type=SceneFile)
-    except msgspec.ValidationError as error:
-        problem, _, key = str(error).rpartition(" - at `$")
-        problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
-        raise SceneFileError(path, key, problem + _advice(problem, key)) from error
-    except (msgspec.DecodeError, ValueError, RecursionError) as error:
-        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
+    file = decoded(path, SceneFile)
     file = replace(
         file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
     )
@@ -163,6 +154,21 @@ def load(path: str | Path) -> SceneFile:
             made()
         except ArgumentError as error:
             raise SceneFileError(path, key, str(error)) from error
+    return file
+
+
+def decoded(path: Path, kind: type[S]) -> S:
+    """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
+    text = _read(path)
+    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
+    try:
+        file: S = decode(text, type=kind)
+    except msgspec.ValidationError as error:
+        problem, _, key = str(error).rpartition(" - at `$")
+        problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
+        raise SceneFileError(path, key, problem + _advice(kind, problem, key)) from error
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
     return file
 
 
@@ -223,21 +229,24 @@ def _beside(struct: S, folder: Path) -> S:
     return replace(struct, **changed) if changed else struct
 
 
-def _advice(problem: str, key: str) -> str:
+def _advice(kind: type[Struct], problem: str, key: str) -> str:
     """What was probably meant instead of an unknown key, type or word."""
     unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
     if not unknown:
         return ""
     word = next(group for group in unknown.groups() if group is not None)
-    close = difflib.get_close_matches(word, _words(re.split(r"[.\[]", key + ".")[1]), 1, 0.6)
-    return f": did you mean `{close[0]}`?" if close else ": see `pacinian schema` for what there is"
+    words = _words(kind, re.split(r"[.\[]", key + ".")[1])
+    if close := difflib.get_close_matches(word, words, 1, 0.6):
+        return f": did you mean `{close[0]}`?"
+    known = "see `pacinian schema` for what there is"
+    return f": {known if kind is SceneFile else 'there are ' + ', '.join(words)}"
 
 
 @functools.cache
-def _words(part: str) -> list[str]:
+def _words(kind: type[Struct], part: str) -> list[str]:
     """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
-    definitions = schema()["$defs"]
-    root = definitions["SceneFile"]["properties"]
+    definitions = msgspec.json.schema(kind)["$defs"]
+    root = definitions[kind.__name__]["properties"]
     if part not in root:
         return sorted(root)
     words: set[str] = set()

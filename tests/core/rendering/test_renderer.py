@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.gallery import SCENES
-from pacinian.rendering.renderer import LOOK
+from pacinian.rendering.pipeline import LOOK
 from pacinian.rendering.smooth import Smoothing
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.time.technique import LM, STM, Simultaneous
@@ -386,9 +386,9 @@ def test_a_look_at_what_is_emitted_leaves_the_frame_alone() -> None:
     renderer, device, _ = make(pc.Scene((faint,)))
     with renderer:
         renderer.tick()
-        sent = renderer._frame.amplitude.copy()
+        sent = renderer.sent.amplitude.copy()
         assert np.abs(renderer.emitted).max() > 5 * np.abs(device.gains).max()
-        np.testing.assert_array_equal(renderer._frame.amplitude, sent)
+        np.testing.assert_array_equal(renderer.sent.amplitude, sent)
 
 
 def test_a_power_limit_holds_after_rounding_to_levels() -> None:

@@ -1,0 +1,118 @@
+"""A process of the benchmark's own, so that what is measured is not held up by who measures: JSON, line by line."""
+
+from __future__ import annotations
+
+import queue
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import msgspec
+
+from pacinian.errors import PacinianError
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import IO, Self
+
+    from msgspec import Struct
+
+T = TypeVar("T")
+
+LIMIT = 60.0  # [s] for an answer
+
+
+class ApartError(PacinianError):
+    """A process of the benchmark's that crashed or hung."""
+
+
+class Apart:
+    """Runs `python -m pacinian.bench.bus.<module>`. Ends it as a context manager."""
+
+    def __init__(self, module: str) -> None:
+        self.module = module
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", f"{__package__}.{module}"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        self._lines = queue.SimpleQueue[bytes]()
+        threading.Thread(target=self._pump, args=(self.process.stdout,), daemon=True).start()
+
+    def _pump(self, stream: IO[bytes]) -> None:
+        for line in stream:
+            self._lines.put(line)
+        self._lines.put(b"")
+
+    def tell(self, message: Struct) -> None:
+        """Send a message. Raises ApartError."""
+        stream = self.process.stdin
+        assert stream is not None
+        try:
+            stream.write(msgspec.json.encode(message) + b"\n")
+            stream.flush()
+        except OSError as error:
+            raise ApartError(f"{self.module}: has ended") from error
+
+    def hear(self, kind: type[T], limit: float = LIMIT) -> T:
+        """The next answer. Raises ApartError if it has ended, or after `limit` seconds."""
+        try:
+            line = self._lines.get(timeout=limit)
+        except queue.Empty:
+            raise ApartError(f"{self.module}: said nothing for {limit:g} s") from None
+        if not line:
+            raise ApartError(f"{self.module}: has ended, see above")
+        return msgspec.json.decode(line, type=kind)
+
+    def close(self) -> None:
+        """End it at once."""
+        self.process.kill()
+        self.process.wait()
+        for stream in (self.process.stdin, self.process.stdout):
+            if stream is not None:
+                stream.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def heard(kind: Any) -> Any:
+    """In the process: what it is told next; None when its parent has gone."""
+    line = sys.stdin.buffer.readline()
+    return msgspec.json.decode(line, type=kind) if line else None
+
+
+def orders(kind: Any) -> queue.SimpleQueue[Any]:
+    """In the process: all that it is told, as it comes, then None: for one that has more to do than to wait."""
+    made = queue.SimpleQueue[Any]()
+
+    def read() -> None:
+        while (message := heard(kind)) is not None:
+            made.put(message)
+        made.put(None)
+
+    threading.Thread(target=read, daemon=True).start()
+    return made
+
+
+def told(kind: type[T]) -> T:
+    """In the process: what it is told next. Ends the process when its parent has gone."""
+    message = heard(kind)
+    if message is None:
+        raise SystemExit(0)
+    return cast("T", message)
+
+
+def answer(message: Struct) -> None:
+    """In the process: tell the parent."""
+    sys.stdout.buffer.write(msgspec.json.encode(message) + b"\n")
+    sys.stdout.buffer.flush()

@@ -1,0 +1,31 @@
+"""From a hand's pose sent to the frame that it is in: with real processes, real sockets, beside a bare echo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pacinian.bench.bus.apart import Apart
+from pacinian.bench.bus.echo import Echo
+from pacinian.bench.bus.sender import Task, Times
+from pacinian.scene.file import Units
+from pacinian.serving.settings import Settings
+from pacinian.testing import serving
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+RATES = 90.0, 1000.0  # [Hz]: a headset's frames, a tracker that is as quick as the loop
+SLACK = 120.0  # [s] beyond what is measured
+
+
+def settings(side: int) -> Settings:
+    """A server with `side` x `side` AUTD units."""
+    return Settings(array=Units(side, side))
+
+
+def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterator[Times]:
+    """For each rate [Hz] a server of its own, for `seconds` [s]."""
+    for rate in rates:
+        with serving(settings(side)) as server, Apart("echo") as other, Apart("sender") as game:
+            game.tell(Task(str(server.connection), other.hear(Echo), rate, seconds))
+            yield game.hear(Times, limit=2.0 * seconds + SLACK)

@@ -1,0 +1,174 @@
+"""A server under load: so many clients, so many updates a second, and whether what was put last is what is felt."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from pacinian.bench.bus import places
+from pacinian.bench.bus.apart import Apart
+from pacinian.bench.bus.crowd import Crowd, Done, Place, Push
+from pacinian.bench.bus.watch import Check, Checked, Look, Seen, Watch
+from pacinian.scene.file import Units
+from pacinian.scene.scene import Workspace
+from pacinian.serving.settings import Clients, Log, Settings
+from pacinian.testing import serving
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pacinian.testing import Running
+
+CLIENTS = 1, 8, 64
+RATES = 0.0, 1000.0, 10_000.0, 100_000.0  # [Hz] in all: nothing, a tenth, the load, ten times that
+FULL = 10_000.0  # [Hz]: lower rates are there to compare with, for a quarter of the time
+CROWDS = 2  # processes that send
+SCENE = "load"
+LEAD = 0.5  # [s] from the order to the begin
+SETTLE = 0.1  # of a phase, until it is looked at: what was put before is not old
+SLACK = 60.0  # [s] for an answer
+LONG = 600.0  # [s] for one when no client is answered
+STEP = 0.25  # [s] between two looks at memory
+MEGA = 1e6
+
+
+class Row(Struct, frozen=True):
+    """A phase.
+
+    rate: messages a second that were to be sent in all. sent: that were taken by sockets, full: that found no room,
+    both per second. told: errors that clients were told, by code. memory: of all of the server's processes, at the
+    begin, at the end, and the most [MB]. cpu: of each process, as a share of a core.
+    """
+
+    clients: int
+    rate: float
+    sent: float
+    full: float
+    told: dict[str, int]
+    seen: Seen
+    memory: tuple[float, float, float]
+    cpu: dict[str, float]
+
+
+class Final(Struct, frozen=True):
+    """After all of it.
+
+    objects: that were put; known: that the server has; missing: that are not felt where they were put last. sent:
+    commands that sockets took; received, errors, dropped: as the server counts. refused: last moves, by code.
+    """
+
+    clients: int
+    objects: int
+    known: int
+    missing: tuple[int, ...]
+    sent: int
+    received: int
+    errors: int
+    dropped: int
+    refused: dict[str, int] = {}
+
+
+def settings(side: int) -> Settings:
+    """A server with `side` x `side` AUTD units that lets clients send as much as they can."""
+    return Settings(
+        array=Units(side, side),
+        workspace=Workspace(*places.WORKSPACE),
+        clients=Clients(most=256, rate=1e6),
+        log=Log(level="warning"),
+    )
+
+
+def measure(
+    side: int, seconds: float, clients: int, rates: Sequence[float] = RATES
+) -> Iterator[Row | Final]:
+    """A row for each rate, for `seconds` [s] or a quarter of it; then what was there in the end."""
+    objects = max(clients, places.CELLS)
+    with ExitStack() as stack:
+        server = stack.enter_context(serving(settings(side)))
+        watcher = stack.enter_context(Apart("watch"))
+        watcher.tell(Watch(str(server.connection), SCENE))
+        watcher.hear(Watch)
+        crowds = [stack.enter_context(Apart("crowd")) for _ in range(min(CROWDS, clients))]
+        for k, crowd in enumerate(crowds):
+            members = tuple(range(k, clients, len(crowds)))
+            crowd.tell(Crowd(str(server.connection), SCENE, members, clients, objects))
+        for crowd in crowds:
+            crowd.hear(Done)
+        sent = objects  # each was put
+        for rate in rates:
+            row = _phase(
+                server, watcher, crowds, clients, rate, seconds / (1 if rate >= FULL else 4)
+            )
+            sent += round(row.sent * seconds / (1 if rate >= FULL else 4))
+            yield row
+        checks, refused = list[Checked](), Counter[str]()
+        for group in range(-(-objects // places.CELLS)):
+            now = time.perf_counter()
+            for crowd in crowds:
+                crowd.tell(Place(now, group))
+            done = [crowd.hear(Done, LONG) for crowd in crowds]
+            sent += sum(one.sent for one in done)
+            for one in done:
+                refused.update(one.told)
+            first = group * places.CELLS
+            watcher.tell(Check(now, first, min(first + places.CELLS, objects), sent))
+            checks.append(watcher.hear(Checked, SLACK))
+        missing = tuple(i for one in checks for i in one.missing)
+        last = checks[-1]
+        yield Final(
+            clients,
+            objects,
+            last.objects,
+            missing,
+            sent,
+            last.commands,
+            last.errors,
+            last.dropped,
+            dict(refused),
+        )
+
+
+def _phase(
+    server: Running,
+    watcher: Apart,
+    crowds: Sequence[Apart],
+    clients: int,
+    rate: float,
+    seconds: float,
+) -> Row:
+    begin = time.perf_counter() + LEAD
+    end = begin + seconds
+    for crowd in crowds:
+        crowd.tell(Push(rate / len(crowds), begin, end))
+    watcher.tell(Look(begin + SETTLE * seconds, end))
+    time.sleep(max(0.0, begin - time.perf_counter()))
+    before = server.usage()
+    memory = list[float]()
+    while (left := end - time.perf_counter()) > 0.0:
+        memory.append(sum(used.memory for used in server.usage().values()) / MEGA)
+        time.sleep(min(left, STEP))
+    after = server.usage()
+    done = [crowd.hear(Done, SLACK) for crowd in crowds]
+    seen = watcher.hear(Seen, SLACK)
+    told = dict[str, int]()
+    for one in done:
+        for what, count in one.told.items():
+            told[what] = told.get(what, 0) + count
+    return Row(
+        clients=clients,
+        rate=rate,
+        sent=sum(one.sent for one in done) / seconds,
+        full=sum(one.full for one in done) / seconds,
+        told=told,
+        seen=seen,
+        memory=(memory[0], memory[-1], max(memory)),
+        cpu={
+            name: (after[name].cpu - used.cpu) / seconds
+            for name, used in before.items()
+            if name in after
+        },
+    )

@@ -1,0 +1,179 @@
+"""What goes wrong inside the server, or at its device. Each function does one to a stage, once."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+
+from pacinian.bench.faults.device import UNPLUGGED, Other, Probe
+from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
+from pacinian.bench.faults.stage import QUIET, Times, until
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.bench.faults.stage import Stage
+
+
+def render_killed(stage: Stage) -> Times:
+    """kill -9 of the renderer."""
+    return _signalled(stage, "render", signal.SIGKILL)
+
+
+def render_stopped(stage: Stage) -> Times:
+    """SIGSTOP of the renderer, until it is killed for it."""
+    return _signalled(stage, "render", signal.SIGSTOP)
+
+
+def bus_killed(stage: Stage) -> Times:
+    """kill -9 of the bus: sessions end, the game says hello again."""
+    return _signalled(stage, "bus", signal.SIGKILL)
+
+
+def guard_killed(stage: Stage) -> Times:
+    """kill -9 of the guard: a device without a watchdog sounds on until the next one opens it."""
+    return _signalled(stage, "guard", signal.SIGKILL, quiet=0.0)
+
+
+def guard_stopped(stage: Stage) -> Times:
+    """SIGSTOP of the guard: as before, once it is killed for it."""
+    return _signalled(stage, "guard", signal.SIGSTOP, quiet=0.0)
+
+
+def _signalled(stage: Stage, part: str, number: int, quiet: float = QUIET) -> Times:
+    process = stage.server.parts()[part]
+    silence = stage.broken(lambda: process.send_signal(number), quiet)
+    return Times(silence, stage.healed(after=0.0))
+
+
+def control_killed(stage: Stage) -> Times:
+    """kill -9 of the parent: all its children go, too; a new server."""
+    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGKILL))
+    until(lambda: not stage.server.left())
+    gone = time.perf_counter() - stage.at
+    stage.server.process.wait()
+    stage.server.start()
+    return Times(silence, stage.healed(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
+
+
+def control_stopped(stage: Stage) -> Times:
+    """SIGSTOP of the parent: nobody renews the permit; SIGCONT."""
+    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGSTOP))
+    return Times(silence, stage.healed(lambda: stage.server.signal("control", signal.SIGCONT)))
+
+
+def solver_hangs(stage: Stage) -> Times:
+    """A solver that was selected while it sounded never returns."""
+    return _stuck(stage, hold=False)
+
+
+def solver_holds(stage: Stage) -> Times:
+    """The same, and it holds the interpreter lock."""
+    return _stuck(stage, hold=True)
+
+
+def _stuck(stage: Stage, *, hold: bool) -> Times:
+    stage.sounding()
+    file, since = stage.server.folder / STUCK, stage.server.folder / SINCE
+    since.unlink(missing_ok=True)
+    answer = stage.select(solver={"name": Stuck.name, "options": {"hold": hold}})
+    if answer["type"] != "ok":
+        raise RuntimeError(f"{Stuck.name} cannot be selected: {answer}")
+    try:
+        stage.broken(file.touch)
+        stage.at = float(since.read_text(encoding="ascii"))
+        silence, recovery = stage.quiet() - stage.at, stage.healed(after=0.0)
+    finally:
+        file.unlink(missing_ok=True)
+    used = stage.onlooker.ask("status")["solver"]
+    stage.select(solver={"name": "auto"})
+    return Times(silence, recovery, note=f"then with {used}")
+
+
+def solver_hangs_warming(stage: Stage) -> Times:
+    """A solver that never returns is selected: the one before should sound on."""
+    file = stage.server.folder / STUCK
+    file.touch()
+    try:
+        gap = stage.gap(lambda: _select(stage, "solver", Stuck.name), 3.0)
+    finally:
+        file.unlink(missing_ok=True)
+    until(lambda: bool(stage.answers))
+    stage.select(solver={"name": "auto"})
+    return Times(gap=gap)
+
+
+def solvers_swapped(stage: Stage) -> Times:
+    """Another solver, and back, while it sounds."""
+    names = ("lagrange", "auto")
+    return Times(gap=max(stage.gap(partial(_select, stage, "solver", n)) for n in names))
+
+
+def devices_swapped(stage: Stage) -> Times:
+    """Another device, and back, while it sounds."""
+    names = (Other.name, Probe.name)
+    return Times(gap=max(stage.gap(partial(_select, stage, "backend", n)) for n in names))
+
+
+def _select(stage: Stage, kind: str, name: str) -> None:
+    stage.answers.clear()
+    stage.tell("select", **{kind: {"name": name}})
+
+
+def unplugged(stage: Stage) -> Times:
+    """The device is gone, and back; reset."""
+    return _unplugged(stage, lambda: None)
+
+
+def unplugged_swapping(stage: Stage) -> Times:
+    """The device is gone while solvers are swapped."""
+    return _unplugged(stage, lambda: _select(stage, "solver", "lagrange"))
+
+
+def unplugged_both(stage: Stage) -> Times:
+    """Both devices are gone while one takes over from the other."""
+    return _unplugged(stage, lambda: _select(stage, "backend", Other.name))
+
+
+def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
+    onlooker, file = stage.onlooker, stage.server.folder / UNPLUGGED
+
+    def act() -> None:
+        before()
+        file.touch()
+
+    try:
+        silence = stage.broken(act)
+        faulted = until(lambda: onlooker.ask("status")["output"] == "faulted")
+        told = time.perf_counter() - stage.at
+    finally:
+        file.unlink(missing_ok=True)
+    recovery = stage.healed(lambda: onlooker.ask("reset"))
+    stage.select(backend={"name": Probe.name}, solver={"name": "auto"})
+    return Times(silence, recovery, note=f"told in {1e3 * told:.0f} ms" if faulted else "")
+
+
+def terminated(stage: Stage) -> Times:
+    """SIGTERM of the server: silent, exit code 0, no file left; a new one."""
+    stage.sounding()
+    shared = memory(stage.server.process.pid)
+    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGTERM))
+    code = stage.server.process.wait(10.0)
+    took = time.perf_counter() - stage.at
+    left = [str(path) for path in (*shared, stage.server.file) if path.exists()]
+    left += [str(process) for process in stage.server.left()]
+    stage.server.start()
+    note = f"exit code {code} after {1e3 * took:.0f} ms" + f"; left: {left}" * bool(left)
+    return Times(silence, stage.healed(after=took), note=note)
+
+
+def memory(pid: int) -> set[Path]:
+    """Folders of shared memory that a process maps."""
+    maps = psutil.Process(pid).memory_maps() if os.name == "posix" else []
+    return {Path(m.path).parent for m in maps if "/pacinian-" in m.path and m.path[0] == "/"}

@@ -1,0 +1,126 @@
+"""All faults, each several times: the worst times, and beside them what the server states."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from pacinian.bench.faults import clients, parts
+from pacinian.bench.faults.server import Server
+from pacinian.bench.faults.stage import Stage, Times
+from pacinian.errors import PacinianError
+from pacinian.serving.settings import Safety
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+STATED = Safety()
+ROUND = 0.001  # [s] a tick, and a round of the guard
+LEASE, STALE = STATED.lease + ROUND, STATED.stale + ROUND
+HUNG = STATED.hung + 0.25  # and a process's start
+SWAP = 2 * ROUND  # no gap above one tick: at most two from frame to frame
+
+
+class Fault(NamedTuple):
+    """One of the table. bound: on silence [s], or on `gap` where it should sound on; nan: none is stated."""
+
+    name: str
+    do: Callable[[Stage], Times]
+    bound: float
+    stated: str
+
+
+FAULTS = (
+    Fault("client killed -9", clients.killed, LEASE, "link, or lease"),
+    Fault("client stopped (SIGSTOP)", clients.stopped, LEASE, "link, or lease"),
+    Fault("game thread frozen", clients.frozen, LEASE, "lease"),
+    Fault("TCP half open", clients.half_open, LEASE, "link, or lease"),
+    Fault("client's clock jumps by 1 h", clients.jumped, LEASE, "lease"),
+    Fault("state is never read", clients.slow, math.nan, "memory bounded"),
+    Fault("thousands of topics", clients.greedy, math.nan, "memory bounded"),
+    Fault("emergency stop by another", clients.emergency, ROUND, "a tick, and the way"),
+    Fault("solver never returns", parts.solver_hangs, STALE, "stale"),
+    Fault("solver holds the interpreter", parts.solver_holds, STALE, "stale"),
+    Fault("renderer killed -9", parts.render_killed, STALE, "stale"),
+    Fault("renderer stopped", parts.render_stopped, STALE, "stale"),
+    Fault("bus killed -9", parts.bus_killed, math.nan, "as soon as it is seen"),
+    Fault("guard killed -9", parts.guard_killed, HUNG, "device's watchdog, or a new guard"),
+    Fault("guard stopped", parts.guard_stopped, HUNG, "device's watchdog, or hung and a new guard"),
+    Fault("control killed -9", parts.control_killed, LEASE, "lease"),
+    Fault("control stopped", parts.control_stopped, LEASE, "lease"),
+    Fault("server killed and restarted", clients.restarted, LEASE, "lease"),
+    Fault("device unplugged", parts.unplugged, ROUND, "a tick"),
+    Fault("... while swapping solvers", parts.unplugged_swapping, ROUND, "a tick"),
+    Fault("... while swapping devices", parts.unplugged_both, ROUND, "a tick"),
+    Fault("solvers swapped", parts.solvers_swapped, SWAP, "no gap above a tick"),
+    Fault("devices swapped", parts.devices_swapped, SWAP, "no gap above a tick"),
+    Fault("a hanging solver is warmed", parts.solver_hangs_warming, SWAP, "no gap above a tick"),
+    Fault("SIGTERM of the server", parts.terminated, math.nan, "silent first, exit code 0"),
+)
+
+
+@dataclass
+class Row:
+    """All times of one fault. failed: what went otherwise than it should."""
+
+    fault: str
+    bound: float
+    stated: str
+    times: list[Times] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+
+    def worst(self, name: str) -> float:
+        """Of `silence`, `recovery` or `gap` [s]; nan where there is none."""
+        values = [getattr(t, name) for t in self.times]
+        return max((v for v in values if not math.isnan(v)), default=math.nan)
+
+    @property
+    def notes(self) -> list[str]:
+        """Each once."""
+        return list(dict.fromkeys([*self.failed, *(t.note for t in self.times if t.note)]))
+
+
+def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5) -> Iterator[Row]:
+    """Each fault so many times, on a server that goes on where it can."""
+    with tempfile.TemporaryDirectory(prefix="pacinian-faults-") as folder:
+        made = iter(range(1 << 30))
+        server: Server | None = None
+        try:
+            for fault in faults:
+                row = Row(fault.name, fault.bound, fault.stated)
+                for _ in range(repeats):
+                    if server is None:
+                        server = _start(Path(folder, str(next(made))))
+                    if not _once(server, fault, row):
+                        server.close()
+                        server = None
+                yield row
+        finally:
+            if server is not None:
+                server.close()
+
+
+def _start(folder: Path) -> Server:
+    folder.mkdir()
+    server = Server(folder)
+    try:
+        server.start()
+    except BaseException:
+        server.close()
+        raise
+    return server
+
+
+def _once(server: Server, fault: Fault, row: Row) -> bool:
+    """Whether the server is well after it."""
+    try:
+        with Stage(server) as stage:
+            row.times.append(fault.do(stage))
+            stage.sounding()
+    except (TimeoutError, OSError, KeyError, RuntimeError, PacinianError) as error:
+        row.failed.append(f"{type(error).__name__}: {error}")
+        return False
+    return True

@@ -1,0 +1,49 @@
+"""`pacinian doctor`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import click
+
+from pacinian.cli.connecting import CONNECTION
+
+if TYPE_CHECKING:
+    from pacinian.cli.findings import Finding
+
+COLOURS = {"ok": "green", "warning": "yellow", "problem": "bold red"}
+
+
+@click.command()
+@CONNECTION
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of lines.")
+def doctor(connection: str | None, as_json: bool) -> None:
+    """Tell what is wrong with this machine or its server, and how to mend it.
+
+    Changes nothing. Exit code 1 if anything is a problem; warnings are none.
+    """
+    from pacinian.cli.examining import examine
+
+    findings = examine(connection)
+    if as_json:
+        click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
+    else:
+        _tell(findings)
+    if any(f.level == "problem" for f in findings):
+        raise SystemExit(1)
+
+
+def _tell(findings: list[Finding]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+
+    console = Console(highlight=False, soft_wrap=True)
+    for f in findings:
+        level = f"[{COLOURS[f.level]}]{f.level:<8}[/]"
+        console.print(f"{level} {escape(f.name)}: {escape(f.told)}")
+        if f.fix:
+            console.print(f"         -> {escape(f.fix)}")
+    problems = sum(f.level == "problem" for f in findings)
+    console.print("no problem found" if not problems else f"{problems} to be mended")

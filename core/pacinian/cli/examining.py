@@ -1,0 +1,205 @@
+"""What `pacinian doctor` sees of this machine. Each look is on its own: one that fails is a finding, too."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+import re
+import shutil
+import socket
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pacinian.cli import findings
+from pacinian.cli.findings import Finding
+from pacinian.errors import PacinianError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+SLEEPS, SLEEP = 200, 0.001  # how many, [s]
+PATIENCE = 1.0  # [s] for the server's answer
+SHARED = Path("/dev/shm")
+EXTRAS = {"plot": "matplotlib"}
+DEVICES = 2241 * 4  # transducers that shared memory should have room for
+
+
+def examine(connection: str | None = None) -> list[Finding]:
+    """All findings, in the order in which they should be mended."""
+    looks: dict[str, Callable[[], Finding]] = {
+        "Python": python,
+        "libraries": libraries,
+        "extras": extras,
+        "ZeroMQ": curve,
+        "compiled kernels": cache,
+        "processor": processor,
+        "plug-ins": plugins,
+        "loopback": port,
+        "shared memory": memory,
+        "clock": clock,
+        "USB": usb,
+    }
+    if sys.platform == "linux":
+        looks["USB permissions"] = permissions
+    found = [_safely(name, look) for name, look in looks.items()]
+    found.append(_safely("connection file", lambda: file(connection)))
+    if found[-1].level == "ok" and not found[-1].fix:
+        found.append(_safely("server", lambda: server(connection)))
+    return found
+
+
+def _safely(name: str, look: Callable[[], Finding]) -> Finding:
+    try:
+        return look()
+    except Exception as error:
+        told = f"cannot be looked at: {type(error).__name__}: {error}"
+        return Finding(name, "problem", told, findings.INSTALL)
+
+
+def python() -> Finding:
+    """The interpreter."""
+    return findings.python(sys.version_info[:3], sys.executable)
+
+
+def libraries() -> Finding:
+    """What the distribution says that it requires, without extras."""
+    needed = [r for r in importlib.metadata.requires("pacinian") or () if "extra ==" not in r]
+    return findings.libraries({name: _version(name) for name in map(_name, needed)})
+
+
+def _name(requirement: str) -> str:
+    found = re.match(r"[\w.-]+", requirement)
+    return found[0] if found else requirement
+
+
+def _version(name: str) -> str | None:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def extras() -> Finding:
+    """Optional libraries."""
+    return findings.extras(
+        {name: lib for name, lib in EXTRAS.items() if importlib.util.find_spec(lib) is None}
+    )
+
+
+def curve() -> Finding:
+    """ZeroMQ's encryption."""
+    import zmq
+
+    return findings.curve(zmq.has("curve"), zmq.zmq_version())
+
+
+def cache() -> Finding:
+    """Where Numba keeps what it compiled: a folder that is set, beside the source, or the user's."""
+    import platformdirs
+
+    import pacinian
+
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    beside = [Path(pacinian.__path__[0]), Path(platformdirs.user_cache_dir())]
+    return findings.cache({str(p): _writable(p) for p in ([Path(given)] if given else beside)})
+
+
+def _writable(path: Path) -> bool:
+    """Whether it, or else the first of its parents that is there, can be written."""
+    there = next(p for p in (path, *path.absolute().parents) if p.exists())
+    return os.access(there, os.W_OK)
+
+
+def processor() -> Finding:
+    """Cores and vector instructions."""
+    from llvmlite.binding import get_host_cpu_features  # type: ignore[import-untyped]
+
+    affinity = getattr(os, "sched_getaffinity", None)
+    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
+    return findings.processor(cores, dict(get_host_cpu_features()))
+
+
+def plugins() -> Finding:
+    """Solvers and backends; imports them all."""
+    from pacinian.plugins.registry import installed
+
+    found = installed()
+    found.load()
+    return findings.plugins(
+        len(found.offers), [str(e) for e in (*found.failed.values(), *found.clashes.values())]
+    )
+
+
+def port() -> Finding:
+    """Whether a port on loopback can be had."""
+    try:
+        with socket.socket() as listener:
+            listener.bind(("127.0.0.1", 0))
+            listener.listen()
+    except OSError as error:
+        return findings.port(str(error))
+    return findings.port("")
+
+
+def memory() -> Finding:
+    """Where the server's processes would share memory."""
+    from pacinian.serving.memory import SLOTS
+    from pacinian.serving.messages import CAPACITIES, frame_capacity
+
+    folder = SHARED if os.access(SHARED, os.W_OK) else Path(tempfile.gettempdir())
+    needed = SLOTS * (sum(CAPACITIES.values()) + frame_capacity(DEVICES))
+    free = shutil.disk_usage(folder).free
+    return findings.memory(str(folder), os.access(folder, os.W_OK), free, needed)
+
+
+def clock() -> Finding:
+    """How fine the clock is, and how punctual sleep is, measured for a fifth of a second."""
+    return findings.clock(time.get_clock_info("perf_counter").resolution, list(_late()))
+
+
+def _late() -> Iterator[float]:
+    for _ in range(SLEEPS):
+        begin = time.perf_counter()
+        time.sleep(SLEEP)
+        yield time.perf_counter() - begin - SLEEP
+
+
+def usb() -> Finding:
+    """libusb, through pyusb."""
+    from usb.backend import libusb1  # type: ignore[import-untyped]
+
+    return findings.usb(libusb1.get_backend() is not None, sys.platform)
+
+
+def permissions() -> Finding:
+    """USB devices' files."""
+    files = list(Path("/dev/bus/usb").glob("*/*"))
+    return findings.permissions(len(files), sum(os.access(f, os.W_OK) for f in files))
+
+
+def file(given: str | None) -> Finding:
+    """The connection file."""
+    from pacinian.wire.connection import Connection, where
+
+    path, error = where(given or ""), ""
+    if there := path.exists():
+        try:
+            Connection.read(path)
+        except PacinianError as problem:
+            error = str(problem)
+    return findings.connection(str(path), there, error)
+
+
+def server(given: str | None) -> Finding:
+    """The server that the connection file is of."""
+    from pacinian.client.client import Client
+
+    try:
+        with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
+            return findings.server("", client.status().output, client.server)
+    except PacinianError as error:
+        return findings.server(str(error), "", "")

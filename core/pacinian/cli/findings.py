@@ -1,0 +1,175 @@
+"""What `pacinian doctor` makes of what it sees: pure, facts are given."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+OLDEST = 3, 11
+JITTER = 0.001  # [s] that a sleep may take too long, in 99 of 100
+FEATURES = "avx512f", "avx2", "neon", "asimd"
+INSTALL = "`pip install --upgrade pacinian` in a fresh virtual environment"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was looked at, how it is, and what to do."""
+
+    name: str
+    level: Literal["ok", "warning", "problem"]
+    told: str
+    fix: str = ""
+
+
+def python(version: tuple[int, int, int], executable: str) -> Finding:
+    """The interpreter."""
+    told = f"{'.'.join(map(str, version))}, {executable}"
+    if version[:2] < OLDEST:
+        return Finding("Python", "problem", told, "install Python 3.11 or newer")
+    return Finding("Python", "ok", told)
+
+
+def libraries(versions: Mapping[str, str | None]) -> Finding:
+    """Those that it needs, by name; None where one is missing."""
+    missing = [name for name, version in versions.items() if version is None]
+    if missing:
+        return Finding("libraries", "problem", f"missing: {', '.join(missing)}", INSTALL)
+    told = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return Finding("libraries", "ok", told)
+
+
+def extras(missing: Mapping[str, str]) -> Finding:
+    """Optional libraries: extra to what is missing of it."""
+    if not missing:
+        return Finding("extras", "ok", "all installed")
+    told = ", ".join(f"{name} without {library}" for name, library in missing.items())
+    names = ",".join(missing)
+    return Finding("extras", "ok", told, f"if wanted: `pip install 'pacinian[{names}]'`")
+
+
+def curve(has: bool, version: str) -> Finding:
+    """ZeroMQ's encryption."""
+    if has:
+        return Finding("ZeroMQ", "ok", f"libzmq {version} with CURVE")
+    fix = "install pyzmq's own wheel: `pip install --force-reinstall pyzmq`"
+    told = f"libzmq {version} without CURVE: only programs on this machine can connect"
+    return Finding("ZeroMQ", "warning", told, fix)
+
+
+def cache(folders: Mapping[str, bool]) -> Finding:
+    """Where compiled kernels may be kept: folder to whether it can be written."""
+    found = next((folder for folder, writable in folders.items() if writable), None)
+    if found:
+        return Finding("compiled kernels", "ok", f"kept in {found}")
+    fix = "set NUMBA_CACHE_DIR to a folder that you can write"
+    told = "cannot be kept: every start takes a minute longer"
+    return Finding("compiled kernels", "warning", told, fix)
+
+
+def processor(cores: int, features: Mapping[str, bool]) -> Finding:
+    """Cores that this process may use, and vector instructions."""
+    has = next((name for name in FEATURES if features.get(name)), "")
+    told = f"{cores} cores, {has or 'no vector instructions known'}"
+    if cores < 2:
+        fix = "give it two cores or more: the loop and the device's guard need one each"
+        return Finding("processor", "warning", told, fix)
+    if not has:
+        return Finding("processor", "warning", told, "expect several times longer ticks")
+    return Finding("processor", "ok", told)
+
+
+def plugins(count: int, failed: Sequence[str]) -> Finding:
+    """Solvers and backends, and why some do not load."""
+    if failed:
+        fix = "update or uninstall what ships them"
+        return Finding("plug-ins", "problem", "; ".join(failed), fix)
+    if not count:
+        return Finding("plug-ins", "problem", "none is found", INSTALL)
+    return Finding("plug-ins", "ok", f"{count} solvers and backends")
+
+
+def port(error: str) -> Finding:
+    """Whether a socket could be bound on loopback; "" if so."""
+    if error:
+        fix = "allow local sockets: look at the firewall, container or sandbox"
+        return Finding("loopback", "problem", f"no port can be bound: {error}", fix)
+    return Finding("loopback", "ok", "a port can be bound on 127.0.0.1")
+
+
+def connection(path: str, there: bool, error: str) -> Finding:
+    """The connection file; error: why it cannot be used, or ""."""
+    if not there:
+        told = f"{path} is not there: no server runs, or it was told another file"
+        return Finding("connection file", "ok", told, "`pacinian serve` starts one")
+    if error:
+        fix = "end that server if it runs, remove the file, and start `pacinian serve`"
+        return Finding("connection file", "problem", error, fix)
+    return Finding("connection file", "ok", path)
+
+
+def server(error: str, output: str, version: str) -> Finding:
+    """Whether the server of the connection file answers; error: why not, or ""."""
+    if error:
+        return Finding("server", "problem", error, "see its log; start `pacinian serve` again")
+    told = f"one is running ({version}), its output is {output}: another needs a --connection of its own"
+    if output in ("faulted", "stopped"):
+        fix = "mend what it tells in `pacinian status`; then a client must `reset()` it"
+        return Finding("server", "warning", told, fix)
+    return Finding("server", "ok", told)
+
+
+def memory(folder: str, writable: bool, free: int, needed: int) -> Finding:
+    """Where processes share memory; free, needed: [bytes]."""
+    told = f"{folder}, {free / 2**20:.0f} MiB free, {needed / 2**20:.0f} MiB needed"
+    if not writable:
+        fix = "make it writable, or set TMPDIR to a folder that is"
+        return Finding("shared memory", "problem", f"{folder} cannot be written", fix)
+    if free < needed:
+        fix = "make room there; in a container, start it with --shm-size=256m"
+        return Finding("shared memory", "problem", told, fix)
+    return Finding("shared memory", "ok", told)
+
+
+def clock(resolution: float, late: Sequence[float]) -> Finding:
+    """The clock's resolution [s], and by how much sleeps of 1 ms were too long [s]."""
+    p99 = sorted(late)[math.ceil(0.99 * len(late)) - 1]
+    told = (
+        f"resolution {1e9 * resolution:.0f} ns; sleeps are late by {1e3 * p99:.2f} ms in 99 %, "
+        f"{1e3 * max(late):.2f} ms at most"
+    )
+    if resolution > 1e-5:
+        return Finding("clock", "problem", told, "a clock of 10 microseconds or better is needed")
+    if p99 > JITTER:
+        fix = "close what else runs; a desktop's power saving or a busy virtual machine can do this"
+        return Finding("clock", "warning", told, fix)
+    return Finding("clock", "ok", told)
+
+
+def usb(libusb: bool, platform: str) -> Finding:
+    """The library that USB arrays need."""
+    if libusb:
+        return Finding("USB", "ok", "libusb is found")
+    fixes = {
+        "linux": "`apt install libusb-1.0-0`, or your distribution's like",
+        "darwin": "`brew install libusb`",
+        "win32": "`pip install libusb-package`",
+    }
+    fix = f"if you have a USB array: {fixes.get(platform, 'install libusb 1.0')}"
+    return Finding("USB", "warning", "libusb is not found: USB arrays cannot be used", fix)
+
+
+def permissions(devices: int, usable: int) -> Finding:
+    """USB devices that there are, and of those that this user may open, on Linux."""
+    told = f"{usable} of {devices} USB devices can be opened by you"
+    if devices and not usable:
+        fix = (
+            'if you have a USB array, as root: put `SUBSYSTEM=="usb", ATTR{idVendor}=="VVVV", '
+            'TAG+="uaccess"` with its vendor (`lsusb`) in /etc/udev/rules.d/70-pacinian.rules, '
+            "`udevadm control --reload`, and plug it in again"
+        )
+        return Finding("USB permissions", "warning", told, fix)
+    return Finding("USB permissions", "ok", told)

@@ -1,0 +1,98 @@
+"""`pacinian status`."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pacinian.cli.connecting import CONNECTION
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pacinian.wire.state import State
+
+BULK = {  # type and width of rows
+    "points": ("<f4", 3),
+    "normals": ("<f4", 3),
+    "asked": ("<f4", 1),
+    "achieved": ("<f4", 1),
+    "index": ("<i4", 1),
+    "hands": ("<f4", 78),
+    "inputs": ("<f8", 4),
+}
+
+
+@click.command()
+@CONNECTION
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
+def status(connection: str | None, as_json: bool) -> None:
+    """Tell what a running server emits, and how it is.
+
+    Exit code 1 after a fault, 2 if no server answers.
+    """
+    from pacinian.client.client import Client
+
+    with Client(connection, name="pacinian status") as client:
+        state = client.status()
+    if as_json:
+        click.echo(json.dumps(plain(state)))
+    else:
+        from rich.console import Console
+
+        Console().print(table(state))
+    if state.output == "faulted":
+        raise SystemExit(1)
+
+
+def plain(state: State) -> dict[str, Any]:
+    """A state as JSON holds it: bulk numbers as lists, of rows where a row is more than one."""
+    import msgspec
+    import numpy as np
+
+    told: dict[str, Any] = msgspec.to_builtins(state)
+    for name, (kind, width) in BULK.items():
+        rows = np.frombuffer(getattr(state, name), kind).reshape(-1, width)
+        told[name] = (rows[:, 0] if width == 1 else rows).tolist()
+    del told["id"], told["type"]
+    return told
+
+
+def table(state: State) -> Table:
+    """A state for people."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    made = Table(box=None, show_header=False, pad_edge=False)
+    samples, median, p99, longest = len(state.asked) // 4, *state.tick_ms
+    rows = {
+        "output": f"[bold]{state.output}[/bold]" + (", armed" if state.armed else ""),
+        "owner": escape(f"{state.owner}, scene {state.scene}") if state.owner else "nobody",
+        "solver, backend": escape(f"{state.solver}, {state.backend}"),
+        "technique, strength": escape(f"{state.technique}, {state.intensity:.0%}"),
+        "felt": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
+        "error, as emitted": f"{state.error:.3%} of the sound pressures asked",
+        "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",
+        "tick time": f"p50 {median:.3f} ms, p99 {p99:.3f} ms, max {longest:.3f} ms",
+        "frames": f"{state.frames}, longest gap {1e3 * state.longest_gap:.1f} ms",
+        "skipped": _counts(state.skipped),
+        "restarts": _counts(state.restarts),
+        "faults": f"{state.fault_count}",
+    }
+    for i, fault in enumerate(reversed(state.faults[-3:])):
+        rows[f"  {i + 1} before the end" if i else "  the last"] = escape(fault)
+    for client in state.clients:
+        what = "owner, " if client.owner else ""
+        rows[escape(f"client {client.name}")] = escape(
+            f"{what}scene {client.scene}, {client.objects} objects, {client.commands} commands, "
+            f"{client.errors} errors, {client.dropped} dropped, age {1e3 * client.age:.1f} ms"
+        )
+    for name, value in rows.items():
+        made.add_row(name, value)
+    return made
+
+
+def _counts(counts: dict[str, int]) -> str:
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"

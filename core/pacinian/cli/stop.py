@@ -1,0 +1,30 @@
+"""`pacinian stop`."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from pacinian.cli.connecting import CONNECTION
+
+
+@click.command()
+@CONNECTION
+@click.option(
+    "--timeout",
+    type=click.FloatRange(0.01, 60),
+    default=2.0,
+    show_default=True,
+    help="Seconds to wait for the server to confirm it.",
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
+def stop(connection: str | None, timeout: float, as_json: bool) -> None:
+    """Emergency stop: silence at once, whoever owns the output, until a client resets it.
+
+    Exit code 0 only if the server has confirmed it; else switch the array off.
+    """
+    from pacinian.client.emergency import emergency_stop
+
+    emergency_stop(connection, timeout=timeout)
+    click.echo(json.dumps({"stopped": True}) if as_json else "stopped: silent until a reset")

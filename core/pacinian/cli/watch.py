@@ -1,0 +1,67 @@
+"""`pacinian watch`."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import click
+
+from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.status import plain, table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.client.client import Client
+    from pacinian.wire.state import State
+
+REFRESH = 0.1  # [s] between two pictures
+
+
+@click.command()
+@CONNECTION
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0),
+    default=math.inf,
+    help="How long.  [default: until Ctrl-C]",
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object a line, for each state.")
+def watch(connection: str | None, seconds: float, as_json: bool) -> None:
+    """Show the state of a running server, always the newest."""
+    from pacinian.client.client import Client
+
+    with Client(connection, name="pacinian watch") as client:
+        states = _states(client, seconds)
+        if as_json:
+            for state in states:
+                click.echo(json.dumps(plain(state)))
+        else:
+            _show(states)
+
+
+def _states(client: Client, seconds: float) -> Iterator[State]:
+    from pacinian.errors import Refused
+
+    end = time.perf_counter() + seconds
+    for state in client.watch():
+        with suppress(Refused):  # what happens to the output is in the state
+            client.renew()  # the session goes on
+        yield state
+        if time.perf_counter() >= end:
+            return
+
+
+def _show(states: Iterator[State]) -> None:
+    from rich.live import Live
+
+    drawn = -math.inf
+    with Live(auto_refresh=False) as live:
+        for state in states:
+            if (now := time.perf_counter()) >= drawn + REFRESH:
+                drawn = now
+                live.update(table(state), refresh=True)

@@ -1,0 +1,17 @@
+"""`pacinian wire`."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+
+@click.command()
+@click.option("--schema", is_flag=True, help="As an AsyncAPI document with JSON Schemas instead.")
+def wire(schema: bool) -> None:
+    """Print how a program in any language talks to `pacinian serve`."""
+    from pacinian.wire.document import document
+    from pacinian.wire.page import page
+
+    click.echo(json.dumps(document(), indent=2) if schema else page().rstrip())

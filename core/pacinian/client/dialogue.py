@@ -1,0 +1,266 @@
+"""One session with the server, from hello to bye: what is lost with it is not taken up again."""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import zmq
+from msgspec.structs import replace
+
+from pacinian.client.link import Link, connect, made, milliseconds
+from pacinian.client.outbox import Outbox
+from pacinian.client.timing import Timing
+from pacinian.client.watching import newest
+from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
+from pacinian.wire.codec import encode
+from pacinian.wire.control import Bye, Hello, Renew, Request
+from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.replies import Error, Ok, Renewed, Welcome
+from pacinian.wire.state import STATE, State
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from msgspec import Struct
+
+    from pacinian.wire.commands import AnyCommand
+    from pacinian.wire.connection import Connection
+    from pacinian.wire.replies import AnyReply
+
+R = TypeVar("R", bound="AnyReply | State")
+
+FAREWELL = 0.2  # [s] that a bye may take
+KEPT = 100  # errors of commands that were not waited for
+ENDED = "expired", "owner", "fault", "stopped"  # what ends the sound of an owner, unasked
+
+
+class Dialogue:
+    """A session. lost: why it ended, or "". armed, owner: as the server said last.
+
+    errors: of what was not waited for, newest last. notices: why the sound ended, not told yet. Raises
+    ConnectionLost, Refused.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        clock: Callable[[], float],
+        timeout: float,
+        ids: itertools.count[int],
+        **hello: Any,
+    ) -> None:
+        self.clock, self.timeout, self.timing = clock, timeout, Timing()
+        self.lost, self.armed, self.owner = "", False, False
+        self.errors, self.notices = deque[Refused](maxlen=KEPT), deque[Refused](maxlen=KEPT)
+        self.outbox = Outbox()
+        self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
+        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+        self._links: list[Link] = []
+        self._states: zmq.Socket[bytes] | None = None
+        self._poller = zmq.Poller()
+        try:
+            for at in (connection.control, connection.command):
+                heartbeat = at == connection.control
+                self._links.append(Link(self._context, connection, at, heartbeat=heartbeat))
+                self._poller.register(self._links[-1].socket, zmq.POLLIN)
+                self._poller.register(self._links[-1].monitor, zmq.POLLIN)
+            self._control, self._command = self._links
+            self.welcome = self._hello(hello)
+        except BaseException:
+            self.close()
+            raise
+
+    def _hello(self, given: dict[str, Any]) -> Welcome:
+        sent = self.clock()
+        welcome = self._call(
+            self._control, Hello(protocol=(MAJOR, MINOR), **given), Welcome, self.timeout
+        )
+        self.timing.clocked(sent, self.clock(), welcome.time)
+        if (theirs := welcome.protocol[0]) != MAJOR:
+            older = "server" if theirs < MAJOR else "client"
+            problem = f"the server speaks protocol {theirs}, this client {MAJOR}"
+            raise Refused("version", problem, advice=f"update the {older}")
+        return welcome
+
+    def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
+        """A request to the control socket, and its answer."""
+        request = kind(session=self.welcome.session, **fields)
+        return self._call(self._control, request, answer, self.timeout)
+
+    def change(self, request: type[Request], timeout: float, every: float, **fields: Any) -> None:
+        """A request that takes up to `timeout` [s]; while armed, the lease is renewed every so often [s]."""
+        message = request(session=self.welcome.session, **fields)
+        self._call(self._control, message, Ok, timeout, every)
+
+    def stop(self, message: Struct) -> None:
+        """As `ask`, with a message that needs no session."""
+        self._call(self._control, message, Ok, self.timeout)
+
+    def start(self, kind: type[Request], **fields: Any) -> None:
+        """A request that is not waited for: an error of it goes to `errors`."""
+        self.look()
+        request = kind(session=self.welcome.session, id=self._number(), **fields)
+        if not self._sent(self._control, encode(request)):
+            self.lose("the server takes no more requests")
+
+    def tell(self, command: AnyCommand, answer: type[R]) -> R:
+        """A command, and its answer."""
+        self._flush(self.timeout)
+        sequence = next(self._sequence)
+        return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
+
+    def cast(self, command: AnyCommand) -> None:
+        """A command that is not waited for, and waits itself while there is no room: the newest for each object."""
+        self.look()
+        if self._flush() and self._post(command):
+            return
+        encode(command)  # raises now if it never can be sent
+        self.outbox.add(command)
+
+    def renew(self) -> None:
+        """The owner is alive; tells why it does not sound any more, each reason once. Does not wait."""
+        self.look()
+        self._renew()
+        self._flush()
+        if self.notices:
+            raise self.notices.popleft()
+
+    def look(self, wait: float = 0.0) -> None:
+        """Take in what has come, waiting at most so long [s] for the first of it."""
+        for reply in self._receive(wait):
+            self._note(reply)
+
+    def newest(self, timeout: float) -> State | None:
+        """The newest state that has been published; None if none came."""
+        self.look()
+        if self._states is None:
+            self._states = made(self._context, zmq.SUB, self._connection)
+            connect(self._states, self._connection.state)
+            self._states.subscribe(STATE)
+        return newest(
+            self._states, timeout, lambda state: self.timing.age(state.time, self.clock())
+        )
+
+    def close(self) -> None:
+        """Say bye if anybody listens, and end it."""
+        if not self.lost and hasattr(self, "welcome"):
+            try:
+                bye = Bye(session=self.welcome.session)
+                self._call(self._control, bye, Ok, min(self.timeout, FAREWELL))
+            except PacinianError:
+                pass
+        self.lost = self.lost or "the session was closed"
+        self.armed = self.owner = False
+        for link in self._links:
+            link.close()
+        if self._states is not None:
+            self._states.close(0)
+        self._context.term()
+
+    def _call(
+        self, link: Link, message: Any, answer: type[R], timeout: float, every: float = 0.0
+    ) -> R:
+        number, sent = self._number(), self.clock()
+        what = type(message).__name__.lower()
+        data = encode(replace(message, id=number))
+        if self.lost:
+            raise ConnectionLost(self.lost)
+        found = (
+            self._answer(number, sent + timeout, every) if self._sent(link, data, timeout) else None
+        )
+        if found is None:
+            self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
+        self.timing.answered(sent, self.clock())
+        if isinstance(found, Error):
+            if found.code == "session":
+                self.lose(found.message)
+            raise _refused(found)
+        if not isinstance(found, answer):
+            raise WireError(f"`{what}` was answered by a {type(found).__name__}")
+        return found
+
+    def _answer(self, number: int, end: float, every: float) -> AnyReply | State | None:
+        """The reply of that number; all others are noted. None if it does not come until `end` [s]."""
+        found: AnyReply | State | None = None
+        while found is None and (left := end - self.clock()) > 0.0:
+            step = min(left, every or left)
+            replies = self._receive(step)
+            if not replies and step == left:
+                break
+            if every and self.armed:
+                self._renew()
+            for reply in replies:
+                if reply.id == number:
+                    found = reply
+                else:
+                    self._note(reply)
+        return found
+
+    def _renew(self) -> None:
+        renew = Renew(
+            session=self.welcome.session,
+            id=self._number(),
+            sequence=next(self._sequence),
+            time=self.clock(),
+        )
+        self._sent(self._control, encode(renew))
+
+    def _receive(self, wait: float) -> list[AnyReply | State]:
+        if self.lost:
+            raise ConnectionLost(self.lost)
+        ready = dict(self._poller.poll(milliseconds(wait)))
+        replies = [r for link in self._links if link.socket in ready for r in link.receive()]
+        for link in self._links:
+            if link.monitor in ready and not replies:  # else it is told next time
+                self.lose(str(link.lost()))
+        return replies
+
+    def _note(self, reply: AnyReply | State) -> None:
+        """What was not asked, or not waited for."""
+        if isinstance(reply, Renewed):
+            self.armed, self.owner = reply.armed, reply.owner
+            if reply.id:
+                self.timing.clocked(reply.time, self.clock(), reply.server_time)
+        elif isinstance(reply, Error):
+            if reply.code == "session":
+                self.lose(reply.message)
+            elif reply.id == 0 and reply.code in ENDED:
+                self.armed = False
+                self.notices.append(_refused(reply))
+            else:
+                self.errors.append(_refused(reply))
+
+    def _flush(self, timeout: float = 0.0) -> bool:
+        """Send what waits; True if nothing is left."""
+        return not self.outbox.waiting or self.outbox.flush(
+            self.clock(), lambda command: self._post(command, timeout)
+        )
+
+    def _post(self, command: AnyCommand, timeout: float = 0.0) -> bool:
+        data = encode(replace(command, sequence=next(self._sequence)))
+        return self._sent(self._command, data, timeout)
+
+    def _sent(self, link: Link, data: bytes, timeout: float = 0.0) -> bool:
+        try:
+            return link.send(data, timeout)
+        except ConnectionLost as error:
+            self.lose(str(error))
+
+    def _number(self) -> int:
+        return next(self._ids) % 0xFFFFFFFF + 1
+
+    def lose(self, why: str) -> NoReturn:
+        """End it, and tell why."""
+        self.lost = why
+        self.close()
+        begun = "; nothing of this session goes on" if hasattr(self, "welcome") else ""
+        raise ConnectionLost(why + begun)
+
+
+def _refused(error: Error) -> Refused:
+    advice = error.advice
+    if error.code == "version" and not advice:
+        advice = f"update the older of the two: this client speaks {MAJOR}.{MINOR}"
+    return Refused(error.code, error.message, error.path, advice)

@@ -1,0 +1,56 @@
+"""An emergency stop that needs no session, from any thread or program."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import zmq
+
+from pacinian.client.keys import found
+from pacinian.client.link import Link, milliseconds
+from pacinian.errors import ConnectionLost, Refused
+from pacinian.wire.codec import encode
+from pacinian.wire.control import Stop
+from pacinian.wire.replies import Error, Ok
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.wire.connection import Connection
+
+
+def emergency_stop(
+    connection: Connection | Path | str | None = None,
+    *,
+    timeout: float = 2.0,
+    keys: Path | str | None = None,
+) -> None:
+    """Silence at once, whoever owns the output, until `Client.reset`. Returns when the server has done it.
+
+    Arguments as of `Client`. Raises ConnectionLost if it does not say so within `timeout` [s]; Refused.
+    """
+    given = found(connection, keys)
+    with zmq.Context() as context:
+        link = Link(context, given, given.control)
+        try:
+            _told(link, time.perf_counter() + timeout, timeout)
+        finally:
+            link.close()
+
+
+def _told(link: Link, deadline: float, timeout: float) -> None:
+    poller = zmq.Poller()
+    poller.register(link.socket, zmq.POLLIN)
+    poller.register(link.monitor, zmq.POLLIN)
+    sent = link.send(encode(Stop(id=1)), timeout)
+    while sent and (left := deadline - time.perf_counter()) > 0.0:
+        ready = dict(poller.poll(milliseconds(left)))
+        for reply in link.receive() if link.socket in ready else ():
+            if isinstance(reply, Ok) and reply.id == 1:
+                return
+            if isinstance(reply, Error):
+                raise Refused(reply.code, reply.message, reply.path, reply.advice)
+        if link.monitor in ready:
+            raise link.lost()
+    raise ConnectionLost(f"the server at {link.at} has not confirmed the stop in {timeout:g} s")

@@ -1,0 +1,101 @@
+"""What users give, as the wire's fields, in batches that fit into one message each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from pacinian.acoustics.pose import Pose
+from pacinian.checks import kind, numbers
+from pacinian.errors import ArgumentError, WireError
+from pacinian.scene.hands.hand import RADII, Hand
+from pacinian.scene.motion import STILL, Motion
+from pacinian.wire.bulk import pack
+from pacinian.wire.commands import HandFrame
+from pacinian.wire.convert import to_wire
+from pacinian.wire.protocol import MOST_OBJECTS, MOST_POINTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from pacinian.scene.objects import Object
+    from pacinian.types import ArrayLike
+    from pacinian.wire import objects
+
+T = TypeVar("T")
+
+
+def batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
+    """Parts of a sequence, as many as fit into one message each."""
+    for i in range(0, len(items), MOST_OBJECTS):
+        yield tuple(items[i : i + MOST_OBJECTS])
+
+
+def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, objects.Object]]:
+    """Objects by name. Raises ArgumentError, WireError before anything is sent."""
+    made: dict[str, objects.Object] = {}
+    for i, item in enumerate(items):
+        name = getattr(item, "name", None)
+        if not name:
+            raise ArgumentError(f"objects[{i}]", f"must be an object with a name, not {item!r}")
+        if name in made:
+            raise ArgumentError(f"objects[{i}]", f"must have a name of its own, not {name!r} again")
+        try:
+            made[name] = to_wire(item, duration)
+        except WireError as error:
+            path = f"$.objects[{name}]{error.path.removeprefix('$')}"
+            raise WireError(error.problem, path) from error
+    for batch in batches(list(made.items())):
+        yield dict(batch)
+
+
+def moves(poses: Mapping[str, Pose], motions: Mapping[str, Motion]) -> Iterator[dict[str, Any]]:
+    """Names, poses and velocities. Raises ArgumentError."""
+    for name, pose in poses.items():
+        kind(f"poses[{name!r}]", pose, Pose)
+    for name, motion in motions.items():
+        kind(f"motions[{name!r}]", motion, Motion)
+        if name not in poses:
+            raise ArgumentError("motions", f"must be of what is moved: {name!r} is not in `poses`")
+    for names in batches(list(poses)):
+        at = [(*poses[name].position, *poses[name].rotation) for name in names]
+        fields = {"names": names, "poses": pack(at)}
+        if any(name in motions for name in names):
+            fields["velocities"] = pack([_velocity(motions.get(name)) for name in names])
+        yield fields
+
+
+def hands(given: Sequence[Hand]) -> tuple[HandFrame, ...]:
+    """Hands as they are tracked. Raises ArgumentError."""
+    return tuple(_hand(f"hands[{i}]", hand) for i, hand in enumerate(given))
+
+
+def points(given: ArrayLike) -> bytes:
+    """Points (K, 3) [m]. Raises ArgumentError."""
+    array = numbers("points", given, (None, 3))
+    if len(array) > MOST_POINTS:
+        raise ArgumentError("points", f"must be at most {MOST_POINTS}, not {len(array)}")
+    return pack(array)
+
+
+def _velocity(motion: Motion | None) -> tuple[float, ...]:
+    return (*motion.velocity, *motion.angular_velocity) if motion else (*STILL, *STILL)
+
+
+def _hand(name: str, hand: Hand) -> HandFrame:
+    kind(name, hand, Hand)
+    if hand.lost:
+        return HandFrame(side=hand.side, name=hand.name)
+    if hand.joints is None:
+        raise ArgumentError(name, "must have joints: meshes of hands are not sent")
+    velocities = b""
+    if (v := hand.velocities) is not None:
+        velocities = pack(v[:1] if np.array_equal(v, np.broadcast_to(v[0], v.shape)) else v)
+    return HandFrame(
+        side=hand.side,
+        name=hand.name,
+        joints=pack(hand.joints),
+        radii=b"" if hand.radii is RADII else pack(hand.radii),
+        velocities=velocities,
+    )

@@ -1,0 +1,204 @@
+"""From a scene to a frame: sample, solve, modulate, quantise; as much of it as there is time for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import ArgumentError
+from pacinian.rendering.drive import Quantiser
+from pacinian.rendering.governor import Governor
+from pacinian.rendering.player import Player
+from pacinian.rendering.turns import Turns
+from pacinian.rendering.warming import load, try_out
+from pacinian.scene.sampling.samples import nothing
+from pacinian.scene.scene import Scene
+from pacinian.solving.problem import Limits
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.plugins.backend import Capability, Frame
+    from pacinian.rendering.player import Solved
+    from pacinian.rendering.report import Stages
+    from pacinian.rendering.smooth import Smoothing
+    from pacinian.scene.sampling.sampler import Sampler
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.session import Session
+    from pacinian.types import Floats, Gains
+
+SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
+MOST = 1000  # frames a tick
+LOOK = 64  # solves for each whose error after rounding to levels is measured
+
+
+class Pipeline:
+    """Makes the frames of one loop.
+
+    session: solves. sampler: samples. smoothing: from row to row. capability: of the device. period: of a
+    tick [s]. governed: whether there are fewer samples where ticks would be late. stages: tells how long
+    each took, and has the report to count in. Raises ArgumentError.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        sampler: Sampler,
+        smoothing: Smoothing,
+        capability: Capability,
+        period: float,
+        governed: bool,
+        stages: Stages,
+    ) -> None:
+        self.session, self.sampler, self.period = session, sampler, period
+        self.stages = stages
+        sampler.prepare(session.array, session.medium)
+        times, gap = rows(capability, period)
+        self.player = Player(session, times, gap, smoothing, stages.report.skipped)
+        self.quantiser = Quantiser(capability, len(times), len(session.array))
+        self.governor = Governor(period, sampler.budget) if governed else None
+        self.limits = Limits()  # of this tick
+        self._unlooked = LOOK  # solves since the error of one was measured
+        self._begin()
+
+    def _begin(self) -> None:
+        self.turns = Turns(self.period)
+        self._sampled = self._played = Scene(), nothing()
+        self._seen: Scene | None = None
+        self._changed = True  # since it was sampled
+        self._made: tuple[object, ...] = ()  # from what the last frame was made
+        self._frame: Frame
+
+    def warm_up(self, scene: Callable[[float], Scene]) -> None:
+        """Sample the scene of time 0, solve and round a few points for nobody."""
+        try:
+            self.emitted(try_out(self.session).gains)
+            first = scene(0.0)
+            self.sampler.sample(first)
+            load(first, self.player.times)
+        except Exception:  # the first tick meets it again, and reports it
+            return
+
+    def count(self) -> None:
+        """Count in the stages' report from now on."""
+        self.sampler.skipped = self.player.skipped = self.stages.report.skipped
+
+    def use(self, capability: Capability) -> None:
+        """Make frames for a device that can do this, from the next one on. Raises ArgumentError."""
+        if capability == self.quantiser.capability:
+            return
+        times, gap = rows(capability, self.period)
+        self.player.retime(times, gap)
+        self.quantiser = Quantiser(capability, len(times), len(self.session.array))
+
+    def reset(self) -> None:
+        """Begin from silence, with nothing remembered."""
+        self.sampler.reset()
+        self.player.reset()
+        self.session.forget()
+        self._begin()
+        if self.governor is not None:
+            self.governor = Governor(self.period, self.sampler.budget)
+            self.sampler.allowed = self.sampler.budget
+
+    @property
+    def shown(self) -> Scene:
+        """The scene that the last frame shows: with turns, not the newest. Empty before the first."""
+        return self._played[0]
+
+    @property
+    def sent(self) -> Frame | None:
+        """The last frame; None before the first."""
+        return self._frame if self._made else None
+
+    def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
+        """The frame for a scene at time t [s], due at `due` [s]; the last one again if nothing has changed."""
+        self.stages.enter("sample")
+        self.limits = limits
+        samples = self._sample(scene, t)
+        skipped, kept = self.stages.report.skipped, "solve, nothing moved"
+        made = samples, limits, self.session.solver
+        if self.player.steady and self._made == made:
+            self.player.fresh.clear()
+            skipped[kept] += 1
+            skipped["drive, nothing changed"] += 1
+            return replace(self._frame, sequence=sequence, time=due)
+        self.stages.enter("solve")
+        before = skipped[kept]
+        self.player.solve(samples, t, limits, SHARE * self.period)
+        if not self.turns.solves:  # whether anything has moved was not looked at
+            skipped[kept] = before
+        self._made = made
+        self._look()
+        self.stages.enter("drive")
+        rows = self.player.rows(t)
+        self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
+        return self._frame
+
+    def same(self, frame: Frame) -> bool:
+        """Whether a frame is the last one again."""
+        return frame is not self._frame
+
+    def govern(self, seconds: float) -> None:
+        """Decide how the next ticks come to be in time, by how long this one took [s]."""
+        fresh = self.player.fresh
+        if self.governor is None or self.turns.tick(seconds, bool(fresh)) or not fresh:
+            return
+        samples = max(len(one.samples) for one in fresh)
+        self.sampler.allowed = self.governor.tick(seconds, samples)
+
+    def emitted(self, gains: Gains) -> Gains:
+        """What the device makes of gains, (N,); the array is reused."""
+        return self.quantiser.emitted(gains, self._ceiling, self._down)
+
+    def _sample(self, scene: Scene, t: float) -> Samples:
+        """What to play now."""
+        self._changed = self._changed or scene is not self._seen
+        self._seen = scene
+        if self.turns.samples:
+            if self._changed:  # also where it has come back since
+                self.sampler.changed()
+            self._sampled, self._changed = (scene, self.sampler.sample(scene, t)), False
+        if self.turns.solves:
+            self._played = self._sampled
+        else:
+            self.stages.report.skipped["solve, in turn with sampling"] += 1
+        return self._played[1]
+
+    def _look(self) -> None:
+        """Count the solves, and now and then the error of one."""
+        fresh = self.player.fresh
+        self._unlooked += len(fresh)
+        for one in fresh:  # the propagator is where the last of them is
+            error = None
+            if one is fresh[-1] and self._unlooked >= LOOK and len(one.samples):
+                self._unlooked, error = 0, self._error(one)
+            self.stages.report.solved(one.solution.status, error)
+
+    def _error(self, solved: Solved) -> float:
+        """Relative error of the sound pressures that the device's levels make."""
+        p = self.session.propagator.apply(self.emitted(solved.gains))
+        return solved.solution.targets.miss(p)
+
+    @property
+    def _ceiling(self) -> float:
+        return min(1.0, self.limits.gain or 1.0)
+
+    @property
+    def _down(self) -> bool:
+        return self.limits.power is not None
+
+
+def rows(capability: Capability, period: float) -> tuple[Floats, float]:
+    """Times of a tick's frames from its begin, (K,) [s], and the gap [s]. Raises ArgumentError."""
+    rate = 1.0 / period
+    if capability.rate < rate * (1.0 - 1e-9):
+        raise ArgumentError("rate", f"of {rate:g} Hz is above the backend's {capability.rate:g} Hz")
+    count = max(1, round(capability.rate / rate))  # frames that one tick lasts
+    if count > MOST:
+        raise ArgumentError("rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MOST}")
+    gap = period / count
+    times: Floats = np.arange(count, dtype=np.float64) * gap
+    return times, gap

@@ -1,0 +1,185 @@
+"""The bus process: it takes clients' commands, keeps their objects, and tells the renderer what is new.
+
+Plain polling, in rounds: a bounded number of messages, what time brings, the next batch for the renderer if it has
+taken the last, a slice of a query, replies. Objects that take long are converted in a thread. A client that does not
+read its replies loses them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import random
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, TypeVar
+
+import msgspec
+import zmq
+
+from pacinian.errors import ServerError
+from pacinian.serving import child
+from pacinian.serving.desk import Desk
+from pacinian.serving.fields import Emitted
+from pacinian.serving.logs import Sparse, configure
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import Device, Sessions, Taken, pack
+from pacinian.serving.security import Gate, received
+from pacinian.serving.warm import warm
+from pacinian.wire.codec import encode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Mapping
+    from concurrent.futures import Executor
+    from pathlib import Path
+
+    from pacinian.acoustics.array import Array
+    from pacinian.serving.settings import Settings
+    from pacinian.types import Gains
+
+T = TypeVar("T")
+
+FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
+MOST = 128  # messages in one round
+LONG = 0.001  # [s] that messages may take in one round
+SOON, LATER = 1, 5  # [ms] to wait for messages: while something is to be taken, and otherwise
+SWITCH = 2e-4  # [s] that an object which is converted may hold up the rest
+TELL = 0.05  # [s] between two reports
+QUEUE = 64  # messages of one client that wait here
+BUFFER = 1 << 14  # [bytes] of those that wait in the system
+
+
+class Bus:
+    """Joins a desk to its socket and to the shared memory. Times are of `clock` [s]."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        array: Array,
+        socket: zmq.Socket[bytes],
+        memory: Mapping[str, Latest],
+        name: Callable[[str], str],
+        executor: Executor,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.port = int(socket.getsockopt_string(zmq.LAST_ENDPOINT).rpartition(":")[2])
+        self._socket, self._memory, self._name, self._clock = socket, memory, name, clock
+        self._seen: dict[str, int] = dict.fromkeys(FILES, 0)
+        self._emitted = Emitted(len(array))
+        run = random.getrandbits(62) + 1
+        self.desk = Desk(settings, array, run, self._sessions, self._gains, Sparse(clock), executor)
+        self._poller = zmq.Poller()
+        self._poller.register(socket, zmq.POLLIN)
+        self._told = -TELL  # [s]
+        self._busy = False
+        self.tell()
+
+    def round(self) -> None:
+        """Take messages, tell the renderer, answer."""
+        outbox = self.desk.outbox
+        wait = 0 if self._busy else SOON if outbox.waits or len(self.desk.converter) else LATER
+        if self._poller.poll(wait):
+            self._take()
+        if (sessions := self._sessions()) is not None:
+            self.desk.sessions(sessions)
+        self._publish()
+        self.desk.round(self._clock())
+        self._reply()
+        if self._clock() - self._told >= TELL:
+            self.tell()
+        self._busy = len(self.desk.fields) > 0
+
+    def tell(self) -> None:
+        """Report to control."""
+        now = self._clock()
+        self._new("device", Device, self._emitted.device)
+        self._memory["traffic"].write(pack(self.desk.traffic(now, self.port)))
+        self._told = now
+
+    def _take(self) -> None:
+        end = self._clock() + LONG
+        for _ in range(MOST):
+            taken = received(self._socket)
+            if taken is None:
+                return
+            peer, user, data = taken
+            now = self._clock()
+            self.desk.message(peer, self._name(user), data, now)
+            if now > end:
+                return
+
+    def _publish(self) -> None:
+        outbox = self.desk.outbox
+        self._new("taken", Taken, outbox.taken)
+        if (changes := outbox.next()) is not None:
+            self._memory["changes"].write(pack(changes))
+
+    def _reply(self) -> None:
+        for peer, reply in self.desk.replies:
+            with contextlib.suppress(zmq.Again):
+                self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
+        self.desk.replies.clear()
+
+    def _sessions(self) -> Sessions | None:
+        new: list[Sessions] = []
+        self._new("sessions", Sessions, new.append)
+        return new[0] if new else None
+
+    def _gains(self) -> tuple[Gains, float]:
+        self._new("device", Device, self._emitted.device)
+        read = self._memory["frame"].read()
+        return self._emitted.gains(b"" if read is None else read[1])
+
+    def _new(self, name: str, kind: type[T], do: Callable[[T], object]) -> None:
+        """Read a file, if there is something new."""
+        read = self._memory[name].read(self._seen[name])
+        if read is not None:
+            self._seen[name] = read[0]
+            do(msgspec.msgpack.decode(read[1], type=kind))
+
+
+@contextlib.contextmanager
+def opened(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generator[Bus]:
+    """The bus of these settings; its socket is closed at the end. Raises ServerError if its port is taken."""
+    array = settings.array.make()
+    warm(array, settings.medium.make())
+    with contextlib.ExitStack() as stack:
+        memory: dict[str, Latest] = {
+            name: stack.enter_context(Latest.attach(folder / name)) for name in FILES
+        }
+        context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
+        gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
+        socket = stack.enter_context(context.socket(zmq.ROUTER))
+        gate.protect(socket, settings.clients.command_bytes, heartbeat=False)
+        socket.router_mandatory = False  # whoever has gone gets no reply
+        # what waits in buffers is old when its turn comes: a client that finds no room keeps the newest
+        socket.rcvhwm, socket.rcvbuf = QUEUE, BUFFER
+        network = settings.network
+        try:
+            socket.bind(network.endpoint(network.command))
+        except zmq.ZMQError as error:
+            raise ServerError(
+                f"{network.endpoint(network.command)} cannot be bound: {error.strerror}"
+            ) from error
+        executor = ThreadPoolExecutor(1)
+        stack.callback(executor.shutdown, cancel_futures=True)
+        yield Bus(settings, array, socket, memory, gate.name, executor)
+
+
+def main() -> None:
+    """Run until the parent goes, or tells it to."""
+    ended = threading.Event()
+    told = child.begin(ended.set)
+    configure(told.settings.log, "bus")
+    sys.setswitchinterval(SWITCH)
+    with opened(told.settings, told.path, told.secrets) as bus:
+        gc.collect()
+        gc.freeze()
+        while not ended.is_set():
+            bus.round()
+
+
+if __name__ == "__main__":
+    main()

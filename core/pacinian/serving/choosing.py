@@ -1,0 +1,115 @@
+"""Solvers, made and tried out in threads, so that the loop goes on; it takes one over between two ticks."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from pacinian.errors import UnsupportedLimit
+from pacinian.plugins import registry
+from pacinian.rendering.warming import try_out
+from pacinian.serving.offers import LOADING
+from pacinian.session import Session
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.plugins.solver import Solver
+    from pacinian.scene.file import Choice as Configured
+    from pacinian.wire.control import Choice
+
+QUIET = "quiet"  # the limit that the stand-in keeps
+SUPERSEDED = "another one was selected since"
+
+
+class Made(NamedTuple):
+    """What has come of an order: a solver that has solved, or why there is none."""
+
+    order: int
+    solver: Solver | None
+    problem: str = ""
+
+
+class Solvers:
+    """Which solver solves: the one chosen last, but where it cannot keep the quiet zones, the stand-in.
+
+    chosen: to begin with. stand_in: keeps quiet zones. array, medium: to try new ones out. thread: for tests.
+    """
+
+    def __init__(
+        self,
+        chosen: Solver,
+        stand_in: Solver,
+        array: Array,
+        medium: Air | None = None,
+        thread: Callable[[Callable[[], None]], object] | None = None,
+    ) -> None:
+        if QUIET not in stand_in.keeps:
+            raise UnsupportedLimit(stand_in.name, QUIET)
+        self.chosen = chosen
+        self._stand_in, self._array, self._medium = stand_in, array, medium
+        self._thread = thread or _thread
+        self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
+        self._newest = 0
+
+    def order(self, number: int, choice: Choice) -> None:
+        """Begin to make a solver; the newest order wins."""
+        self._newest = number
+
+        def work() -> None:
+            try:
+                solver = made(choice)
+                try_out(Session(self._array, self._medium, solver))
+            except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
+                self._made.put(
+                    Made(number, None, f"{choice.name}: {type(error).__name__}: {error}")
+                )
+            else:
+                self._made.put(Made(number, solver))
+
+        self._thread(work)
+
+    def poll(self, quiet: bool) -> dict[str, str]:
+        """Take what has been made; return what became of orders. quiet: whether there are quiet zones."""
+        results: dict[str, str] = {}
+        while not self._made.empty():
+            order, solver, problem = self._made.get()
+            if solver is not None:
+                problem = self._take(order, solver, quiet)
+            results[f"solver {order}"] = problem
+        return results
+
+    def _take(self, order: int, solver: Solver, quiet: bool) -> str:
+        if order != self._newest:
+            return SUPERSEDED
+        if quiet and QUIET not in solver.keeps:
+            return f"{UnsupportedLimit(solver.name, QUIET)}: there are quiet zones"
+        self.chosen = solver
+        return ""
+
+    def solver(self, quiet: bool) -> Solver:
+        """The one to solve with. quiet: whether there are quiet zones."""
+        return self._stand_in if quiet and QUIET not in self.chosen.keeps else self.chosen
+
+    def status(self, quiet: bool) -> str:
+        """What people should know of it."""
+        if self.solver(quiet) is self.chosen:
+            return ""
+        return f"{self._stand_in.name} keeps the quiet zones: {self.chosen.name} cannot"
+
+
+def made(choice: str | Choice | Configured) -> Solver:
+    """A solver of one's own. Raises UnknownPlugin, PluginError, ArgumentError."""
+    name, options = (choice, {}) if isinstance(choice, str) else (choice.name, dict(choice.options))
+    plugins = registry.installed()
+    if ("solver", name) not in plugins.offers:
+        with LOADING:
+            plugins.find("solver", name)
+    return cast("Solver", plugins.make("solver", name, options))
+
+
+def _thread(work: Callable[[], None]) -> None:
+    threading.Thread(target=work, name="solver", daemon=True).start()

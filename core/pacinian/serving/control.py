@@ -1,0 +1,281 @@
+"""The control process: it answers at once, whatever the others do.
+
+Plain polling: a bounded number of requests, then what time brings: leases, probes of links, the other processes,
+the published state. Nothing here waits, imports a plug-in, or does more for a client than for another.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, OrderedDict
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from pacinian.errors import WireError
+from pacinian.serving.clocks import Allowance
+from pacinian.serving.logs import Sparse, log
+from pacinian.serving.messages import pack
+from pacinian.serving.publishing import Publisher, View
+from pacinian.serving.selecting import Selection
+from pacinian.serving.sessions import Sessions
+from pacinian.wire.codec import decode_control, encode, id_of
+from pacinian.wire.control import Capabilities, Select, Status, Stop
+from pacinian.wire.replies import Error
+from pacinian.wire.state import FRAME, STATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from msgspec import Struct
+
+    from pacinian.serving.doors import Doors
+    from pacinian.serving.memory import Latest
+    from pacinian.serving.settings import Settings
+    from pacinian.serving.supervise import Supervisor
+    from pacinian.wire.control import AnyControl
+    from pacinian.wire.state import State
+
+MOST = 64  # requests in one round
+ROUND = 0.005  # [s] a round takes at most while nobody asks anything
+OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
+LOOK = 0.02  # [s] between two looks at the other processes
+GRACE = 1.0  # [s] after a reset in which the fault that was reset may still be told
+STOP = 64  # [bytes]; one who asks too much is still listened to for so long
+TELLS = 10.0  # errors a second that one who asks too much is told
+PEERS = 4096  # whose rates are remembered
+
+
+class Control:
+    """Joins sessions, selections, the other processes and the sockets.
+
+    memory: the files that control writes and reads, by name. counts: for the metrics. newest: the state as it was
+    published last. Times are of `clock` [s].
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        doors: Doors,
+        memory: Mapping[str, Latest],
+        supervisor: Supervisor,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.sessions = Sessions(settings, server=_server())
+        self.selection = Selection(settings)
+        self.view = View(memory)
+        self.publisher = Publisher(settings, self.view, self.sessions)
+        self.counts: Counter[str] = Counter()
+        self.newest: State | None = None
+        self._settings, self._doors, self._memory = settings, doors, memory
+        self._supervisor, self._clock = supervisor, clock
+        self._log = Sparse(clock)
+        self._written: dict[str, object] = {}
+        self._rates: OrderedDict[bytes, tuple[Allowance, Allowance]] = OrderedDict()
+        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0}
+        self._reset: dict[str, tuple[str, float]] = {}  # faults that were reset, until when [s]
+        self._settle()
+
+    @property
+    def ready(self) -> bool:
+        """Whether all processes have given a sign of life, and the renderer has reported."""
+        known = self.publisher.known()["solver"]  # so that the first client can select one
+        alive = (self._supervisor.alive(name, beat) for name, beat in self._beats.items())
+        return bool(known) and all(alive)
+
+    @property
+    def _beats(self) -> dict[str, float]:
+        view = self.view
+        return {
+            "guard": view.device.beat,
+            "bus": view.traffic.beat,
+            "render": view.report.beat,
+        }
+
+    def round(self) -> None:
+        """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
+        self._doors.wait(ROUND)
+        for peer, user, data in self._doors.requests(MOST):
+            self._request(peer, user, data)
+        now = self._clock()
+        self.sessions.pass_time(now)
+        self._settle()
+        if self._is_due("look", LOOK, now):
+            self._look(now)
+        if self._is_due("owner", OWNER, now):
+            self._probe(now, owner=True)
+        if self._is_due("others", OTHERS, now):
+            self._probe(now, owner=False)
+        if self._is_due("publish", 1.0 / self._settings.state_rate, now):
+            self._publish(now)
+
+    def let_go(self) -> None:
+        """End all sound: softly where some is permitted, then for good."""
+        ownership = self.sessions.ownership
+        if ownership.owner is not None:
+            ownership.disarm(ownership.owner, self._clock())
+        while ownership.permit.armed:  # nobody is answered: a game that arms again would go on for ever
+            self._doors.wait(ROUND)
+            self.sessions.pass_time(self._clock())
+            self._settle()
+        self.sessions.end_all("the server ends", self._clock())
+        ownership.stop()
+        self._settle()
+
+    def _is_due(self, what: str, every: float, now: float) -> bool:
+        if now < self._due[what]:
+            return False
+        self._due[what] = max(self._due[what] + every, now)
+        return True
+
+    def _request(self, peer: bytes, user: str, data: bytes) -> None:
+        now = self._clock()
+        self.counts["requests"] += 1
+        rate, tells = self._rates.setdefault(
+            peer, (Allowance(self._settings.clients.rate), Allowance(TELLS))
+        )
+        self._rates.move_to_end(peer)
+        while len(self._rates) > PEERS:
+            self._rates.popitem(last=False)
+        busy = not rate.take(now)
+        if busy:
+            self.counts["busy"] += 1
+            self._log.warning("too many requests", user=user)
+            if len(data) > STOP:
+                return
+        try:
+            message = decode_control(data)
+        except WireError as error:
+            self.counts["malformed"] += 1
+            self._log.warning("malformed request", user=user, error=str(error))
+            if tells.take(now):
+                wrong = Error(
+                    id=id_of(data), code="malformed", message=error.problem, path=error.path
+                )
+                self._send(peer, wrong)
+            return
+        if busy and not isinstance(message, Stop):
+            if tells.take(now):
+                most = f"more than {self._settings.clients.rate:g} messages a second"
+                self._send(peer, Error(id=message.id, code="busy", message=most))
+            return
+        try:
+            self._do(peer, user, message, now)
+        except Exception:  # a mistake of ours must not end the server
+            self.counts["failed"] += 1
+            log().exception("request failed", user=user)
+        self._settle()
+
+    def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
+        sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
+        match message:
+            case Capabilities() | Status() | Select():
+                sessions.pass_time(now)
+                session = sessions.of(peer, message.session, message.id)
+                if session is None:
+                    pass
+                elif isinstance(message, Capabilities):
+                    self._send(peer, self.publisher.abilities(message.id))
+                elif isinstance(message, Status):
+                    state = self.publisher.state(now, self._supervisor.restarts)
+                    self._send(peer, replace(state, id=message.id))
+                elif sessions.ownership.owner not in (None, session):
+                    problem = "another client owns the output"
+                    self._send(peer, Error(id=message.id, code="owner", message=problem))
+                elif reply := self.selection.ask(session, message, self.publisher.known(), now):
+                    self._send(peer, reply)
+            case _:
+                sessions.handle(peer, user, message, now)
+        if sessions.replayed > replayed:
+            self.counts["replayed"] += 1
+            self._log.warning("a session's key was used on another connection", user=user)
+        if sessions.resets > resets:
+            self._note_reset(now)
+        if isinstance(message, Stop):
+            log().warning("emergency stop", user=user)
+
+    def _note_reset(self, now: float) -> None:
+        faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
+        self._reset = {name: (fault, now + GRACE) for name, fault in faults.items() if fault}
+        self.selection.reset(self.sessions.resets)
+        log().info("reset")
+
+    def _settle(self) -> None:
+        """Tell the other processes what has changed, then the clients."""
+        while True:
+            ownership = self.sessions.ownership
+            self._write("permit", ownership.permit, ownership.permit.pack)
+            stamp = (self.sessions.changes, ownership.owner)
+            self._write("sessions", stamp, lambda: pack(self.sessions.listed()))
+            self._write("orders", self.selection.orders, lambda: pack(self.selection.orders))
+            told = self.sessions.taken()
+            if not told:
+                return
+            for peer, reply in told:
+                if isinstance(reply, Error):
+                    self._log.warning("client told", code=reply.code, message=reply.message)
+                self._send(peer, reply)
+
+    def _write(self, name: str, value: object, data: Callable[[], bytes]) -> None:
+        if self._written.get(name) != value:
+            self._memory[name].write(data())
+            self._written[name] = value
+
+    def _send(self, peer: bytes, reply: Struct) -> None:
+        if not self._doors.reply(peer, encode(reply)):
+            self.counts["lost"] += 1
+            self.sessions.lost(peer, self._clock())
+
+    def _probe(self, now: float, *, owner: bool) -> None:
+        for session in self.sessions.all:
+            if (session is self.sessions.ownership.owner) is owner:
+                self._send(session.peer, self.sessions.probe(session, now))
+        self._settle()
+
+    def _look(self, now: float) -> None:
+        """At what the other processes tell, and at whether they live."""
+        self.view.look()
+        ownership = self.sessions.ownership
+        for name, fault in (
+            ("renderer", self.view.report.halted),
+            ("device", self.view.device.fault),
+        ):
+            old, until = self._reset.get(name, ("", 0.0))
+            if not fault or fault != old or now >= until:
+                self._reset.pop(name, None)
+                if fault and not ownership.fault:
+                    self._fault(f"{name}: {fault}")
+                    ownership.fail(f"{name}: {fault}")
+        for name, why in self._supervisor.check(self._beats):
+            self._ended(name, why, now)
+        for peer, reply in self.selection.answers(self.view.results, now):
+            self._send(peer, reply)
+        for why, more in self._doors.turned_away():
+            self._log.warning("connection refused", why=why, more=more)
+        self._settle()
+
+    def _fault(self, fault: str) -> None:
+        self.publisher.fault(fault)
+        log().error("fault", fault=fault)
+
+    def _ended(self, name: str, why: str, now: float) -> None:
+        problem = f"the process {name!r} {why}, and is started again"
+        self._fault(problem)
+        self.sessions.ownership.interrupt("fault", problem)
+        if name == "bus":
+            self.sessions.end_all(problem, now)
+        if name == "render" and self.selection.renderer_ended(now):
+            self._fault("the selected solver is given up for the configured one")
+
+    def _publish(self, now: float) -> None:
+        self.view.look()
+        self.view.look_at_frame()
+        self.newest = self.publisher.published(now, self._supervisor.restarts)
+        self._doors.publish(STATE, encode(self.newest))
+        self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+
+
+def _server() -> str:
+    import importlib.metadata
+
+    return f"pacinian {importlib.metadata.version('pacinian')}"

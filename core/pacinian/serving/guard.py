@@ -1,0 +1,157 @@
+"""The guard process: the only one that has the device, and the last that may fail.
+
+It has no socket and solves nothing: it looks at the permit and the newest frame, again and again, and decides
+(guarding.py). Whatever ends it, the last thing that the device is told is silence; what cannot be ended otherwise,
+the system ends, which closes the device.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import signal
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from msgspec.msgpack import Decoder
+
+from pacinian.scene.file import Choice
+from pacinian.serving import child
+from pacinian.serving.devices import Devices
+from pacinian.serving.guarding import Guard
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import Device, Orders, Permit, pack
+from pacinian.serving.offers import offers
+from pacinian.serving.watching import Watched
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from types import FrameType
+
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.replies import Plugin
+
+ROUND, IDLE = 0.25e-3, 1e-3  # [s] between two looks, while there may be sound and otherwise
+TELL = 0.01  # [s] between two reports
+SWITCH = 1e-4  # [s] in which a thread that opens a device lets the one that sounds go on
+LAST = 1.0  # [s] in which it ends once its parent has gone
+
+
+class Rounds:
+    """Joins a guard to the shared memory in `folder`. A context manager: at its end there is silence.
+
+    Raises ServerError if the folder lacks something.
+    """
+
+    def __init__(self, folder: Path, settings: Settings, backends: tuple[Plugin, ...]) -> None:
+        with contextlib.ExitStack() as stack:
+            permit, frame, orders, device = (
+                stack.enter_context(Latest.attach(folder / name))
+                for name in ("permit", "frame", "orders", "device")
+            )
+            self._stack = stack.pop_all()
+        self._permit = Watched(permit, Permit.unpack, Permit())
+        self._frame = Watched(frame, bytes, b"")
+        self._orders = Watched(orders, Decoder(Orders).decode, Orders())
+        self._device = device
+        self._backends = backends
+        array = settings.array.make()
+        self.guard = Guard(
+            len(array),
+            gain=settings.gain,
+            stale=settings.safety.stale,
+            generation=_last_generation(self._device),
+        )
+        chosen = settings.backend
+        choice = chosen if isinstance(chosen, Choice) else Choice(chosen)
+        self.devices = Devices(self.guard, array, choice)
+        self._told = -TELL  # [s]
+        self._orders.look()
+        self.devices.begin(self._orders.value)
+
+    def turn(self) -> float:
+        """One round; how long to wait until the next [s]."""
+        guard = self.guard
+        if self._orders.look():
+            self.devices.follow(self._orders.value)
+        self.devices.poll()
+        frame = self._frame.value if self._frame.look() else None
+        self._permit.look()  # after the frame: so it is never older than what the frame was made for
+        guard.step(self._permit.value, frame)
+        now = time.perf_counter()
+        if (guard.changed or now - self._told >= TELL) and (guard.backend or guard.fault):
+            self.tell()
+            self._told = now
+        return ROUND if self._permit.value.armed or guard.loud else IDLE
+
+    def tell(self) -> None:
+        """Publish how it is."""
+        self.guard.changed = False
+        self._device.write(pack(self.guard.device(self.devices.results, self._backends)))
+
+    def __enter__(self) -> Rounds:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Silence, tell, and close."""
+        guard, due = self.guard, time.perf_counter() + 0.5 * LAST
+        guard.silence("end")
+        while guard.loud and time.perf_counter() < due:
+            time.sleep(IDLE)
+            guard.silence("end")
+        self.tell()
+        for backend in (guard.backend, guard.coming, *guard.leaving):
+            if backend is not None:
+                with contextlib.suppress(Exception):
+                    backend.close()
+        self._stack.close()
+
+
+def _last_generation(device: Latest) -> int:
+    """Of a guard before this one: its frames are not for our devices."""
+    read = device.read()
+    if read is None:
+        return 0
+    last = Decoder(Device).decode(read[1])
+    return max(last.generation, last.next)
+
+
+def _alive(seconds: float) -> None:
+    """Have the system end this process, and so close the device, unless asked again so soon; 0: not at all."""
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, seconds)  # SIGALRM, which nobody handles
+
+
+def main() -> None:
+    """Run until the parent goes, or tells it to."""
+    ended = threading.Event()
+
+    def orphaned() -> None:
+        ended.set()
+        time.sleep(LAST)
+        os._exit(1)  # a backend holds it up: the system closes the device
+
+    def asked(number: int, frame: FrameType | None) -> None:
+        ended.set()
+
+    told = child.begin(orphaned, kill=False)
+    for name in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(name, asked)
+    sys.setswitchinterval(SWITCH)
+    with Rounds(told.path, told.settings, offers("backend")) as rounds:
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        child.urgent(first=True)  # from here on it mostly sleeps
+        while not ended.is_set():
+            # while none is open yet, one may take its time
+            _alive(told.settings.safety.hung if rounds.guard.backend else 0.0)
+            time.sleep(rounds.turn())
+        _alive(LAST)
+
+
+if __name__ == "__main__":
+    main()

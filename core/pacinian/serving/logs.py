@@ -1,0 +1,117 @@
+"""What the server's processes log, to standard error: for people, or one JSON object a line.
+
+A thread writes it: where nobody reads standard error, or it is closed, lines are lost, and nothing else.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import logging
+import queue
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any, cast
+
+import structlog
+
+from pacinian.serving.clocks import Allowance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from structlog.typing import FilteringBoundLogger, Processor
+
+    from pacinian.serving.settings import Log
+
+OFTEN = 5.0  # times a second that one event is logged
+PATIENCE = 0.5  # [s] for the last lines at the end
+THREAD = "log"
+_waiting: queue.Queue[str] = queue.Queue(1000)
+
+
+def configure(settings: Log, process: str) -> None:
+    """Log as the settings say; each line names the process."""
+    if not any(thread.name == THREAD for thread in threading.enumerate()):
+        threading.Thread(target=_write, name=THREAD, daemon=True).start()
+        atexit.register(flush)
+
+    def named(_log: object, _method: str, event: Any) -> Any:
+        event["process"] = process
+        return event
+
+    plain = structlog.dev.plain_traceback  # others show local variables, and so secrets
+    last: list[Processor]
+    if settings.format == "json":
+        last = [structlog.processors.format_exc_info, structlog.processors.JSONRenderer()]
+    else:
+        colors = sys.stderr.isatty()
+        last = [structlog.dev.ConsoleRenderer(colors=colors, exception_formatter=plain)]
+    structlog.configure(
+        processors=[
+            named,
+            structlog.processors.add_log_level,
+            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            *last,
+        ],
+        wrapper_class=structlog.make_filtering_bound_logger(
+            logging.getLevelNamesMapping()[settings.level.upper()]
+        ),
+        logger_factory=_Lines,
+        cache_logger_on_first_use=False,
+    )
+
+
+class _Lines:
+    """What structlog calls with a line."""
+
+    def __init__(self, *_: object) -> None:
+        pass
+
+    def msg(self, line: str) -> None:
+        with contextlib.suppress(queue.Full):
+            _waiting.put_nowait(line)
+
+    debug = info = warning = error = exception = critical = msg
+
+
+def _write() -> None:
+    while True:
+        line = _waiting.get()
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # gone, or closed
+            sys.stderr.write(line + "\n")
+            sys.stderr.flush()
+        _waiting.task_done()
+
+
+def flush() -> None:
+    """Wait until all is written, but not for long."""
+    due = time.monotonic() + PATIENCE
+    while _waiting.unfinished_tasks and time.monotonic() < due:
+        time.sleep(0.001)
+
+
+def log() -> FilteringBoundLogger:
+    """The log."""
+    return cast("FilteringBoundLogger", structlog.get_logger())
+
+
+class Sparse:
+    """A log that no client can flood: of each event so many a second, then how many there were besides."""
+
+    def __init__(
+        self, clock: Callable[[], float] = time.perf_counter, often: float = OFTEN
+    ) -> None:
+        self._clock, self._often = clock, often
+        self._allowed: dict[str, Allowance] = {}
+        self._missed: dict[str, int] = {}
+
+    def warning(self, event: str, **values: Any) -> None:
+        """Log a warning, unless there were too many of this event lately."""
+        if not self._allowed.setdefault(event, Allowance(self._often)).take(self._clock()):
+            self._missed[event] = self._missed.get(event, 0) + 1
+            return
+        if missed := self._missed.pop(event, 0):
+            values["missed"] = missed
+        log().warning(event, **values)

@@ -1,0 +1,218 @@
+"""The renderer in the server: it takes changes at each tick, orders between ticks, and reports."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from msgspec.msgpack import Decoder
+
+from pacinian.rendering.clock import Clock, SystemClock
+from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.scene import Scene
+from pacinian.scene.time.technique import SIMULTANEOUS
+from pacinian.serving import messages, quiet, reporting, taking
+from pacinian.serving.felt_scene import FeltScene
+from pacinian.serving.output import Input, Outputs
+from pacinian.serving.salvage import changes_of
+from pacinian.serving.watching import Watched
+from pacinian.solving.problem import Limits
+from pacinian.wire.convert_time import technique_to_scene
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.serving.choosing import Solvers
+    from pacinian.serving.loading import Loader
+    from pacinian.serving.memory import Latest
+    from pacinian.serving.messages import Orders
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.replies import Plugin
+
+FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
+EARLY = 0.01  # [s] before a permit ends, the scene fades
+KEPT = 64  # results of orders
+NO_DEVICE = messages.Device(0, 0, "", 256, 256, 0.0, None, 0.0, False)
+
+
+class Loop:
+    """Renders what the bus tells, while control permits it, for the guard.
+
+    files: those of `FILES`, by name. array, medium: as the settings have them. solvers, loader: make what
+    takes long. The loop's life: `open`, then `renderer.run(on_tick=loop.between)`, or ticks; then `close`.
+    Raises ArgumentError.
+    """
+
+    def __init__(
+        self,
+        files: dict[str, Latest],
+        settings: Settings,
+        array: Array,
+        medium: Air,
+        solvers: Solvers,
+        loader: Loader,
+        clock: Clock | None = None,
+    ) -> None:
+        self.run = int.from_bytes(os.urandom(6), "little")
+        self.results: dict[str, str] = {}
+        self.solvers: tuple[Plugin, ...] = ()
+        """That can be selected."""
+        self._files, self._settings, self._choosing = files, settings, solvers
+        self.clock = clock or SystemClock()
+        self._permit = Watched(files["permit"], messages.Permit.unpack, messages.Permit())
+        self._orders = Watched(files["orders"], Decoder(messages.Orders).decode, messages.Orders())
+        self._device = Watched(files["device"], Decoder(messages.Device).decode, NO_DEVICE)
+        self._changes = Watched(files["changes"], changes_of, (messages.Changes(0, 0, ()), 0))
+        zones = taking.zones(quiet.quiet(settings.safety.zones))
+        self.felt = FeltScene(settings.workspace, loader, zones)
+        self._device.look()
+        self._outputs = Outputs(
+            files["frame"], self._device, self._permit, settings.rate, self._tag
+        )
+        sampling = settings.sampling
+        self.renderer = Renderer(
+            array,
+            Scene(workspace=settings.workspace),
+            medium=medium,
+            solver=solvers.chosen,
+            backend=self._outputs.first(),
+            rate=settings.rate,
+            sampler=Sampler(sampling.budget, sampling.spacing, ramp=RAMP),
+            clock=self.clock,
+        )
+        self._zones = self.felt.quiet
+        self._limit()
+        self._done = messages.Orders()
+        self._reset = 0
+        self._told = 0.0  # [s] when the next report is due
+
+    def open(self) -> None:
+        """From now on, ticks render what the bus tells. What was told before is not for us."""
+        self.renderer.open()
+        self.felt.start = self.renderer.start
+        self._changes.skip()
+        self._files["taken"].write(messages.pack(messages.Taken(0, self.run, 0)))
+        self._orders.look()
+        self._reset = self._orders.value.reset
+        self._obey(self._orders.value)
+        self.renderer.scene = self._scene
+        self._report(self.clock.now())
+
+    def close(self) -> None:
+        """Silence."""
+        self.renderer.close()
+
+    def between(self, report: object = None) -> None:
+        """Between two ticks: orders, a new device, a new solver, a report. It never raises an Exception."""
+        try:
+            if self._device.look():
+                self._note(self._outputs.follow(self.renderer))
+            if self._orders.look():
+                self._obey(self._orders.value)
+            self._choose()
+            self._mend()
+        except Exception as error:  # whatever it is, the loop goes on
+            self.felt.refuse("", f"{type(error).__name__}: {error}")
+        now = self.clock.now()
+        if now >= self._told:
+            self._told = now + 1.0 / self._settings.state_rate
+            self._report(now)
+
+    def _scene(self, t: float) -> Scene:
+        """The scene of a tick."""
+        self._permit.look()
+        try:
+            self._take()
+        except Exception as error:  # whatever it is, the loop goes on
+            self.felt.refuse("", f"{type(error).__name__}: {error}")
+        permit = self._permit.value
+        over = self.clock.now() > permit.until - EARLY
+        other = permit.scene != self.felt.number
+        hushed = permit.armed != 1 or permit.stopped or over or other
+        return self.felt.hushed if hushed else self.felt.scene
+
+    def _take(self) -> None:
+        """Take the changes there are."""
+        last = self._changes.value[0]
+        if not self._changes.look():
+            self.felt.apply()
+            return
+        new, damaged = self._changes.value
+        again = () if new.run == last.run else (messages.Begin(),)
+        self.felt.apply((*again, *new.changes))
+        if damaged:
+            self.felt.refuse("", f"{damaged} changes were damaged")
+        self._files["taken"].write(messages.pack(messages.Taken(new.number, self.run, new.run)))
+        if self.felt.quiet is not self._zones:
+            self._zones = self.felt.quiet
+            self._limit()
+
+    def _limit(self) -> None:
+        """Keep the quiet zones of now, with a solver that can. Points that no sound can be sent to are left out."""
+        zones, settings = self._zones, self._settings
+        if zones is not None:
+            kept = self.renderer.player.reach.reachable(zones[0], Counter())
+            zones = (zones[0][kept], zones[1][kept]) if kept.any() else None
+        self.renderer.limits = Limits(gain=settings.gain, power=settings.power, quiet=zones)
+        self._choose()
+
+    def _choose(self) -> None:
+        asked = self.renderer.limits.quiet is not None
+        self._note(self._choosing.poll(asked))
+        solver, session = self._choosing.solver(asked), self.renderer.session
+        if session.solver is not solver:
+            session.solver = solver
+
+    def _obey(self, orders: Orders) -> None:
+        """Do what is new in the orders."""
+        done, self._done = self._done, orders
+        number, choice = orders.solver
+        if number != done.solver[0] and choice is not None:
+            self._choosing.order(number, choice)
+        technique = orders.technique[1]
+        kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
+        self.felt.present(kind, orders.intensity[1])
+        for name in ("technique", "intensity"):
+            number = getattr(orders, name)[0]
+            if number != getattr(done, name)[0]:
+                self._note({f"{name} {number}": ""})
+
+    def _mend(self) -> None:
+        """After a reset, once the device is well: begin again."""
+        reset = self._orders.value.reset
+        if reset == self._reset or self._device.value.fault:
+            return
+        self._reset = reset
+        self.renderer.reset()
+        self._note({f"reset {self._reset}": ""})
+
+    def _note(self, results: dict[str, str]) -> None:
+        self.results.update(results)
+        for old in list(self.results)[:-KEPT]:
+            del self.results[old]
+
+    def _tag(self) -> Input:
+        """The newest hands in the frame that is being sent: with turns, not the newest there are."""
+        return self.felt.input(self.renderer.shown)
+
+    def _report(self, now: float) -> None:
+        renderer = self.renderer
+        technique, intensity = self._done.technique[1], self._done.intensity[1]
+        state = reporting.state(renderer, now - renderer.start)
+        state["technique"] = "" if technique is None else str(technique.__struct_config__.tag)
+        state["intensity"] = intensity
+        if note := self._choosing.status(renderer.limits.quiet is not None):
+            state["status"] = note
+        halted = renderer.halted
+        report = messages.Report(
+            self.run,
+            now,
+            state,
+            self.results,
+            "" if halted is None else f"{halted.stage}: {halted.message}",
+            self.felt.refused,
+            self.solvers,
+        )
+        self._files["report"].write(messages.pack(report))

@@ -1,0 +1,67 @@
+"""The render process: the loop, the scene that is felt, solver plug-ins. Its frames go to the guard.
+
+It ends with its parent, or on SIGTERM; the last thing it hands over is silence.
+"""
+
+from __future__ import annotations
+
+import _thread
+import signal
+import sys
+import threading
+import time
+from contextlib import ExitStack
+
+from pacinian.plugins.backend import Capability
+from pacinian.serving import child
+from pacinian.serving.choosing import Solvers, made
+from pacinian.serving.loading import Loader
+from pacinian.serving.loop import FILES, Loop
+from pacinian.serving.memory import Latest
+from pacinian.serving.offers import offers
+from pacinian.serving.warming import warm_up
+
+SWITCH = (
+    1e-4  # [s] after which another thread gets the interpreter: helpers must not hold up a tick
+)
+STAND_IN = "auto"  # solves where the solver chosen cannot keep quiet zones
+LOOK = 0.002  # [s] between two looks for a device
+
+
+def main() -> None:
+    """Render until told to end."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    told = child.begin(lambda: _thread.interrupt_main(signal.SIGTERM))
+    sys.setswitchinterval(SWITCH)
+    try:
+        _render(told)
+    except KeyboardInterrupt:
+        return
+
+
+def _render(told: child.Told) -> None:
+    settings = told.settings
+    with ExitStack() as stack:
+        files = {name: stack.enter_context(Latest.attach(told.path / name)) for name in FILES}
+        array, medium = settings.array.make(), settings.medium.make()
+        chosen, stand_in = made(settings.solver), made(STAND_IN)
+        solvers = [chosen] if chosen.name == stand_in.name else [chosen, stand_in]
+        warm_up(array, medium, solvers, Capability(rate=settings.rate), settings.rate)
+        while not files["device"].number:
+            time.sleep(LOOK)
+        loop = Loop(
+            files, settings, array, medium, Solvers(chosen, stand_in, array, medium), Loader()
+        )
+        child.urgent(5)
+        stack.callback(loop.close)
+        loop.open()
+        threading.Thread(target=_list, args=(loop,), name="offers", daemon=True).start()
+        loop.renderer.run(on_tick=loop.between)
+
+
+def _list(loop: Loop) -> None:
+    loop.solvers = offers("solver")
+
+
+if __name__ == "__main__":
+    main()

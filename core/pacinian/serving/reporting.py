@@ -1,0 +1,78 @@
+"""What the renderer tells: what is emitted, and how the loop is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.scene.sampling.tracks import HOLD
+
+if TYPE_CHECKING:
+    from pacinian.rendering.renderer import Renderer
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.types import Floats
+
+FAULTS = 5  # that are told
+
+
+def state(renderer: Renderer, t: float) -> dict[str, Any]:
+    """Fields of `pacinian.wire.state.State` at time t [s] of the scene."""
+    report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
+    hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
+    return {
+        **_emitted(renderer),
+        "solver": renderer.session.solver.name,
+        "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
+        "ticks": report.ticks,
+        "late": report.late_ticks,
+        "rate": 1.0 / renderer.period,
+        "tick_ms": _milliseconds(ticks),
+        "frames": report.frames_sent,
+        "skipped": dict(report.skipped),
+        "faults": tuple(f"{fault.stage}: {fault.message}"[:200] for fault in list(report.faults)[-FAULTS:]),
+        "fault_count": report.fault_count,
+    }  # fmt: skip
+
+
+def _emitted(renderer: Renderer) -> dict[str, Any]:
+    """Samples, and what presses on them, at full envelope."""
+    player, session = renderer.player, renderer.session
+    if renderer.halted is not None or not player.solved:
+        return {}
+    solved = player.solved[-1]
+    samples, solution = solved.samples, solved.solution
+    if not len(samples):
+        return {"status": solution.status.name}
+    p = solution.sound_pressure
+    if solved is player.placed:  # or else it is a step of a modulation, as it was solved
+        p = session.propagator.apply(renderer.emitted)
+    used, index = np.unique(samples.objects, return_inverse=True)
+    return {
+        "points": samples.positions.astype("<f4").tobytes(),
+        "normals": samples.normals.astype("<f4").tobytes(),
+        "asked": samples.radiation_pressure.astype("<f4").tobytes(),
+        "achieved": radiation_pressure(p, session.medium).astype("<f4").tobytes(),
+        "index": index.astype("<i4").tobytes(),
+        "objects": tuple(samples.items[i].name for i in used.tolist()),
+        "error": solution.targets.miss(p),
+        "status": solution.status.name,
+    }
+
+
+def _joints(hand: Hand, t: float) -> Floats | None:
+    """Where a hand's joints are, carried on by their velocities; None if it is lost."""
+    if hand.lost or hand.time is None:
+        return None if hand.lost else hand.joints
+    return hand.after(min(max(t - hand.time, 0.0), HOLD)).joints
+
+
+def _milliseconds(ticks: Floats) -> tuple[float, float, float]:
+    """Median, 99 % and maximum of times in order, (T,) [s]."""
+    if not len(ticks):
+        return 0.0, 0.0, 0.0
+    last = len(ticks) - 1
+    at = ticks[[last // 2, round(0.99 * last), last]]
+    x, y, z = (1e3 * at).tolist()
+    return x, y, z

@@ -1,0 +1,177 @@
+"""The server's settings: what a configuration file may hold. No client can change or exceed them."""
+
+from __future__ import annotations
+
+import ipaddress
+from pathlib import Path
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+from msgspec.structs import force_setattr, replace
+
+from pacinian.acoustics.pose import Vector, vector
+from pacinian.checks import number
+from pacinian.errors import ArgumentError, SceneFileError
+from pacinian.scene.file import Choice, Lattice, Medium, Sampling, Units, decoded
+from pacinian.scene.scene import Workspace
+from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL
+
+Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
+
+
+class Network(Struct, frozen=True, forbid_unknown_fields=True):
+    """Where the server listens: an IP address, and the ports of its three sockets."""
+
+    host: str = "127.0.0.1"
+    control: Port = 0
+    command: Port = 0
+    state: Port = 0
+
+    def __post_init__(self) -> None:
+        try:
+            ipaddress.ip_address(self.host)
+        except ValueError:
+            problem = f"must be an IP address, as 127.0.0.1 or 0.0.0.0, not {self.host!r}"
+            raise ArgumentError("host", problem) from None
+
+    @property
+    def loopback(self) -> bool:
+        """Whether only programs on this machine can connect."""
+        return ipaddress.ip_address(self.host).is_loopback
+
+    def endpoint(self, port: int, *, local: bool = False) -> str:
+        """Where a socket is bound; local: where programs on this machine connect to it."""
+        address = ipaddress.ip_address(self.host)
+        if local and address.is_unspecified:
+            address = ipaddress.ip_address("127.0.0.1" if address.version == 4 else "::1")
+        return f"tcp://[{address}]:{port}" if address.version == 6 else f"tcp://{address}:{port}"
+
+
+class Zone(Struct, frozen=True, forbid_unknown_fields=True):
+    """A ball that always stays quiet. pressure: the most sound pressure there [Pa]. radius: [m], 0 for a point."""
+
+    position: Vector
+    pressure: float
+    radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "position", vector("position", self.position))
+        number("pressure", self.pressure, low=0.0, above=True)
+        number("radius", self.radius, low=0.0, high=1.0)
+
+
+class Safety(Struct, frozen=True, forbid_unknown_fields=True):
+    """What ends sound. All times in seconds.
+
+    lease: from the owner's last renewal to silence. stale: age of the newest frame at which there is silence.
+    hung: age of a process's last sign of life at which it is killed. forget: age of a client's last renewal at
+    which its session ends. takeover: whether a client may take the output from another. pressure: the most
+    radiation pressure of an object [Pa]; 200 Pa is 165 dB SPL on skin and ten times the strongest object of the
+    gallery: it stops a mistaken unit, not a strong effect. zones: what always stays quiet.
+    """
+
+    lease: float = 0.25
+    stale: float = 0.02
+    hung: float = 2.0
+    forget: float = 10.0
+    takeover: bool = True
+    pressure: float = 200.0
+    zones: tuple[Zone, ...] = ()
+
+    def __post_init__(self) -> None:
+        number("lease", self.lease, low=0.02, high=10.0)
+        number("stale", self.stale, low=0.002, high=1.0)
+        number("hung", self.hung, low=0.1, high=60.0)
+        number("forget", self.forget, low=0.1, high=3600.0)
+        number("pressure", self.pressure, low=0.0, above=True)
+
+
+class Clients(Struct, frozen=True, forbid_unknown_fields=True):
+    """How much clients may ask of the server.
+
+    most: connections, and sessions. objects: of a scene; per_client: of one client. rate: messages per second of
+    one client. command_bytes: of one command.
+    """
+
+    most: Annotated[int, Meta(ge=1, le=1024)] = 64
+    objects: Annotated[int, Meta(ge=1, le=65_536)] = 4096
+    per_client: Annotated[int, Meta(ge=1, le=65_536)] = 1024
+    rate: Annotated[float, Meta(ge=1.0, le=1e6)] = 20_000.0
+    command_bytes: Annotated[int, Meta(ge=LONGEST_CONTROL, le=LONGEST_COMMAND)] = LONGEST_COMMAND
+
+
+class Security(Struct, frozen=True, forbid_unknown_fields=True):
+    """Who may connect from elsewhere. keys: a folder with server.key and clients/*.key (`pacinian keys`)."""
+
+    keys: str = ""
+
+
+class Log(Struct, frozen=True, forbid_unknown_fields=True):
+    """What is logged to standard error, for people or for programs."""
+
+    format: Literal["console", "json"] = "console"
+    level: Literal["debug", "info", "warning", "error"] = "info"
+
+
+class Metrics(Struct, frozen=True, forbid_unknown_fields=True):
+    """Where Prometheus finds the metrics, on 127.0.0.1 only; 0: nowhere."""
+
+    port: Annotated[int, Meta(ge=0, le=65535)] = 0
+
+
+class Settings(Struct, frozen=True, forbid_unknown_fields=True):
+    """A configuration file. What it shares with a scene file means the same there.
+
+    power: the most sum of squared gains; None for no limit. connection: where clients on this machine find how to
+    connect; "" for the default. state_rate: of the published state [Hz]. Raises ArgumentError.
+    """
+
+    array: Units | Lattice = Units()
+    medium: Medium = Medium()
+    solver: str | Choice = "auto"
+    backend: str | Choice = "simulated"
+    rate: float = 1000.0
+    gain: float = 1.0
+    power: float | None = None
+    sampling: Sampling = Sampling()
+    workspace: Workspace | None = None
+    network: Network = Network()
+    connection: str = ""
+    safety: Safety = Safety()
+    clients: Clients = Clients()
+    security: Security = Security()
+    log: Log = Log()
+    metrics: Metrics = Metrics()
+    state_rate: float = 60.0
+
+    def __post_init__(self) -> None:
+        number("rate", self.rate, low=1.0, high=100_000.0)
+        number("gain", self.gain, low=1e-6, high=1.0)
+        number("state_rate", self.state_rate, low=1.0, high=1000.0)
+        if self.power is not None:
+            number("power", self.power, low=1e-12, high=1e12)
+        if not self.network.loopback and not self.security.keys:
+            raise ArgumentError(
+                "security.keys",
+                f"must be a folder of keys to listen on {self.network.host}: "
+                "`pacinian keys server --folder F` makes one",
+            )
+
+
+def load(path: str | Path) -> Settings:
+    """Read a configuration file, TOML or JSON; paths in it are relative to its folder.
+
+    Raises SceneFileError, which names the file, the key and the fix.
+    """
+    path = Path(path)
+    settings = decoded(path, Settings)
+    if keys := settings.security.keys:
+        settings = replace(settings, security=Security(str(path.parent / keys)))
+    if settings.connection:
+        settings = replace(settings, connection=str(path.parent / settings.connection))
+    for key, made in (("$.array", settings.array.make), ("$.medium", settings.medium.make)):
+        try:
+            made()
+        except ArgumentError as error:
+            raise SceneFileError(path, key, str(error)) from error
+    return settings

@@ -1,0 +1,151 @@
+"""The server's other processes: started, watched, started again when they end or hang, ended in order."""
+
+from __future__ import annotations
+
+import contextlib
+import subprocess
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from pacinian.errors import ServerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import IO
+
+CHILDREN = "guard", "bus", "render"  # in the order in which they are started
+ENDED = "render", "bus", "guard"  # the device is silenced last, when nothing can sound any more
+STARTING = 60.0  # [s] until the first sign of life
+FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
+WELL = 10.0  # [s] after which one that lives is trusted again
+PATIENCE = 3.0  # [s] in which one that was asked to end must have ended
+
+
+class Process(Protocol):
+    """What is needed of `subprocess.Popen`."""
+
+    @property
+    def stdin(self) -> IO[bytes] | None:
+        """Closed, it ends by itself."""
+        ...
+
+    def poll(self) -> int | None:
+        """Its exit code; None while it runs."""
+        ...
+
+    def kill(self) -> None:
+        """End it, whatever it does."""
+        ...
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Until it has ended."""
+        ...
+
+
+@dataclass
+class Child:
+    """One process. started: when [s]. due: when it is to be started again [s]. wait: that long after its end [s]."""
+
+    name: str
+    process: Process
+    started: float
+    due: float | None = None
+    wait: float = FIRST
+    restarts: int = 0
+
+
+class Supervisor:
+    """Starts the children and keeps them running.
+
+    start: starts one by name. hung: age of the last sign of life at which one is killed [s]. trusted: they have been
+    ready once; before, one that ends is an error, as it will most likely end again.
+    """
+
+    def __init__(
+        self,
+        start: Callable[[str], Process],
+        hung: float,
+        clock: Callable[[], float] = time.perf_counter,
+        names: Iterable[str] = CHILDREN,
+    ) -> None:
+        self._start, self._hung, self._clock = start, hung, clock
+        self.trusted = False
+        self.children: dict[str, Child] = {}
+        try:
+            for name in names:
+                self.children[name] = Child(name, start(name), clock())
+        except BaseException:
+            self.end()
+            raise
+
+    @property
+    def restarts(self) -> dict[str, int]:
+        """How often each was started again."""
+        return {name: child.restarts for name, child in self.children.items()}
+
+    def alive(self, name: str, beat: float) -> bool:
+        """Whether a sign of life, of `beat` [s], is of the process that runs now."""
+        child = self.children[name]
+        return child.due is None and beat >= child.started
+
+    def check(self, beats: dict[str, float]) -> list[tuple[str, str]]:
+        """Look after all, given their last signs of life [s]; return who has ended, and why. Raises ServerError."""
+        ended: list[tuple[str, str]] = []
+        for name, child in self.children.items():
+            now = self._clock()
+            if child.due is not None:
+                if now >= child.due:
+                    child.process, child.started, child.due = self._start(name), now, None
+                    child.restarts += 1
+                continue
+            why = self._ended(child, beats.get(name, 0.0), now)
+            if not why:
+                continue
+            if not self.trusted:
+                raise ServerError(f"the process {name!r} {why} before the server was ready")
+            if now - child.started > WELL:
+                child.wait = FIRST
+            child.due, child.wait = now + child.wait, min(LONGEST, 2.0 * child.wait)
+            ended.append((name, why))
+        return ended
+
+    def _ended(self, child: Child, beat: float, now: float) -> str:
+        if (code := child.process.poll()) is not None:
+            _closed(child.process)
+            return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+        seen = beat >= child.started
+        if now - max(beat, child.started) <= (self._hung if seen else STARTING):
+            return ""
+        _killed(child.process)
+        return "hung, and was killed" if seen else "did not start, and was killed"
+
+    def end(self) -> list[str]:
+        """End all, in order; return the names of those that had to be killed."""
+        killed: list[str] = []
+        rest = [name for name in self.children if name not in ENDED]
+        for name in [*ENDED, *rest]:
+            child = self.children.get(name)
+            if child is None or child.process.poll() is not None:
+                if child is not None:
+                    _closed(child.process)
+                continue
+            _closed(child.process)
+            try:
+                child.process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                _killed(child.process)
+                killed.append(name)
+        return killed
+
+
+def _closed(process: Process) -> None:
+    with contextlib.suppress(OSError):
+        if process.stdin is not None:
+            process.stdin.close()
+
+
+def _killed(process: Process) -> None:
+    process.kill()
+    process.wait()
+    _closed(process)

@@ -1,0 +1,147 @@
+"""An object as a client sent it, and what the renderer is told of it; converted when that is needed first."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from pacinian.errors import WireError
+from pacinian.serving.messages import CAPACITIES, MoveObject
+from pacinian.wire.bulk import unpack
+from pacinian.wire.convert import to_scene
+from pacinian.wire.objects import Surface, Volume
+from pacinian.wire.replies import Error
+from pacinian.wire.shapes import (
+    Difference,
+    HeightMap,
+    Intersection,
+    Mesh,
+    Placed,
+    Union,
+    Voxels,
+)
+
+if TYPE_CHECKING:
+    from pacinian.serving.intake import Client
+    from pacinian.wire.commands import Move
+    from pacinian.wire.objects import Object
+    from pacinian.wire.replies import Code
+
+HEAVY = 1 << 14  # [bytes]; what is larger takes long to convert
+SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
+LARGEST = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
+FARTHEST, FASTEST, UNIT = (
+    10.0,
+    100.0,
+    0.01,
+)  # [m]; [m/s] or [rad/s]; a quaternion's length is 1 within
+POSE, VELOCITY = struct.Struct("<7f"), struct.Struct("<6f")
+
+
+class Thing:
+    """An object by its name. owner: who put it last. size: what it takes [bytes].
+
+    seen: when it was put, until: when it is removed, by our clock [s]. moved: pose, velocities or none, time [s].
+    wrapped: an envelope, encoded, that came later. placed: whether it counts as its owner's.
+    """
+
+    def __init__(self, name: str, item: Object, owner: Client, size: int, seen: float) -> None:
+        self.name, self.owner, self.size, self.seen = name, owner, size, seen
+        self.item: Object | None = item
+        self.packed, self.placed = b"", False
+        self.default = item.technique is None
+        self.until = None if item.duration is None else seen + item.duration
+        self.moved: tuple[bytes, bytes, float] | None = None
+        self.wrapped = b""
+
+    @property
+    def heavy(self) -> bool:
+        """Whether it takes long to convert, and has not been."""
+        item = self.item
+        slow = isinstance(item, (Surface, Volume)) and isinstance(item.shape, SLOW)
+        return item is not None and (slow or self.size > HEAVY)
+
+    def pack(self, most: float) -> bytes:
+        """The object, encoded. most: radiation pressure [Pa]. Raises WireError, TooStrong."""
+        if self.item is not None:
+            self.accept(made(self.name, self.item, self.seen, most))
+        return self.packed
+
+    def accept(self, packed: bytes) -> None:
+        """What it was converted to; it counts while it has an owner."""
+        self.packed, self.item = packed, None
+        more = len(packed) + len(self.wrapped) - self.size
+        self.size += more
+        if self.placed:
+            self.owner.bytes += more
+
+    def move(self) -> MoveObject | None:
+        """Its pose, if that came later than itself."""
+        if self.moved is None:
+            return None
+        pose, velocity, seen = self.moved
+        x, y, z, *q = POSE.unpack(pose)
+        u, v, w, p, q_, r = VELOCITY.unpack(velocity) if velocity else (0.0,) * 6
+        return MoveObject(
+            self.name,
+            (x, y, z),
+            (q[0], q[1], q[2], q[3]),
+            (u, v, w) if velocity else None,
+            (p, q_, r) if velocity else None,
+            seen,
+        )
+
+
+def made(name: str, item: Object, seen: float, most: float) -> bytes:
+    """An object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
+    try:
+        scene = to_scene(name, item, time=seen)
+        pressure = scene.pressure
+    except WireError:
+        raise
+    except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
+        raise WireError(f"{type(error).__name__}: {error}", f"$.objects[{name}]") from error
+    if pressure > most:
+        raise too_strong(name, item, pressure, most)
+    packed = msgspec.msgpack.encode(scene)
+    if len(packed) > LARGEST:
+        raise WireError("is too large: keep to fewer numbers", f"$.objects[{name}]")
+    return packed
+
+
+class TooStrong(WireError):
+    """More radiation pressure than the server allows."""
+
+
+def refused(error: WireError, id: int = 0) -> Error:  # noqa: A002
+    """The reply to a command that cannot be meant, or asks too much."""
+    code: Code = "limit" if isinstance(error, TooStrong) else "argument"
+    return Error(id=id, code=code, message=error.problem[:1000], path=error.path[:200])
+
+
+def too_strong(name: str, item: Object, pressure: float, most: float) -> TooStrong:
+    """Why an object is refused."""
+    field = "force" if item.radiation_pressure is None else "radiation_pressure"
+    return TooStrong(
+        f"makes a radiation pressure of {pressure:.4g} Pa: keep to {most:g} Pa",
+        f"$.objects[{name}].{field}",
+    )
+
+
+def check_poses(command: Move) -> None:
+    """Refuse rotations and speeds that cannot be meant; the rest is checked already. Raises WireError."""
+    q = unpack(command.poses, 7)[:, 3:]
+    bad = np.abs((q * q).sum(axis=1) - 1.0) > 2.0 * UNIT
+    if bad.any():
+        problem = "must have a unit quaternion (x, y, z, w)"
+        raise WireError(problem, f"$.poses[{int(bad.argmax())}]")
+    if not command.velocities:
+        return
+    v = unpack(command.velocities, 3)
+    bad = (v * v).sum(axis=1) > FASTEST**2
+    if bad.any():
+        problem = f"must be at most {FASTEST:g} m/s, and rad/s"
+        raise WireError(problem, f"$.velocities[{int(bad.argmax()) // 2}]")

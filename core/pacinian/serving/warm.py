@@ -1,0 +1,27 @@
+"""What is slow the first time, done before clients come: kernels compiled, libraries loaded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.propagation import field
+from pacinian.wire.convert import to_scene
+from pacinian.wire.objects import Surface
+from pacinian.wire.shapes import Mesh
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+
+CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # [m]
+
+
+def warm(array: Array, medium: Air) -> None:
+    """Compute a field, and convert a mesh."""
+    above = array.centre + np.array([[0.0, 0.0, 0.2]])
+    field(array, np.zeros(len(array), np.complex64), above, medium)
+    vertices, faces = np.array(CORNERS, "<f4"), np.array([0, 1, 2], "<u4")
+    shape = Mesh(vertices=vertices.tobytes(), faces=faces.tobytes())
+    to_scene("warm", Surface(radiation_pressure=1.0, shape=shape))

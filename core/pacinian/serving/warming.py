@@ -1,0 +1,87 @@
+"""Before the render process is ready: what the first ticks need is compiled and loaded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pacinian.acoustics.pose import Pose
+from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.rerender import Kept, Then
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Object, Path, Point, Volume
+from pacinian.scene.scene import Scene
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.round import Sphere
+from pacinian.scene.time.noise import Noise
+from pacinian.scene.time.technique import AM, STM
+from pacinian.serving.loading import loaded
+from pacinian.solving.problem import Limits
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Vector
+    from pacinian.plugins.backend import Capability
+    from pacinian.plugins.solver import Solver
+    from pacinian.types import Floats
+
+ABOVE = 0.15  # [m] in front of the array
+TICKS = 8
+PRESSURE: Any = {"radiation_pressure": 1.0}
+NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
+
+
+def warm_up(
+    array: Array, medium: Air, solvers: list[Solver], capability: Capability, rate: float
+) -> None:
+    """Render a few scenes of all kinds, with and without quiet zones, for nobody."""
+    away = array.normals.mean(axis=0)
+    place: Floats = array.positions.mean(axis=0) + ABOVE * away
+    for solver in solvers:
+        for scene in _scenes(place):
+            quiet = None if "quiet" not in solver.keeps else (place[None] + 0.1, 50.0)
+            for limits in (Limits(), Limits(quiet=quiet)):
+                _render(array, medium, solver, capability, rate, scene, limits)
+
+
+def _render(
+    array: Array, medium: Air, solver: Solver, capability: Capability, rate: float, scene: Scene,
+    limits: Limits,
+) -> None:  # fmt: skip
+    renderer = Renderer(
+        array,
+        scene,
+        medium=medium,
+        solver=solver,
+        backend=Kept(capability),
+        rate=rate,
+        limits=limits,
+        clock=Then(),
+    )
+    with renderer:
+        for tick in range(TICKS):
+            renderer.tick(tick / rate)
+
+
+def _scenes(place: Floats) -> Iterator[Scene]:
+    x, y, z = place.tolist()
+    at, hand = Pose((x, y, z)), Hand.open(pose=Pose((x, y, z + 0.01)), time=0.0)
+    point = Point(position=(x, y, z), **PRESSURE)
+    other = Point(position=(x + 0.03, y, z), technique=AM(), **PRESSURE)
+    circle = Path(shape=Circle(0.02), pose=at, technique=STM(frequency=100.0), **PRESSURE)
+    ball = Volume(shape=Sphere(0.03), pose=at, envelope=NOISE, **PRESSURE)
+    solid = loaded(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
+    felt: tuple[Object, ...] = point, ball, solid
+    yield Scene((point, other))
+    yield Scene((circle,))
+    yield Scene(felt)
+    yield Scene(felt, hands=(hand,))
+
+
+def _tetrahedron() -> Mesh:
+    a, b = 0.03, -0.03
+    corners: tuple[Vector, ...] = (a, a, a), (a, b, b), (b, a, b), (b, b, a)
+    return Mesh(vertices=corners, faces=((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)))

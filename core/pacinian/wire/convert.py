@@ -1,0 +1,126 @@
+"""Wire objects to objects of `pacinian.scene`, and back: equal to the precision of float32."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from msgspec.msgpack import Decoder
+
+from pacinian.checks import kind
+from pacinian.scene import objects as scene
+from pacinian.scene.material import FIRM, Material
+from pacinian.scene.motion import Motion
+from pacinian.scene.time.technique import SIMULTANEOUS
+from pacinian.wire import objects
+from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.codec import checked
+from pacinian.wire.convert_shapes import (
+    pose_to_scene,
+    pose_to_wire,
+    shape_to_scene,
+    shape_to_wire,
+    texture_to_scene,
+    texture_to_wire,
+)
+from pacinian.wire.convert_time import (
+    envelope_to_scene,
+    envelope_to_wire,
+    technique_to_scene,
+    technique_to_wire,
+)
+from pacinian.wire.within import BROKEN, located, within
+
+if TYPE_CHECKING:
+    from pacinian.scene.time.technique import Technique
+
+__all__ = [
+    "envelope_to_scene",
+    "envelope_to_wire",
+    "technique_to_scene",
+    "technique_to_wire",
+    "to_scene",
+    "to_wire",
+]
+
+SOFT = objects.Material()
+_objects: Decoder[objects.Object] = Decoder(objects.Object)
+
+
+def to_scene(
+    name: str, item: objects.Object, default: Technique = SIMULTANEOUS, time: float = 0.0
+) -> scene.Object:
+    """An object of that name, seen at `time` [s]. default: technique, where it has none. Raises WireError."""
+    try:
+        return _to_scene(name, item, default, time)
+    except BROKEN as error:
+        raise located(f"$.objects[{name}]", item, error) from error
+
+
+def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object:
+    """An object without its name; its files are read. duration: after which it is removed [s].
+
+    The technique that objects have unless told otherwise becomes the server's own choice. Raises WireError for
+    what cannot be sent, or is beyond the bounds of the wire, ArgumentError for what is no object.
+    """
+    kind("item", item, scene.Point, scene.Path, scene.Particles, scene.Surface, scene.Volume)
+    return checked(_objects, within("$", lambda i: _to_wire(i, duration), item))
+
+
+def _to_scene(name: str, item: objects.Object, default: Technique, time: float) -> scene.Object:
+    technique, material, motion = item.technique, item.material, item.motion
+    felt: dict[str, Any] = {
+        "radiation_pressure": item.radiation_pressure,
+        "force": item.force,
+        "envelope": envelope_to_scene(item.envelope, ".envelope"),
+        "technique": technique_to_scene(technique, ".technique") if technique else default,
+        "material": FIRM
+        if material == SOFT
+        else Material(stiffness=material.stiffness, reach=material.reach),
+        "motion": motion and Motion(motion.velocity, motion.angular_velocity, time),
+        "priority": item.priority,
+        "name": name,
+    }
+    if isinstance(item, objects.Point):
+        return scene.Point(position=item.position, area=item.area, **felt)
+    felt["pose"] = within(".pose", pose_to_scene, item.pose)
+    if isinstance(item, objects.Particles):
+        positions: Any = unpack(item.positions, 3)
+        return scene.Particles(positions=positions, radius=item.radius, **felt)
+    shape = within(".shape", shape_to_scene, item.shape)
+    if isinstance(item, objects.Path):
+        return scene.Path(shape=shape, width=item.width, **felt)
+    felt["thickness"] = item.thickness
+    if item.texture is not None:
+        felt["texture"] = within(".texture", texture_to_scene, item.texture)
+    if isinstance(item, objects.Volume):
+        return scene.Volume(shape=shape, felt=item.felt, **felt)
+    return scene.Surface(shape=shape, **felt)
+
+
+def _to_wire(item: scene.Object, duration: float | None) -> objects.Object:
+    technique, material, motion = item.technique, item.material, item.motion
+    same = technique is SIMULTANEOUS
+    felt: dict[str, Any] = {
+        "radiation_pressure": item.radiation_pressure,
+        "force": item.force,
+        "envelope": envelope_to_wire(item.envelope, ".envelope"),
+        "technique": None if same else technique_to_wire(technique, ".technique"),
+        "material": objects.Material(material.stiffness, material.reach),
+        "motion": motion and objects.Motion(motion.velocity, motion.angular_velocity),
+        "priority": item.priority,
+        "duration": duration,
+    }
+    if isinstance(item, scene.Point):
+        return objects.Point(position=item.position, area=item.area, **felt)
+    felt["pose"] = pose_to_wire(item.pose)
+    if isinstance(item, scene.Particles):
+        return objects.Particles(positions=pack(item.positions), radius=item.radius, **felt)
+    shape = within(".shape", shape_to_wire, item.shape)
+    if isinstance(item, scene.Path):
+        return objects.Path(shape=shape, width=item.width, **felt)
+    felt["thickness"] = item.thickness
+    if item.texture is not None:
+        felt["texture"] = within(".texture", texture_to_wire, item.texture)
+    if isinstance(item, scene.Volume):
+        return objects.Volume(shape=shape, felt=item.felt, **felt)
+    return objects.Surface(shape=shape, **felt)

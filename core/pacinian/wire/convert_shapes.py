@@ -1,0 +1,180 @@
+"""Wire shapes to shapes of `pacinian.scene`, and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from msgspec.structs import astuple
+
+from pacinian.acoustics import pose as scene_pose
+from pacinian.errors import WireError
+from pacinian.scene.shapes import combine, curves, flat, mesh, texture, voxels
+from pacinian.scene.shapes import height_map as maps
+from pacinian.scene.shapes import round as rounds
+from pacinian.scene.shapes.arrays import unpacked
+from pacinian.wire import shapes
+from pacinian.wire.bulk import pack, pack_indices, unpack, unpack_indices
+from pacinian.wire.objects import Texture
+from pacinian.wire.within import within
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.types import Singles
+
+ALIKE: dict[type, type] = {  # kinds with the same fields in the same order
+    shapes.Rectangle: flat.Rectangle,
+    shapes.Disc: flat.Disc,
+    shapes.Box: flat.Box,
+    shapes.Sphere: rounds.Sphere,
+    shapes.Capsule: rounds.Capsule,
+    shapes.Line: curves.Line,
+    shapes.Circle: curves.Circle,
+    shapes.Lissajous: curves.Lissajous,
+}
+ALIKE_BACK: dict[type, type] = {theirs: ours for ours, theirs in ALIKE.items()}
+
+
+def shape_to_scene(shape: Any) -> Any:
+    """A wire shape or curve as one of `pacinian.scene`. Raises ArgumentError, WireError."""
+    kind = ALIKE.get(type(shape))
+    return kind(*astuple(shape)) if kind else TO_SCENE[type(shape)](shape)
+
+
+def shape_to_wire(shape: Any) -> Any:
+    """A shape or curve of `pacinian.scene` as a wire one; its file is read. Raises ArgumentError, WireError."""
+    kind = ALIKE_BACK.get(type(shape))
+    if kind:
+        return kind(*astuple(shape))
+    if (convert := TO_WIRE.get(type(shape))) is None:
+        raise WireError(f"a {type(shape).__name__} cannot be sent: give a Mesh or Voxels")
+    return convert(shape)
+
+
+def pose_to_scene(pose: shapes.Pose) -> scene_pose.Pose:
+    """A pose. Raises ArgumentError."""
+    return scene_pose.Pose(pose.position, pose.rotation)
+
+
+def pose_to_wire(pose: scene_pose.Pose) -> shapes.Pose:
+    """A pose."""
+    return shapes.Pose(pose.position, pose.rotation)
+
+
+def texture_to_scene(item: Texture) -> texture.Texture:
+    """A texture. Raises ArgumentError."""
+    return texture.Texture(values=_grid(item.values, item.grid), size=item.size, repeat=item.repeat)
+
+
+def texture_to_wire(item: texture.Texture) -> Texture:
+    """A texture; its file is read. Raises ArgumentError."""
+    R, C = item.factors.shape
+    values = pack(item.factors[::-1])
+    return Texture(values=values, grid=(R, C), size=item.size, repeat=item.repeat)
+
+
+def _grid(data: bytes, grid: tuple[int, ...]) -> Singles:
+    return np.frombuffer(data, "<f4").reshape(grid)
+
+
+def _map_to_scene(s: shapes.HeightMap) -> maps.HeightMap:
+    heights = _grid(s.heights, s.grid)
+    return maps.HeightMap(heights=heights, width=s.width, height=s.height, depth=s.depth)
+
+
+def _map_to_wire(s: maps.HeightMap) -> shapes.HeightMap:
+    h = unpacked("heights", s.heights, s.file, 2)
+    R, C = h.shape
+    return shapes.HeightMap(
+        heights=pack(h), grid=(R, C), width=s.width, height=s.height, depth=s.depth
+    )
+
+
+def _mesh_to_scene(s: shapes.Mesh) -> mesh.Mesh:
+    vertices: Any = unpack(s.vertices, 3)
+    faces: Any = unpack_indices(s.faces, 3)
+    return mesh.Mesh(scale=s.scale, vertices=vertices, faces=faces)
+
+
+def _mesh_to_wire(s: mesh.Mesh) -> shapes.Mesh:
+    if s.file:
+        t = s.triangles
+        return shapes.Mesh(vertices=pack(t.vertices), faces=pack_indices(t.faces))
+    return shapes.Mesh(vertices=pack(s.vertices), faces=pack_indices(s.faces), scale=s.scale)
+
+
+def _voxels_to_scene(s: shapes.Voxels) -> voxels.Voxels:
+    return voxels.Voxels(values=_grid(s.values, s.grid), pitch=s.pitch, level=s.level)
+
+
+def _voxels_to_wire(s: voxels.Voxels) -> shapes.Voxels:
+    values = unpacked("values", s.values, s.file, 3)
+    x, y, z = values.shape
+    return shapes.Voxels(values=pack(values), grid=(x, y, z), pitch=s.pitch, level=s.level)
+
+
+def _polyline_to_scene(s: shapes.Polyline) -> curves.Polyline:
+    points: Any = unpack(s.points, 3)
+    return curves.Polyline(points, s.closed)
+
+
+def _polyline_to_wire(s: curves.Polyline) -> shapes.Polyline:
+    return shapes.Polyline(pack(s.points), s.closed)
+
+
+def _placed_to_scene(s: shapes.Placed) -> combine.Placed:
+    shape = within(".shape", shape_to_scene, s.shape)
+    return combine.Placed(shape, within(".pose", pose_to_scene, s.pose))
+
+
+def _placed_to_wire(s: combine.Placed) -> shapes.Placed:
+    _flat(".shape", s.shape, combine.Placed, combine.Combination)
+    return shapes.Placed(within(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
+
+
+def _each(key: str, solids: tuple[Any, ...], convert: Callable[[Any], Any]) -> tuple[Any, ...]:
+    return tuple(within(f".{key}[{i}]", convert, s) for i, s in enumerate(solids))
+
+
+def _part_to_wire(s: Any) -> Any:
+    _flat("", s, combine.Combination)
+    return shape_to_wire(s)
+
+
+def _flat(path: str, shape: object, *kinds: type) -> None:
+    if isinstance(shape, kinds):
+        name = type(shape).__name__
+        raise WireError(f"a {name} within another cannot be sent: solids are one level deep", path)
+
+
+def _difference_to_scene(s: shapes.Difference) -> combine.Difference:
+    of = within(".of", shape_to_scene, s.of)
+    return combine.Difference(of, _each("less", s.less, shape_to_scene))
+
+
+def _difference_to_wire(s: combine.Difference) -> shapes.Difference:
+    of = within(".of", _part_to_wire, s.of)
+    return shapes.Difference(of, _each("less", s.less, _part_to_wire))
+
+
+TO_SCENE: dict[type, Callable[[Any], Any]] = {
+    shapes.HeightMap: _map_to_scene,
+    shapes.Mesh: _mesh_to_scene,
+    shapes.Voxels: _voxels_to_scene,
+    shapes.Polyline: _polyline_to_scene,
+    shapes.Placed: _placed_to_scene,
+    shapes.Union: lambda s: combine.Union(_each("parts", s.parts, shape_to_scene)),
+    shapes.Intersection: lambda s: combine.Intersection(_each("parts", s.parts, shape_to_scene)),
+    shapes.Difference: _difference_to_scene,
+}
+TO_WIRE: dict[type, Callable[[Any], Any]] = {
+    maps.HeightMap: _map_to_wire,
+    mesh.Mesh: _mesh_to_wire,
+    voxels.Voxels: _voxels_to_wire,
+    curves.Polyline: _polyline_to_wire,
+    combine.Placed: _placed_to_wire,
+    combine.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
+    combine.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),
+    combine.Difference: _difference_to_wire,
+}

@@ -1,0 +1,123 @@
+"""Wire envelopes and techniques to those of `pacinian.scene`, and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from msgspec.msgpack import Decoder
+from msgspec.structs import astuple
+
+from pacinian.errors import WireError
+from pacinian.scene.time import envelope as scene_envelope
+from pacinian.scene.time import technique as scene_technique
+from pacinian.scene.time import wav
+from pacinian.wire import time
+from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.codec import checked
+from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
+from pacinian.wire.protocol import MOST_VALUES
+from pacinian.wire.within import within
+
+ENVELOPES: dict[type, type] = {  # kinds with the same fields in the same order
+    time.Constant: scene_envelope.Constant,
+    time.Sine: scene_envelope.Sine,
+    time.Square: scene_envelope.Square,
+    time.Pulse: scene_envelope.Pulse,
+    time.Noise: scene_envelope.Noise,
+    time.Preset: scene_envelope.Preset,
+}
+TECHNIQUES: dict[type, type] = {
+    time.Simultaneous: scene_technique.Simultaneous,
+    time.AM: scene_technique.AM,
+    time.LM: scene_technique.LM,
+}
+ENVELOPES_BACK: dict[type, type] = {theirs: ours for ours, theirs in ENVELOPES.items()}
+TECHNIQUES_BACK: dict[type, type] = {theirs: ours for ours, theirs in TECHNIQUES.items()}
+
+_envelopes: Decoder[time.Envelope] = Decoder(time.Envelope)
+_techniques: Decoder[time.Technique] = Decoder(time.Technique)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Technique = scene_technique.Technique
+
+
+def envelope_to_scene(envelope: time.Envelope, path: str = "$.envelope") -> scene_envelope.Envelope:
+    """An envelope. Raises WireError."""
+    if envelope == time.STEADY:  # most are: so it is known again as the very same
+        return scene_envelope.STEADY
+    return within(path, _envelope_to_scene, envelope)
+
+
+def envelope_to_wire(envelope: scene_envelope.Envelope, path: str = "$.envelope") -> time.Envelope:
+    """An envelope; its file is read. Raises WireError, also for what the wire does not allow."""
+    if envelope is scene_envelope.STEADY:
+        return time.STEADY
+    return checked(_envelopes, within(path, _envelope_to_wire, envelope), path)
+
+
+def technique_to_scene(technique: time.Technique, path: str = "$.technique") -> Technique:
+    """A technique. Raises WireError."""
+    made: Technique = within(path, _technique_to_scene, technique)
+    return made
+
+
+def technique_to_wire(technique: Technique, path: str = "$.technique") -> time.Technique:
+    """A technique. Raises WireError, also for what the wire does not allow."""
+    return checked(_techniques, within(path, _technique_to_wire, technique), path)
+
+
+def _envelope_to_scene(envelope: Any) -> Any:
+    if isinstance(envelope, str):
+        return scene_envelope.resolve(envelope)  # type: ignore[arg-type]
+    if isinstance(envelope, time.Wave):
+        samples: Any = unpack(envelope.samples, 1)[:, 0]
+        return scene_envelope.Wave("", samples, envelope.rate, envelope.loop, envelope.mode)
+    return ENVELOPES[type(envelope)](*astuple(envelope))
+
+
+def _envelope_to_wire(envelope: Any) -> Any:
+    if isinstance(envelope, str):
+        return envelope
+    if isinstance(envelope, scene_envelope.Wave):
+        return _wave_to_wire(envelope)
+    if (kind := ENVELOPES_BACK.get(type(envelope))) is None:
+        raise WireError("a function cannot be sent: give a Wave with its samples")
+    return kind(*astuple(envelope))
+
+
+def _wave_to_wire(wave: scene_envelope.Wave) -> time.Wave:
+    if wave.rate is None:
+        rate, x = wav.read(wave.file)
+    else:
+        rate, x = wave.rate, np.array(wave.samples)
+    if len(x) > MOST_VALUES:
+        raise WireError(
+            f"is {len(x):,} samples: keep to {MOST_VALUES:,}, at a lower rate; "
+            "skin feels nothing above 1 kHz",
+            ".samples",
+        )
+    samples = pack(np.clip(x, -1.0, 1.0))
+    return time.Wave(samples=samples, rate=rate, loop=wave.loop, mode=wave.mode)
+
+
+def _technique_to_scene(technique: Any) -> Any:
+    if isinstance(technique, time.STM):
+        along: Any = _along(technique.along, shape_to_scene)
+        return scene_technique.STM(technique.frequency, along, technique.dwell)
+    return TECHNIQUES[type(technique)](*astuple(technique))
+
+
+def _technique_to_wire(technique: Any) -> Any:
+    if isinstance(technique, scene_technique.STM):
+        along: Any = _along(technique.along, shape_to_wire)
+        return time.STM(technique.frequency, along, technique.dwell)
+    if (kind := TECHNIQUES_BACK.get(type(technique))) is None:
+        raise WireError(f"is no technique: {technique!r}")
+    return kind(*astuple(technique))
+
+
+def _along(along: object, convert: Callable[[Any], Any]) -> object:
+    return along if isinstance(along, str) else within(".along", convert, along)

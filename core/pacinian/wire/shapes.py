@@ -1,0 +1,188 @@
+"""Shapes and curves on the wire: as in scene files, but with bulk numbers in a `bin`, and without files."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from pacinian.wire.bulk import indices, rows
+from pacinian.wire.protocol import (
+    MOST_FACES,
+    MOST_PARTS,
+    MOST_VALUES,
+    MOST_VERTICES,
+    Angle,
+    Extent,
+    Length,
+    Position,
+    Rotation,
+    Side,
+    Turns,
+)
+
+Values = Annotated[bytes, Meta(min_length=4, max_length=4 * MOST_VALUES)]
+
+
+class Pose(Struct, frozen=True):
+    """Where something is: a rotation about its own origin, then a translation.
+
+    position: of its origin. rotation: unit quaternion x, y, z, w.
+    """
+
+    position: Position = (0.0, 0.0, 0.0)
+    rotation: Rotation = (0.0, 0.0, 0.0, 1.0)
+
+
+class Rectangle(Struct, frozen=True, tag_field="type", tag="rectangle"):
+    """A rectangle in the xy-plane about the origin, facing +z. width: in x. height: in y."""
+
+    width: Length
+    height: Length
+
+
+class Disc(Struct, frozen=True, tag_field="type", tag="disc"):
+    """A disc in the xy-plane about the origin, facing +z. radius: of it."""
+
+    radius: Length
+
+
+class Sphere(Struct, frozen=True, tag_field="type", tag="sphere"):
+    """A sphere about the origin, as a surface or as a volume. radius: of it."""
+
+    radius: Length
+
+
+class HeightMap(Struct, frozen=True, kw_only=True, tag_field="type", tag="height-map"):
+    """A surface over a rectangle in the xy-plane about the origin, facing +z.
+
+    heights: (R, C) float32, in rows as in a picture that is looked at from +z: the first row is at the far end of
+    y. grid: R, C, each 2 or more. width: in x. height: in y. depth: how high 1 is.
+    """
+
+    heights: Values
+    grid: tuple[Side, Side]
+    width: Length
+    height: Length
+    depth: Length = 1.0
+
+    def __post_init__(self) -> None:
+        rows("heights", self.heights, self.grid[1], self.grid[0], low=-1e6, high=1e6)
+
+
+class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
+    """A triangle mesh. As a volume it must be closed; as a surface it faces where it is seen counter-clockwise.
+
+    vertices: (V, 3) float32. faces: indices of vertices, (F, 3) little-endian uint32. scale: metres per unit of
+    the vertices.
+    """
+
+    vertices: Annotated[bytes, Meta(min_length=36, max_length=12 * MOST_VERTICES)]
+    faces: Annotated[bytes, Meta(min_length=12, max_length=12 * MOST_FACES)]
+    scale: Length = 1.0
+
+    def __post_init__(self) -> None:
+        rows("vertices", self.vertices, 3, None, low=-1e6, high=1e6)
+        indices("faces", self.faces, 3, len(self.vertices) // 12)
+
+
+class Box(Struct, frozen=True, tag_field="type", tag="box"):
+    """A box about the origin. size: its full extent in x, y and z."""
+
+    size: Extent
+
+
+class Capsule(Struct, frozen=True, tag_field="type", tag="capsule"):
+    """A capsule about the origin along z. radius: of it and its caps. length: between the centres of its caps."""
+
+    radius: Length
+    length: Length
+
+
+class Voxels(Struct, frozen=True, kw_only=True, tag_field="type", tag="voxels"):
+    """A volume given by how full each voxel of a grid about the origin is.
+
+    values: 0..1, (X, Y, Z) float32, z the fastest. grid: X, Y, Z. pitch: side of a voxel. level: the shell is
+    where the values are so much.
+    """
+
+    values: Values
+    grid: tuple[Side, Side, Side]
+    pitch: Length
+    level: Annotated[float, Meta(gt=0.0, le=1.0, description="0..1, not 0")] = 0.5
+
+    def __post_init__(self) -> None:
+        x, y, z = self.grid
+        rows("values", self.values, z, x * y, low=0.0, high=1.0)
+
+
+Primitive = Sphere | Box | Capsule | Mesh | Voxels
+
+
+class Placed(Struct, frozen=True, tag_field="type", tag="placed"):
+    """A solid elsewhere, or turned. shape: in its own frame. pose: where that is."""
+
+    shape: Primitive
+    pose: Pose = Pose()
+
+
+Solids = Annotated[tuple[Primitive | Placed, ...], Meta(min_length=1, max_length=MOST_PARTS)]
+
+
+class Union(Struct, frozen=True, tag_field="type", tag="union"):
+    """All that is in any of the parts. parts: solids, one level deep."""
+
+    parts: Solids
+
+
+class Intersection(Struct, frozen=True, tag_field="type", tag="intersection"):
+    """What is in all of the parts. parts: solids, one level deep."""
+
+    parts: Solids
+
+
+class Difference(Struct, frozen=True, tag_field="type", tag="difference"):
+    """What is in one solid and in none of others. of: the one. less: the others."""
+
+    of: Primitive | Placed
+    less: Solids
+
+
+class Line(Struct, frozen=True, tag_field="type", tag="line"):
+    """A straight line along x, about the origin. length: of it."""
+
+    length: Length
+
+
+class Circle(Struct, frozen=True, tag_field="type", tag="circle"):
+    """A circle in the xy-plane about the origin. radius: of it."""
+
+    radius: Length
+
+
+class Lissajous(Struct, frozen=True, tag_field="type", tag="lissajous"):
+    """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
+
+    width, height: of the whole. a: how often it swings in x. b: how often in y. phase: of x before y.
+    """
+
+    width: Length
+    height: Length
+    a: Turns = 1
+    b: Turns = 2
+    phase: Angle = 0.0
+
+
+class Polyline(Struct, frozen=True, tag_field="type", tag="polyline"):
+    """Straight pieces from point to point. points: (K, 3) float32 [m]. closed: with one from last to first."""
+
+    points: Annotated[bytes, Meta(min_length=24, max_length=12 * MOST_VERTICES)]
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        rows("points", self.points, 3, None)
+
+
+Shell = Rectangle | Disc | Sphere | HeightMap | Mesh
+Solid = Primitive | Placed | Union | Intersection | Difference
+Curve = Line | Circle | Lissajous | Polyline

@@ -1,0 +1,34 @@
+"""A game that lets a rolling ball be felt by a hand. Start `pacinian serve` first, in another terminal."""
+
+import math
+import time
+
+import pacinian as pc
+
+RATE, SECONDS = 90.0, 5.0  # [Hz] of the game, [s]
+HAND = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+BALL = pc.Volume(
+    shape=pc.Sphere(0.03),
+    pose=pc.Pose((0.0, 0.0, 0.175)),
+    radiation_pressure=8.0,  # [Pa]
+    envelope=pc.Sine(150.0),
+    name="ball",
+)
+
+with pc.Client(name="example") as client:
+    client.put(BALL)
+    client.hands(HAND)
+    client.arm()  # from now on `renew` must be called, again and again, or there is silence
+    begin = time.perf_counter()
+    while (t := time.perf_counter() - begin) < SECONDS:  # the game's own loop
+        y, v = 0.01 * math.sin(math.tau * t), 0.01 * math.tau * math.cos(math.tau * t)
+        client.move("ball", pc.Pose((0.0, y, 0.175)), pc.Motion((0.0, v, 0.0)), wait=False)
+        client.hands(HAND, wait=False)
+        try:
+            client.renew()
+        except pc.Refused as error:  # once: it froze, or another client took over, or a stop
+            print(error)
+            client.arm()
+        time.sleep(1.0 / RATE)
+    state = client.status()
+print(f"{state.output}, {len(state.asked) // 4} samples, error {state.error:.2%}")

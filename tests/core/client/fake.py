@@ -1,0 +1,193 @@
+"""A server of one thread that answers as it is told to: real sockets, no array."""
+
+import os
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import zmq
+from zmq.auth.thread import ThreadAuthenticator
+
+from pacinian.wire import commands, control, replies
+from pacinian.wire.bulk import pack
+from pacinian.wire.codec import decode_command, decode_control, encode
+from pacinian.wire.connection import Connection
+from pacinian.wire.state import STATE, State
+
+KEY = b"k" * 16
+ABILITIES: dict[str, Any] = {
+    "solvers": (), "backends": (), "techniques": (), "presets": (), "positions": b"", "normals": b"",
+    "frequency": 40e3, "wavelength": 0.0085, "phases": 320, "amplitudes": 320, "device_rate": 1e3,
+    "rate": 1e3, "limits": {},
+}  # fmt: skip
+
+
+def state(sequence: int = 1, **fields: Any) -> State:
+    given: dict[str, Any] = {
+        "time": time.perf_counter(), "output": "silent", "armed": False, "owner": "", "scene": "",
+        "solver": "auto", "backend": "simulated", "technique": "simultaneous", "intensity": 1.0,
+    }  # fmt: skip
+    return State(sequence=sequence, **{**given, **fields})
+
+
+class Fake:
+    """A context manager. seen: messages as they came. answers: by type of message, in place of the usual ones."""
+
+    def __init__(
+        self, ports: tuple[int, ...] = (0, 0, 0), keys: tuple[bytes, bytes] | None = None
+    ) -> None:
+        self.keys, self.token = keys, "t" * 64
+        self.seen: list[Any] = []
+        self.answers: dict[type, Callable[[Any], Any]] = {}
+        self.deaf = False
+        """Reads nothing."""
+        self.stream: Callable[[], State] | None = None
+        """Makes a state to be published at each turn, at most 500 a second."""
+        self._context = zmq.Context()
+        self._zap = ThreadAuthenticator(self._context)
+        self._zap.start()
+        self._zap.configure_plain("pacinian", {"pacinian": self.token})
+        if keys:
+            self._zap.configure_curve("pacinian", location="*")
+        kinds = zmq.ROUTER, zmq.ROUTER, zmq.PUB
+        self._sockets = [self._bound(kind, port) for kind, port in zip(kinds, ports, strict=True)]
+        self.ports = tuple(
+            int(str(s.last_endpoint).rpartition(":")[2].rstrip("'\0")) for s in self._sockets
+        )
+        self.peers: list[bytes] = [b"", b""]
+        self._todo: queue.Queue[tuple[Callable[[], object], threading.Event]] = queue.Queue()
+        self._ended = False
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _bound(self, kind: int, port: int) -> Any:
+        socket = self._context.socket(kind)
+        socket.linger, socket.rcvhwm, socket.sndhwm = 0, 10, 10_000
+        socket.setsockopt(zmq.RCVBUF, 4096)
+        socket.zap_domain = b"pacinian"
+        if self.keys:
+            socket.curve_server = True
+            socket.curve_publickey, socket.curve_secretkey = self.keys
+        else:
+            socket.plain_server = True
+        socket.bind(f"tcp://127.0.0.1:{port or '*'}")
+        return socket
+
+    @property
+    def connection(self) -> Connection:
+
+        at = [f"tcp://127.0.0.1:{port}" for port in self.ports]
+        server_key = self.keys[0].decode() if self.keys else ""
+        return Connection(
+            pid=os.getpid(),
+            control=at[0],
+            command=at[1],
+            state=at[2],
+            token=self.token,
+            server_key=server_key,
+        )
+
+    def of(self, kind: type) -> list[Any]:
+        return [m for m in self.seen if isinstance(m, kind)]
+
+    def do(self, what: Callable[[], object]) -> None:
+        """In the server's thread; waits until it is done."""
+        done = threading.Event()
+        self._todo.put((what, done))
+        assert done.wait(10.0)
+
+    def say(self, reply: Any, socket: int = 0) -> None:
+        """To the client that spoke last on that socket: 0 for control, 1 for commands."""
+        self.do(lambda: self._sockets[socket].send_multipart([self.peers[socket], encode(reply)]))
+
+    def publish(self, *states: State) -> None:
+        self.do(lambda: [self._sockets[2].send_multipart([STATE, encode(s)]) for s in states])
+
+    def until(self, what: Callable[[], bool]) -> None:
+        end = time.monotonic() + 10.0
+        while not what():
+            assert time.monotonic() < end, self.seen
+            time.sleep(0.001)  # for the other thread
+
+    def die(self) -> None:
+        """At once, in the middle of an answer: to be called by one."""
+        self._ended = True
+        for socket in self._sockets:
+            socket.close(0)
+
+    def close(self) -> None:
+        if not self._context.closed:
+            self._ended = True
+            self._thread.join(10.0)
+            for socket in self._sockets:
+                socket.close(0)
+            self._zap.stop()
+            self._context.term()
+
+    def __enter__(self) -> "Fake":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _run(self) -> None:
+        poller = zmq.Poller()
+        for socket in self._sockets[:2]:
+            poller.register(socket, zmq.POLLIN)
+        while not self._ended:
+            while not self._todo.empty():
+                what, done = self._todo.get()
+                what()
+                done.set()
+            if self.deaf:
+                time.sleep(0.001)
+                continue
+            if self.stream:
+                self._sockets[2].send_multipart([STATE, encode(self.stream())])
+            ready = dict(poller.poll(2))
+            for i, decode in enumerate((decode_control, decode_command)):
+                if self._sockets[i] in ready and not self._ended:
+                    self.peers[i], data = self._sockets[i].recv_multipart()
+                    message = decode(data)
+                    self.seen.append(message)
+                    self._answer(i, message)
+
+    def _answer(self, i: int, message: Any) -> None:
+        answer = self.answers.get(type(message), usual)(message)
+        for reply in answer if isinstance(answer, list) else [answer]:
+            if reply is not None:
+                self._sockets[i].send_multipart([self.peers[i], encode(reply)])
+
+
+def usual(message: Any) -> Any:
+    """What a server would say."""
+    number, now = message.id, time.perf_counter()
+    if isinstance(message, control.Hello):
+        return replies.Welcome(
+            id=number, session=KEY, protocol=(1, 0), server="fake", time=now, scene=message.scene or "own",
+            lease=message.lease or 0.25, link=0.2, rate=1e3,
+        )  # fmt: skip
+    if isinstance(message, control.Renew):
+        return replies.Renewed(
+            id=number, sequence=message.sequence, time=message.time, server_time=now, until=now + 0.25,
+            owner=True, armed=True,
+        )  # fmt: skip
+    if isinstance(message, control.Capabilities):
+        return replies.Abilities(id=number, **ABILITIES)
+    if isinstance(message, control.Status):
+        return state(id=number)
+    if isinstance(message, commands.Field):
+        pairs = [(i, -i) for i in range(len(message.points) // 12)]
+        return replies.Pressures(id=number, pressures=pack(pairs), time=now)
+    return replies.Ok(id=number) if number else None
+
+
+if __name__ == "__main__":
+    with Fake() as fake:
+        sys.stdout.write(msgspec.json.encode(fake.connection).decode() + "\n")
+        sys.stdout.flush()
+        sys.stdin.read()

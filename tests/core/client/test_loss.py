@@ -1,0 +1,291 @@
+"""Servers that are not there, go, hang, or come back: nothing resumes, nothing old arrives."""
+
+import socket
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zmq
+
+import pacinian as pc
+from pacinian.client.emergency import emergency_stop
+from pacinian.wire import commands, control, replies
+from pacinian.wire.bulk import unpack
+from pacinian.wire.connection import Connection
+
+from .fake import Fake, usual
+
+POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
+HEAVY = pc.Particles(
+    positions=tuple((0.0, 0.0, 1e-5 * i) for i in range(5000)), radiation_pressure=5.0, name="rain"
+)
+
+
+@pytest.fixture
+def server() -> Iterator[Fake]:
+    with Fake() as fake:
+        yield fake
+
+
+def lost(client: pc.Client, call: Callable[[], object], says: str = "server") -> None:
+    """Within ten seconds the call raises ConnectionLost."""
+    end = time.monotonic() + 10.0
+    with pytest.raises(pc.ConnectionLost, match=says):  # noqa: PT012
+        while time.monotonic() < end:
+            call()
+            time.sleep(0.001)  # for the other thread
+    assert not client.connected
+    assert not client.armed
+
+
+def nobody() -> Connection:
+    """Where nobody listens."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        at = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    return Connection(pid=1, control=at, command=at, state=at, token="x")
+
+
+def test_nobody_there_is_told_at_once() -> None:
+    begin = time.monotonic()
+    with pytest.raises(pc.ConnectionLost, match="is `pacinian serve` running"):
+        pc.Client(nobody(), timeout=60.0)
+    with pytest.raises(pc.ConnectionLost, match="is `pacinian serve` running"):
+        emergency_stop(nobody(), timeout=60.0)
+    assert time.monotonic() - begin < 30.0
+
+
+def test_a_wrong_token_is_told(server: Fake) -> None:
+    token = "x" * 64
+    given = server.connection
+    wrong = Connection(
+        pid=given.pid, control=given.control, command=given.command, state=given.state, token=token
+    )
+    with pytest.raises(pc.ConnectionLost, match="token or key"):
+        pc.Client(wrong)
+    assert server.seen == []
+
+
+def test_a_server_of_something_else_is_told() -> None:
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+        at = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        with pytest.raises(pc.ConnectionLost, match="no Pacinian server"):
+            pc.Client(Connection(pid=1, control=at, command=at, state=at, token="x"))
+
+
+def test_an_address_that_is_none_is_told() -> None:
+    with pytest.raises(pc.ConnectionLost, match="cannot connect to nowhere"):
+        pc.Client(Connection(pid=1, control="nowhere", command="", state="", token="x"))
+
+
+@pytest.mark.parametrize("secrets", [{}, {"server_key": "x" * 40}, {"server_key": "short"}])
+def test_a_connection_without_secrets_is_told(secrets: dict[str, str]) -> None:
+    with pytest.raises(pc.ConnectionLost, match="no token"):
+        pc.Client(Connection(pid=1, control="", command="", state="", **secrets))
+
+
+def test_a_server_that_goes_in_the_middle_of_a_call(server: Fake) -> None:
+    server.answers[commands.Put] = lambda _: server.die()
+    begin = time.monotonic()
+    with pc.Client(server.connection, timeout=60.0) as client:
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            client.put(POINT)
+        assert not client.connected
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            client.put(POINT)
+    assert time.monotonic() - begin < 30.0
+
+
+def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
+    late: list[Any] = []
+    server.answers[commands.Put] = late.append
+    with pc.Client(server.connection, timeout=0.2) as client:
+        with pytest.raises(pc.ConnectionLost, match=r"no answer to `put` within 0.2 s"):
+            client.put(POINT)
+        client.reconnect()
+        answer = replies.Error(id=late[0].id, code="limit", message="late")
+        server.answers[control.Reset] = lambda m: [answer, usual(m)]
+        client.reset()  # which the late answer is none of
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_session_that_the_server_has_ended(server: Fake, asked: bool) -> None:
+    ended = {"code": "session", "message": "the bus was started anew"}
+    with pc.Client(server.connection) as client:
+        client.arm()
+        if asked:
+            server.answers[control.Reset] = lambda m: replies.Error(id=m.id, **ended)
+            lost(client, client.reset, "the bus was started anew")
+        else:
+            server.say(replies.Error(**ended))  # type: ignore[arg-type]
+            lost(client, client.renew, "the bus was started anew")
+        with pytest.raises(pc.ConnectionLost):
+            client.renew()
+        assert [m for m in server.seen if isinstance(m, control.Bye)] == []
+
+
+@pytest.mark.parametrize("call", ["renew", "cast", "ask", "watch", "look", "hold"])
+def test_any_call_finds_out(server: Fake, call: str) -> None:
+    with pc.Client(server.connection) as client:
+        client.arm()
+        server.close()
+        calls: dict[str, Callable[[], object]] = {
+            "renew": client.renew,
+            "cast": lambda: client.put(POINT, wait=False),
+            "ask": client.status,
+            "watch": lambda: next(client.watch(0.01)),
+            "look": client.look,
+            "hold": lambda: client.hold(5.0),
+        }
+        lost(client, calls[call])
+
+
+def test_nothing_resumes_after_a_restart(server: Fake, tmp_path: Path) -> None:
+    path = server.connection.write(tmp_path / "connection.json")
+    with pc.Client(path, reconnect=True, scene="hall") as client:
+        client.put(POINT)
+        client.hands(pc.Hand.open())
+        client.arm()
+        server.close()
+        with Fake(server.ports) as again:  # at the same place, with the same token
+            lost(client, lambda: client.put(POINT, wait=False))
+            with pytest.raises(pc.ConnectionLost):
+                client.renew()  # which never reconnects
+            assert again.seen == []
+            client.clear()  # which does
+            assert client.connected
+            assert not client.armed
+            client.renew()
+            again.until(lambda: bool(again.of(control.Renew)))
+        kinds = [type(m) for m in again.seen]
+        assert kinds == [control.Hello, commands.Clear, control.Renew]
+        assert again.seen[0].scene == "hall"
+        assert again.seen[1].sequence == 1
+
+
+def test_it_reconnects_where_the_file_says_now(server: Fake, tmp_path: Path) -> None:
+    path = server.connection.write(tmp_path / "connection.json")
+    with Fake() as other, pc.Client(path) as client:
+        server.close()
+        lost(client, client.status)
+        with pytest.raises(pc.ConnectionLost):
+            client.status()  # not by itself
+        with pytest.raises(pc.ConnectionLost, match="running"):
+            client.reconnect()
+        other.connection.write(path)
+        client.reconnect()
+        client.put(POINT)
+        assert [type(m) for m in other.seen] == [control.Hello, commands.Put]
+
+
+def test_a_stop_reaches_a_new_server_though_the_session_is_lost(
+    server: Fake, tmp_path: Path
+) -> None:
+    path = server.connection.write(tmp_path / "connection.json")
+    with pc.Client(path) as client:
+        server.close()
+        with Fake() as other:
+            other.connection.write(path)
+            client.stop()
+            assert [type(m) for m in other.seen] == [control.Stop]
+        assert not client.connected
+
+
+def fill(client: pc.Client) -> None:
+    """Send until the socket has no room, nor gets any."""
+    box, without = client._dialogue.outbox, 0
+    for _ in range(5000):
+        client.put(HEAVY, wait=False, ttl=60.0)
+        without = without + 1 if box.waiting else 0
+        if without == 20:
+            return
+        if without:
+            time.sleep(0.002)  # for the socket's own thread
+    raise AssertionError("there always was room")
+
+
+def test_newest_wins_while_there_is_no_room(server: Fake) -> None:
+    with pc.Client(server.connection) as client:
+        server.deaf = True
+        fill(client)
+        before = client._dialogue.outbox.superseded
+        for i in range(200):
+            client.move("rain", pc.Pose((1e-3 * i, 0.0, 0.2)), wait=False, ttl=60.0)
+            client.hands(wait=False, ttl=60.0)
+        assert len(client._dialogue.outbox.waiting) <= 3
+        assert client._dialogue.outbox.superseded - before >= 2 * 199
+        server.deaf = False
+        server.until(lambda: client.renew() is None and not client._dialogue.outbox.waiting)
+        client.clear()
+        (move,) = server.of(commands.Move)
+        assert unpack(move.poses, 7)[0, 0] == pytest.approx(0.199)
+        assert len(server.of(commands.Hands)) == 1
+        sequences = [m.sequence for m in server.seen if isinstance(m, commands.Command)]
+        assert sequences == sorted(set(sequences))
+
+
+def test_nothing_that_waited_reaches_a_new_server(server: Fake) -> None:
+    with pc.Client(server.connection, reconnect=True) as client:
+        server.deaf = True
+        fill(client)
+        client.move("rain", pc.Pose(), wait=False)
+        server.close()
+        with Fake(server.ports) as again:
+            lost(client, client.renew)
+            client.clear()
+            client.renew()
+            again.until(lambda: bool(again.of(control.Renew)))
+            assert [type(m) for m in again.seen] == [control.Hello, commands.Clear, control.Renew]
+
+
+def test_closing_does_not_wait_for_a_server_that_hangs(server: Fake) -> None:
+    client = pc.Client(server.connection)
+    server.deaf = True
+    fill(client)
+    begin = time.monotonic()
+    client.close()
+    assert time.monotonic() - begin < 5.0
+
+
+def test_too_much_in_one_message_is_told_and_the_session_goes_on(server: Fake) -> None:
+    many = [
+        pc.Particles(positions=HEAVY.positions * 2, radiation_pressure=1.0, name=str(i))
+        for i in range(10)
+    ]
+    with pc.Client(server.connection) as client:
+        for wait in (True, False):
+            with pytest.raises(pc.WireError, match="bytes"):
+                client.put(*many, wait=wait)
+        client.put(many[0])
+        assert len(server.of(commands.Put)) == 1
+
+
+def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:
+    from zmq.auth import create_certificates, load_certificate
+
+    create_certificates(tmp_path, "server")
+    create_certificates(tmp_path, "game")
+    public, secret = load_certificate(tmp_path / "server.key_secret")
+    assert secret
+    with Fake(keys=(public, secret)) as server:
+        for keys in (tmp_path, tmp_path / "game.key_secret"):
+            with pc.Client(server.connection, keys=keys) as client:
+                client.put(POINT)
+        (tmp_path / "server.key").unlink()  # the connection has it, too
+        with pc.Client(server.connection, keys=tmp_path) as client:
+            client.put(POINT)
+        with pytest.raises(pc.ConnectionLost, match=r"CURVE|token or key"):
+            _wrong(server, tmp_path)
+        create_certificates(tmp_path, "other")
+        with pytest.raises(pc.ArgumentError, match=r"2 .*key_secret"):
+            pc.Client(server.connection, keys=tmp_path)
+        with pytest.raises(pc.ArgumentError, match="is no key"):
+            pc.Client(server.connection, keys=tmp_path / "none")
+
+
+def _wrong(server: Fake, folder: Path) -> None:
+    """A client that takes another key for the server's."""
+    (folder / "server.key").write_bytes((folder / "game.key").read_bytes())
+    pc.Client(server.connection, keys=folder / "game.key_secret")

@@ -1,0 +1,162 @@
+"""Another device while the loop runs."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.rendering.clock import paced
+from pacinian.rendering.recording import Recorder
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.time.technique import STM
+from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+ARRAY = pc.autd()
+POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
+TREMBLE = pc.Point(
+    position=(0.02, 0.0, 0.15), radiation_pressure=3.0, envelope=pc.Sine(frequency=200.0)
+)
+CIRCLE = pc.Path(
+    shape=Circle(0.02),
+    pose=pc.Pose((0.0, 0.0, 0.15)),
+    technique=STM(frequency=100.0),
+    radiation_pressure=5.0,
+)
+
+
+def moving(t: float) -> pc.Scene:
+    return pc.Scene((pc.Point(position=(0.02 * math.sin(t), 0.0, 0.15), radiation_pressure=5.0),))
+
+
+SCENES = pc.Scene((POINT,)), pc.Scene((POINT, TREMBLE)), pc.Scene((CIRCLE,)), moving
+
+
+def opened(**given: Any) -> Simulated:
+    device = Simulated(**given)
+    device.open(ARRAY)
+    return device
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_no_tick_is_missing_and_the_same_sounds(scene: Any) -> None:
+    clock = ManualClock()
+    first, second = Simulated(rate=2000.0), opened(rate=5000.0, phases=1024, amplitudes=512)
+    alone = Simulated(rate=5000.0, phases=1024, amplitudes=512)
+    renderer = pc.Renderer(ARRAY, scene, backend=first, clock=clock)
+    other = pc.Renderer(ARRAY, scene, backend=alone, clock=clock)
+    with renderer, other:
+        for k in range(40):
+            if k == 20:
+                assert renderer.use(second) is first
+                assert not first.silent  # until the caller closes it
+            if k == 21:
+                first.close()
+            clock.wait_until(k * 0.001)
+            renderer.tick()
+            other.tick()
+        assert [len(frame.phase) for frame in first.frames] == [*[2] * 20, 2]
+        assert [len(frame.phase) for frame in second.frames] == [5] * 20
+        sequences = [frame.sequence for frame in [*list(first.frames)[:20], *second.frames]]
+        assert sequences == list(range(40))
+        a, b = second.field([POINT.position]), alone.field([POINT.position])
+        np.testing.assert_allclose(np.abs(a), np.abs(b), rtol=0.05, atol=0.02 * np.abs(b).max())
+    assert first.silent
+    assert second.silent
+    assert not renderer.report.faults
+
+
+def test_what_stands_still_is_not_solved_again() -> None:
+    renderer = pc.Renderer(
+        ARRAY,
+        pc.Scene((POINT,)),
+        backend=Simulated(),
+        clock=ManualClock(),
+        sampler=pc.Sampler(),
+    )
+    device = opened(phases=32, amplitudes=17)
+    with renderer:
+        for k in range(10):
+            renderer.tick(k * 0.001)
+        solves = renderer.report.solves
+        before = renderer.emitted
+        renderer.use(device)
+        renderer.tick(0.010)
+        assert renderer.report.solves == solves
+        np.testing.assert_allclose(device.gains, renderer.emitted, atol=1e-6)
+        np.testing.assert_allclose(device.gains, before, atol=0.15)
+        assert device.frames[0].phase.max() < 32
+
+
+def test_a_device_slower_than_the_loop_is_refused_and_the_old_one_goes_on() -> None:
+    first = Simulated()
+    renderer = pc.Renderer(ARRAY, pc.Scene((POINT,)), backend=first, clock=ManualClock())
+    with renderer:
+        renderer.tick()
+        with pytest.raises(pc.ArgumentError, match="rate"):
+            renderer.use(opened(rate=500.0))
+        assert renderer.backend is first
+        renderer.tick()
+        assert first.received == 2
+
+
+def test_a_recording_is_of_one_capability(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "r.pac")
+    renderer = pc.Renderer(
+        ARRAY, pc.Scene((POINT,)), backend=Simulated(), clock=ManualClock(), recorder=recorder
+    )
+    with renderer:
+        renderer.tick()
+        with pytest.raises(pc.ArgumentError, match="recorded"):
+            renderer.use(opened(phases=64))
+        renderer.use(opened())
+        renderer.tick()
+    assert not renderer.report.faults
+
+
+def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
+    scenes: list[pc.Scene] = []
+
+    def scene(t: float) -> pc.Scene:
+        scenes.append(moving(t))
+        return scenes[-1]
+
+    renderer = pc.Renderer(ARRAY, scene, backend=Simulated(), clock=ManualClock())
+    with renderer:
+        assert not renderer.shown.objects
+        scenes.clear()
+        for k in range(8):
+            renderer.turns.taking, renderer.turns.samples = True, k % 2 == 0
+            renderer.turns.solves = not renderer.turns.samples
+            renderer.tick(k * 0.001)
+            if k:
+                assert renderer.shown is scenes[(k - 1) // 2 * 2]
+        for k in range(8, 12):
+            renderer.turns.taking, renderer.turns.samples, renderer.turns.solves = False, True, True
+            renderer.tick(k * 0.001)
+            assert renderer.shown is scenes[-1]
+
+
+def test_a_loop_that_lags_far_gives_up_catching_up() -> None:
+    clock = ManualClock()
+    beats = paced(clock, 0.01, 0.5)
+    assert next(beats) == (0.0, 0)
+    clock.advance(0.05)
+    assert next(beats) == (0.01, 0)
+    clock.advance(0.2)
+    due, lost = next(beats)
+    assert lost == 23
+    assert due == pytest.approx(0.25)
+    assert len(list(beats)) == 24
+
+
+def test_recent_ticks() -> None:
+    report = pc.Report()
+    assert not len(report.recent(5))
+    for k in range(7):
+        report.tick(k, False)
+    np.testing.assert_array_equal(np.sort(report.recent(3)), [4, 5, 6])
+    np.testing.assert_array_equal(np.sort(report.recent(30)), range(7))

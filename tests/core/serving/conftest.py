@@ -1,0 +1,220 @@
+"""A control process in a thread, with other processes that only pretend."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import zmq
+from msgspec.structs import replace
+
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import Device, FrameHead, Permit, Report, Traffic, pack
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Log, Settings
+from pacinian.wire.codec import decode_reply, decode_state, encode
+from pacinian.wire.connection import Connection
+from pacinian.wire.control import Hello
+from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.replies import Plugin, Welcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from pacinian.serving.child import Told
+
+PATIENCE = 10.0  # [s]
+
+
+def eventually(seen: Callable[[], Any], seconds: float = PATIENCE) -> Any:
+    """What `seen` returns once that is true."""
+    due = time.monotonic() + seconds
+    while time.monotonic() < due:
+        if value := seen():
+            return value
+        time.sleep(0.002)
+    raise AssertionError("did not come true in time")
+
+
+class Pretender:
+    """A process that gives its sign of life each time it is looked at, and answers all orders."""
+
+    stdin = None
+
+    def __init__(self, name: str, told: Told, extra: dict[str, Any]) -> None:
+        self.name, self.told, self.extra = name, told, extra
+        self.code: int | None = None
+        self.silent = self.killed = False
+
+    def latest(self, name: str) -> Latest:
+        return Latest.attach(self.told.path / name)
+
+    def poll(self) -> int | None:
+        if self.code is None and not self.silent:
+            self.live()
+        return self.code
+
+    def live(self) -> None:
+        now = time.perf_counter()
+        with self.latest("permit") as file:
+            permit = Permit.unpack((file.read() or (0, Permit().pack()))[1])
+        value: Any
+        if self.name == "guard":
+            loud = permit.armed != 0 and now < permit.until
+            value = Device(
+                1, 0, "pretended", 16, 16, 1000.0, None, now, sounding=loud,
+                backends=(Plugin(name="pretended"),), **self.extra,
+            )  # fmt: skip
+        elif self.name == "bus":
+            value = Traffic(1, now, **self.extra)
+        else:
+            given = {"state": {"solver": "auto", "ticks": 3}, **self.extra}
+            value = Report(1, now, solvers=(Plugin(name="auto"), Plugin(name="gs")), **given)
+            with self.latest("frame") as file:
+                levels = bytes(range(8)) * 2
+                file.write(FrameHead(1, now, permit.epoch, 1, 2, 2).pack() + levels)
+        with self.latest({"guard": "device", "bus": "traffic", "render": "report"}[self.name]) as f:
+            f.write(pack(value))
+
+    def kill(self) -> None:
+        self.killed, self.code = True, -9
+
+    def wait(self, timeout: float | None = None) -> int:
+        self.code = 0 if self.code is None else self.code
+        return self.code
+
+
+class Server:
+    """One that runs. processes: all that were started, by name. extra: what they tell, by name."""
+
+    def __init__(self, settings: Settings, folder: Path) -> None:
+        self.path = folder / "connection.json"
+        self.settings = replace(settings, connection=str(self.path))
+        self.processes: dict[str, list[Pretender]] = {}
+        self.extra: dict[str, dict[str, Any]] = {"guard": {}, "bus": {}, "render": {}}
+        self.context = zmq.Context()
+        self.ending = threading.Event()
+        self.error: BaseException | None = None
+        self.sockets = contextlib.ExitStack()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self) -> None:
+        try:
+            serve(self.settings, start=self._start, ending=self.ending)
+        except BaseException as error:
+            self.error = error
+
+    def _start(self, name: str, told: Told) -> Pretender:
+        made = Pretender(name, told, self.extra[name])
+        self.processes.setdefault(name, []).append(made)
+        return made
+
+    def __enter__(self) -> Server:
+        self._thread.start()
+        eventually(lambda: self.path.exists() or self.error)
+        if self.error:
+            self.__exit__()
+            raise self.error
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
+        self.sockets.close()
+        self.context.destroy(linger=0)
+
+    def end(self) -> None:
+        self.ending.set()
+        self._thread.join(PATIENCE)
+        assert not self._thread.is_alive()
+
+    @property
+    def connection(self) -> Connection:
+        return Connection.read(self.path)
+
+    def socket(self, kind: int, token: str | None = None, **options: Any) -> zmq.Socket[bytes]:
+        """An unconnected socket with the secrets of the connection file, unless others are given."""
+        made = self.sockets.enter_context(self.context.socket(kind))
+        made.linger = 0
+        made.rcvtimeo = made.sndtimeo = int(1e3 * PATIENCE)
+        connection = self.connection
+        if connection.server_key:
+            made.curve_serverkey = connection.server_key.encode()
+            made.curve_publickey = connection.public_key.encode()
+            made.curve_secretkey = connection.secret_key.encode()
+        elif token != "":
+            made.plain_username = b"pacinian"
+            made.plain_password = (token or connection.token).encode()
+        for name, value in options.items():
+            setattr(made, name, value)
+        return made
+
+    def client(self, **options: Any) -> Asker:
+        made = self.socket(zmq.DEALER, **options)
+        made.connect(self.connection.control)
+        return Asker(made)
+
+    def states(self, topic: bytes = b"state") -> Callable[[], Any]:
+        """A function to the next published state."""
+        made = self.socket(zmq.SUB)
+        made.subscribe(topic)
+        made.connect(self.connection.state)
+        return lambda: decode_state(made.recv_multipart()[1])
+
+    def permit(self) -> Permit:
+        with self.processes["guard"][-1].latest("permit") as file:
+            read = file.read()
+        assert read is not None
+        return Permit.unpack(read[1])
+
+
+class Asker:
+    """A client of the control socket."""
+
+    def __init__(self, socket: zmq.Socket[bytes]) -> None:
+        self.socket = socket
+        self.session = b""
+        self._id = 0
+
+    def send(self, message: Any) -> None:
+        self.socket.send(encode(message))
+
+    def hear(self) -> Any:
+        return decode_reply(self.socket.recv())
+
+    def ask(self, kind: Any, **fields: Any) -> Any:
+        """Ask, and return the answer; what was not asked for is left out."""
+        self._id += 1
+        if "session" in kind.__struct_fields__:
+            fields.setdefault("session", self.session)
+        self.send(kind(id=self._id, **fields))
+        while True:
+            reply = self.hear()
+            if reply.id == self._id:
+                return reply
+
+    def hello(self, name: str = "game", **fields: Any) -> Asker:
+        reply = self.ask(Hello, protocol=(MAJOR, MINOR), client=name, **fields)
+        assert isinstance(reply, Welcome), reply
+        self.session = reply.session
+        return self
+
+
+@pytest.fixture
+def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
+    """A function that starts a server with settings, ended with the test."""
+    with contextlib.ExitStack() as stack:
+        numbers = itertools.count()
+        yield lambda settings=None: stack.enter_context(
+            Server(settings or Settings(log=Log(level="warning")), tmp_path / str(next(numbers)))
+        )
+
+
+@pytest.fixture
+def server(start_server: Callable[..., Server]) -> Server:
+    """A server with the usual settings."""
+    return start_server()

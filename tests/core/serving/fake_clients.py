@@ -1,0 +1,80 @@
+"""Clients of sessions on a clock that stands still, without sockets."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+from pacinian.serving.sessions import Sessions
+from pacinian.serving.settings import Clients, Safety, Settings
+from pacinian.testing import ManualClock
+from pacinian.wire.control import Arm, Hello, Renew
+from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.replies import Error, Welcome
+
+if TYPE_CHECKING:
+    from pacinian.serving.messages import Permit
+
+LEASE = 0.25
+
+
+class Desk:
+    """Sessions with a clock, and clients that speak to them."""
+
+    def __init__(self, **safety: Any) -> None:
+        self.clock = ManualClock(100.0)
+        self.sessions = Sessions(Settings(safety=Safety(**safety), clients=Clients(most=4)))
+
+    @property
+    def permit(self) -> Permit:
+        return self.sessions.ownership.permit
+
+    @property
+    def armed(self) -> int:
+        return self.permit.armed
+
+    def wait(self, seconds: float) -> list[tuple[bytes, Any]]:
+        self.clock.advance(seconds)
+        self.sessions.pass_time(self.clock.time)
+        return self.sessions.taken()
+
+    def ask(self, peer: bytes, message: Any) -> Any:
+        """What the peer is told last, of all."""
+        return self.all(peer, message)[-1]
+
+    def all(self, peer: bytes, message: Any) -> list[Any]:
+        self.sessions.handle(peer, "user", message, self.clock.time)
+        return [reply for to, reply in self.sessions.taken() if to == peer]
+
+    def hello(self, peer: bytes = b"game", **more: Any) -> Game:
+        reply = self.ask(peer, hello(client=peer.decode(), **more))
+        assert isinstance(reply, Welcome)
+        return Game(self, peer, reply)
+
+
+class Game:
+    """One client."""
+
+    def __init__(self, desk: Desk, peer: bytes, welcome: Welcome) -> None:
+        self.desk, self.peer, self.welcome = desk, peer, welcome
+        self.count = itertools.count(1)
+        self.ahead = 5000.0  # [s] that its clock shows more
+
+    def renew(self, late: float = 0.0) -> Any:
+        time = self.desk.clock.time + self.ahead - late
+        return self.ask(Renew, sequence=next(self.count), time=time)
+
+    def ask(self, kind: type[Any], **fields: Any) -> Any:
+        return self.desk.ask(self.peer, kind(session=self.welcome.session, id=7, **fields))
+
+    def arm(self, take: bool = False) -> Any:
+        return self.ask(Arm, take=take)
+
+
+def hello(**fields: Any) -> Hello:
+    return Hello(**{"protocol": (MAJOR, MINOR), "client": "game", **fields})
+
+
+def code(reply: Any) -> str:
+    assert isinstance(reply, Error), reply
+    return reply.code

@@ -1,0 +1,172 @@
+"""A renderer that keeps what it takes, and commands to send it."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, Future
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from pacinian.serving.converting import Converter
+from pacinian.serving.intake import Client
+from pacinian.serving.messages import (
+    AnyChange,
+    Begin,
+    Changes,
+    MoveObject,
+    PutObject,
+    RemoveObject,
+    SessionInfo,
+    SetHands,
+    SetQuiet,
+    Taken,
+    Wrap,
+)
+from pacinian.serving.settings import Settings
+from pacinian.serving.world import Room
+from pacinian.wire import objects
+from pacinian.wire.commands import AnyCommand, Envelopes, Hands, Move, Put, Quiet, Remove
+from pacinian.wire.convert import to_scene
+from pacinian.wire.time import Constant
+
+if TYPE_CHECKING:
+    from pacinian.serving.outbox import Outbox
+    from pacinian.wire.replies import Reply
+
+KEY = b"k" * 16
+
+
+class AtOnce(Executor):
+    """Does all work when it is asked for."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # as an executor does
+            future.set_exception(error)
+        return future
+
+
+def room_of(settings: Settings | None = None) -> Room:
+    made = settings or Settings()
+    return Room(made, Converter(made.safety.pressure, AtOnce()))
+
+
+def converted(room: Room) -> list[tuple[Client, Reply]]:
+    """Convert all that takes long; what is answered."""
+    return list(room._converter.round())
+
+
+class FakeRenderer:
+    """Applies changes to plain values. scene: name to object, pose, envelope; in order."""
+
+    def __init__(self, run: int = 1) -> None:
+        self.run = run
+        self.scene: dict[str, list[object]] = {}
+        self.hands: SetHands | None = None
+        self.quiet: SetQuiet | None = None
+        self.begins = 0
+        self.last = Taken(0, run, 0)
+
+    def take(self, changes: Changes) -> Taken:
+        for change in changes.changes:
+            self.apply(change)
+        self.last = Taken(changes.number, self.run, changes.run)
+        return self.last
+
+    def apply(self, change: AnyChange) -> None:
+        if isinstance(change, Begin):
+            self.scene, self.hands, self.quiet = {}, None, None
+            self.begins += 1
+        elif isinstance(change, PutObject):
+            self.scene[change.name] = [change.item, None, None]
+        elif isinstance(change, MoveObject | Wrap) and change.name not in self.scene:
+            pass  # meant for the renderer before, and all comes anew
+        elif isinstance(change, MoveObject):
+            self.scene[change.name][1] = change.position[0]
+        elif isinstance(change, Wrap):
+            self.scene[change.name][2] = change.envelope
+        elif isinstance(change, RemoveObject):
+            self.scene.pop(change.name, None)
+        elif isinstance(change, SetHands):
+            self.hands = change
+        else:
+            self.quiet = change
+
+    def drain(self, outbox: Outbox) -> None:
+        """Take until there is nothing new."""
+        for _ in range(10_000):
+            if outbox.room is not None:
+                converted(outbox.room)
+            changes = outbox.next()
+            if changes is not None:
+                outbox.taken(self.take(changes))
+            elif outbox.room is None or not outbox.room.news:
+                return
+        raise AssertionError("it never ends")
+
+
+class Model:
+    """All commands of a scene in order, the slow and simple way."""
+
+    def __init__(self) -> None:
+        self.scene: dict[str, list[object]] = {}
+        self.owner: dict[str, Client] = {}
+
+    def do(self, client: Client, command: AnyCommand, seen: float) -> None:
+        if isinstance(command, Put):
+            for name, item in command.objects.items():
+                packed = msgspec.msgpack.encode(to_scene(name, item, time=seen))
+                self.scene[name] = [packed, None, None]
+                self.owner[name] = client
+        elif isinstance(command, Move):
+            poses = np.frombuffer(command.poses, "<f4").reshape(-1, 7)
+            for name, pose in zip(command.names, poses.tolist(), strict=True):
+                if name in self.scene:
+                    self.scene[name][1] = pose[0]
+        elif isinstance(command, Envelopes):
+            for name in command.names:
+                if name in self.scene:
+                    self.scene[name][2] = msgspec.msgpack.encode(command.envelope)
+        elif isinstance(command, Remove):
+            for name in command.names:
+                self.scene.pop(name, None)
+
+    def leave(self, client: Client) -> None:
+        for name in [name for name in self.scene if self.owner[name] is client]:
+            del self.scene[name]
+
+
+def client(number: int = 1, scene: str = "s") -> Client:
+    return Client(SessionInfo(bytes([number]) * 16, f"c{number}", scene, "pacinian"), number)
+
+
+def point(pressure: float = 10.0, x: float = 0.0, **given: object) -> objects.Point:
+    return objects.Point(radiation_pressure=pressure, position=(x, 0.0, 0.2), **given)  # type: ignore[arg-type]
+
+
+def put(items: dict[str, objects.Object], **given: object) -> Put:
+    return Put(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, objects=items)  # type: ignore[arg-type]
+
+
+def move(names: tuple[str, ...], x: float, **given: object) -> Move:
+    poses = np.array([[x, 0, 0.2, 0, 0, 0, 1]] * len(names), "<f4").tobytes()
+    return Move(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, names=names, poses=poses)  # type: ignore[arg-type]
+
+
+def remove(*names: str) -> Remove:
+    return Remove(session=KEY, sequence=1, time=0.0, names=names)
+
+
+def wrap(names: tuple[str, ...], level: float) -> Envelopes:
+    return Envelopes(session=KEY, sequence=1, time=0.0, names=names, envelope=Constant(level))
+
+
+def hands(*frames: object, **given: object) -> Hands:
+    return Hands(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, hands=frames)  # type: ignore[arg-type]
+
+
+def quiet(*zones: object) -> Quiet:
+    return Quiet(session=KEY, sequence=1, time=0.0, zones=zones)  # type: ignore[arg-type]

@@ -1,0 +1,248 @@
+"""What must not get through, and what must be noticed, on real sockets: shared/reference/bus-and-clients.md, C5."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import zmq
+
+from pacinian.wire.codec import decode_reply, encode
+from pacinian.wire.control import Arm, Hello, Renew, Status, Stop
+from pacinian.wire.protocol import LONGEST_CONTROL, MAJOR, MINOR
+from pacinian.wire.replies import Ok
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+STOP = encode(Stop(id=1))
+PROTOCOL = "protocol", "handshake"  # which of them, depends on who closes the connection first
+GREETING = b"\xff\x00\x00\x00\x00\x00\x00\x00\x01\x7f\x03\x00PLAIN" + bytes(47)
+CLIENT = """
+import sys, threading, time
+import zmq
+from pacinian.wire.codec import decode_reply, encode
+from pacinian.wire.connection import Connection
+from pacinian.wire.control import Arm, Hello, Renew
+from pacinian.wire.protocol import MAJOR, MINOR
+connection = Connection.read(sys.argv[1])
+socket = zmq.Context().socket(zmq.DEALER)
+socket.linger = 0
+socket.plain_username, socket.plain_password = b"pacinian", connection.token.encode()
+socket.connect(connection.control)
+socket.send(encode(Hello(protocol=(MAJOR, MINOR), client="other", lease=float(sys.argv[2]))))
+key = decode_reply(socket.recv()).session
+socket.send(encode(Arm(session=key, id=1, take=True)))
+print("armed", flush=True)
+for n in range(1, 100000):
+    socket.send(encode(Renew(session=key, sequence=n, time=time.perf_counter())))
+    while socket.poll(0):
+        socket.recv()
+    time.sleep(0.01)
+"""
+
+
+def eventually(seen: Callable[[], Any], seconds: float = 10.0) -> Any:
+    due = time.monotonic() + seconds
+    while time.monotonic() < due:
+        if value := seen():
+            return value
+        time.sleep(0.002)
+    raise AssertionError("did not come true in time")
+
+
+def refused(capfd: Any, *whys: str) -> None:
+    """It is logged that a connection was refused, because of one of `whys`."""
+    text = ""
+
+    def seen() -> bool:
+        nonlocal text
+        text += capfd.readouterr().err
+        return "connection refused" in text and any(f"why={why}" in text for why in whys)
+
+    eventually(seen)
+
+
+def raw(server: Any, port: str = "control") -> socket.socket:
+    address = getattr(server.connection, port).removeprefix("tcp://")
+    host, _, number = address.rpartition(":")
+    return socket.create_connection((host, int(number)), timeout=10.0)
+
+
+def closed(stream: socket.socket) -> bool:
+    """Whether the other side closes the connection."""
+    try:
+        while stream.recv(4096):
+            pass
+    except ConnectionError:
+        pass
+    return True
+
+
+# strangers
+
+
+@pytest.mark.parametrize("port", ["control", "state"])
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\x01\x00" + bytes([len(STOP) + 1, 0]) + STOP,  # ZMTP 1.0
+        b"\x01\x00\x01\x7f\x04\x00" + STOP,
+        b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n" + STOP,
+        GREETING.replace(b"PLAIN", b"NULL\0") + b"\x04\x19\x05READY\x0bSocket-Type\0\0\0\x06DEALER"
+        b"\x00" + bytes([len(STOP)]) + STOP,
+        GREETING + b"\x00" + bytes([len(STOP)]) + STOP,  # no handshake at all
+        random.Random(1).randbytes(5000),
+        bytes(5000),
+    ],
+)
+def test_bytes_of_strangers_never_get_through(server: Any, port: str, data: bytes) -> None:
+    with raw(server, port) as stream:
+        stream.sendall(data)
+        assert closed(stream)
+    assert server.client().hello().ask(Status).output == "silent", "nothing stopped it"
+    assert server.permit().stopped == 0
+
+
+@pytest.mark.parametrize("data", [b"", b"\xff\x00", GREETING])
+def test_one_who_does_not_say_who_it_is_is_dropped_after_a_second(server: Any, data: bytes) -> None:
+    with raw(server) as stream:
+        stream.sendall(data)
+        began = time.monotonic()
+        assert closed(stream)
+        assert time.monotonic() - began > 0.5, "it had the time to"
+
+
+@pytest.mark.parametrize("token", ["0" * 64, "", "wrong"])
+def test_a_wrong_token_or_none_is_refused_and_logged(capfd: Any, server: Any, token: str) -> None:
+    stranger = server.client(token=token)
+    stranger.send(Stop(id=1))
+    refused(capfd, *(PROTOCOL if not token else ("secret",)))
+    assert not stranger.socket.poll(50)
+    assert server.permit().stopped == 0
+    quiet = server.socket(zmq.SUB, token=token)
+    quiet.subscribe(b"")
+    quiet.connect(server.connection.state)
+    assert not quiet.poll(100), "nor is it told anything"
+
+
+def test_the_token_of_a_run_before_is_refused(capfd: Any, start_server: Any) -> None:
+    first = start_server()
+    old = first.connection.token
+    first.end()
+    server = start_server()
+    assert server.connection.token != old
+    server.client(token=old).send(Stop())
+    refused(capfd, "secret")
+    assert server.permit().stopped == 0
+
+
+# messages and routes
+
+
+def test_a_message_that_is_too_long_ends_that_connection_only(server: Any) -> None:
+    calm = server.client().hello("calm")
+    rude = server.client().hello("rude")
+    rude.socket.send(bytes(LONGEST_CONTROL + 1))
+    eventually(lambda: [c.name for c in calm.ask(Status).clients] == ["calm"])
+    calm.socket.send(bytes(LONGEST_CONTROL))
+    assert calm.hear().code == "malformed"
+
+
+def test_one_routing_id_is_one_clients(server: Any) -> None:
+    first = server.client(routing_id=b"twin").hello("first")
+    second = server.client(routing_id=b"twin")
+    second.send(Hello(id=1, protocol=(MAJOR, MINOR), client="second"))
+    assert isinstance(first.ask(Arm), Ok)
+    assert not second.socket.poll(100)
+    assert [c.name for c in first.ask(Status).clients] == ["first"]
+
+
+def test_a_key_on_another_connection_is_refused_and_logged(capfd: Any, server: Any) -> None:
+    game, thief = server.client().hello(), server.client()
+    thief.session = game.session
+    assert thief.ask(Arm).code == "session"
+    eventually(lambda: "another connection" in capfd.readouterr().err)
+    assert game.session.hex() not in capfd.readouterr().err
+
+
+def test_a_slow_reader_delays_nobody(server: Any) -> None:
+    slow = server.client(rcvhwm=1).hello("slow")
+    states = server.socket(zmq.SUB, rcvhwm=1)
+    states.subscribe(b"")
+    states.connect(server.connection.state)
+    for n in range(3000):
+        slow.send(Status(session=slow.session, id=n))
+    game = server.client().hello()
+    assert isinstance(game.ask(Stop), Ok)
+
+
+# links
+
+
+@pytest.fixture
+def other(server: Any) -> Iterator[subprocess.Popen[str]]:
+    """A client in another process, armed, with a lease that outlasts the test's patience."""
+    command = [sys.executable, "-c", CLIENT, str(server.path), "10.0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "armed\n"
+        eventually(lambda: server.permit().armed == 1)
+        yield process
+        process.kill()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+@pytest.mark.parametrize("name", ["SIGKILL", "SIGSTOP"])
+def test_a_client_that_is_killed_or_stopped_is_silenced_by_its_link(
+    server: Any, other: subprocess.Popen[str], name: str
+) -> None:
+    watcher = server.client().hello("watcher")
+    os.kill(other.pid, getattr(signal, name))
+    eventually(lambda: server.permit().armed == 0)
+    eventually(lambda: [c.name for c in watcher.ask(Status).clients] == ["watcher"])
+    os.kill(other.pid, signal.SIGKILL)
+
+
+def test_a_connection_that_died_half_is_noticed(server: Any) -> None:
+    """The client's side is gone without a word: a relay keeps the connection open and passes nothing."""
+    relay = socket.create_server(("127.0.0.1", 0))
+    game = server.socket(zmq.DEALER)
+    game.connect(f"tcp://127.0.0.1:{relay.getsockname()[1]}")
+    with relay, relay.accept()[0] as near, raw(server) as far:
+        near.settimeout(0.002)
+        far.settimeout(0.002)
+
+        def pass_on() -> None:
+            for source, target in ((near, far), (far, near)):
+                try:
+                    target.sendall(source.recv(65536))
+                except TimeoutError:
+                    continue
+
+        def armed() -> bool:
+            pass_on()
+            return bool(server.permit().armed == 1)
+
+        game.send(encode(Hello(id=1, protocol=(MAJOR, MINOR), client="far")))
+
+        def answered() -> Any:
+            pass_on()
+            return game.poll(0)
+
+        eventually(answered)
+        key = decode_reply(game.recv()).session
+        game.send(encode(Arm(session=key)))
+        eventually(armed)
+        game.send(encode(Renew(session=key, sequence=1, time=time.perf_counter())))
+        # nothing is passed on from here
+        eventually(lambda: server.permit().armed == 0)
+        calm = server.client().hello("calm")
+        eventually(lambda: [c.name for c in calm.ask(Status).clients] == ["calm"])

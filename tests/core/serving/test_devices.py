@@ -1,0 +1,267 @@
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, ClassVar
+
+import pytest
+
+import pacinian as pc
+from pacinian.serving.devices import KEPT, SUPERSEDED, Devices
+from pacinian.serving.guarding import Guard
+from pacinian.serving.messages import FrameHead, Orders, Permit
+from pacinian.testing import ManualClock
+from pacinian.wire.control import Choice
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.scene.file import Choice as Configured
+
+ARRAY = pc.autd()
+N = len(ARRAY)
+
+
+class Named(pc.Backend):
+    name: ClassVar[str] = "named"
+
+    def __init__(self, called: str, broken: set[str]) -> None:
+        self.called, self.broken, self.log = called, broken, list[str]()
+
+    @property
+    def capability(self) -> pc.Capability:
+        return pc.Capability()
+
+    def _told(self, what: str) -> None:
+        self.log.append(what)
+        if what in self.broken:
+            raise OSError(f"{what} failed")
+
+    def open(self, array: pc.Array) -> None:
+        self._told("open")
+
+    def send(self, frame: pc.Frame) -> None:
+        self._told("send")
+
+    def silence(self) -> None:
+        self._told("silence")
+
+    def close(self) -> None:
+        self._told("close")
+
+
+class Bench:
+    """Devices whose threads run when they are told to."""
+
+    def __init__(self) -> None:
+        self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
+        self.broken: dict[str, set[str]] = {}
+        self.made: list[Named] = []
+        self.waiting: list[Callable[[], None]] = []
+        self.devices = Devices(self.guard, ARRAY, Choice(name="a"), self.make, self.waiting.append)
+
+    def make(self, choice: Choice | Configured) -> pc.Backend:
+        self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
+        return self.made[-1]
+
+    def run(self) -> None:
+        while self.waiting:
+            self.waiting.pop(0)()
+        self.devices.poll()
+        for work in self.waiting:
+            work()
+        self.waiting.clear()
+
+    def frame(self) -> None:
+        """The renderer answers with a frame for the device that waits, or that is."""
+        device = self.guard.next or self.guard.generation
+        head = FrameHead(1, 0.0, 1, device, 1, N).pack()
+        for _ in range(2):
+            self.guard.step(Permit(1, 1.0, 1, 0), head + b"\x01\0" * 2 * N)
+        self.devices.poll()
+
+    @property
+    def now(self) -> str:
+        backend = self.guard.backend
+        return backend.called if isinstance(backend, Named) else ""
+
+
+@pytest.fixture
+def bench() -> Bench:
+    made = Bench()
+    made.devices.begin(Orders())
+    made.run()
+    return made
+
+
+def selected(number: int, name: str, reset: int = 0) -> Orders:
+    return Orders(backend=(number, Choice(name=name)), reset=reset)
+
+
+def test_it_begins_as_configured(bench: Bench) -> None:
+    assert bench.now == "a"
+    assert bench.guard.generation == 1
+    assert bench.devices.results == {"backend 0": ""}
+
+
+def test_a_guard_started_anew_begins_with_what_was_selected() -> None:
+    bench = Bench()
+    bench.devices.begin(selected(3, "b", reset=2))
+    bench.run()
+    bench.devices.follow(selected(3, "b", reset=2))
+    assert bench.now == "b"
+    assert bench.devices.results == {"backend 3": ""}
+    assert not bench.waiting
+
+
+def test_another_one_takes_over_with_its_first_frame_and_the_old_one_is_closed(
+    bench: Bench,
+) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.devices.follow(selected(1, "b"))
+    bench.frame()
+    assert bench.now == "a"  # while it opens
+    bench.run()
+    assert bench.now == "a"
+    assert "backend 1" not in bench.devices.results
+    bench.frame()
+    bench.run()
+    assert bench.now == "b"
+    assert bench.devices.results["backend 1"] == ""
+    assert [device.log for device in bench.made] == [
+        ["open", *["send"] * 4, "silence", "close"],
+        ["open", "send"],
+    ]
+
+
+def test_one_that_does_not_open_leaves_the_old_one_sounding(bench: Bench) -> None:
+    bench.broken["b"] = {"open"}
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "a"
+    assert bench.guard.sounding
+    assert bench.devices.results["backend 1"] == "b: OSError: open failed"
+    assert not bench.guard.fault
+    bench.made[0].broken.add("send")
+    bench.frame()
+    bench.made[0].broken.clear()
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    assert bench.now == "a"  # what there was is opened anew, not what did not open
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_of_two_selected_the_last_one_counts_whichever_opens_first(
+    bench: Bench, late: bool
+) -> None:
+    bench.devices.follow(selected(1, "b"))
+    bench.devices.follow(selected(2, "c"))
+    if late:
+        bench.waiting.reverse()
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == "c"
+    assert bench.devices.results == {"backend 0": "", "backend 1": SUPERSEDED, "backend 2": ""}
+    assert next(device for device in bench.made if device.called == "b").log == ["open", "close"]
+
+
+def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
+    bench.frame()
+    bench.made[0].broken.add("send")
+    bench.frame()
+    assert bench.guard.fault
+    bench.devices.follow(Orders(reset=1))
+    bench.frame()  # there is none meanwhile
+    bench.run()
+    assert bench.made[0].log[-1] == "close"
+    assert not bench.guard.fault
+    assert bench.guard.generation == 2
+    assert bench.devices.results["reset 1"] == ""
+    bench.frame()
+    assert bench.guard.sounding
+
+
+def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
+    bench.broken["a"] = bench.made[0].broken
+    bench.broken["a"] |= {"open", "send", "silence", "close"}
+    bench.frame()
+    for k in (1, 2):
+        bench.devices.follow(Orders(reset=k))
+        bench.run()
+        assert bench.guard.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
+    bench.broken["a"].clear()
+    bench.devices.follow(Orders(reset=3))
+    bench.run()
+    assert not bench.guard.fault
+    assert bench.now == "a"
+
+
+def test_a_reset_without_a_fault_leaves_the_device_alone(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(Orders(reset=1))
+    bench.run()
+    assert bench.guard.sounding
+    assert bench.devices.results["reset 1"] == ""
+    assert len(bench.made) == 1
+
+
+def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.made[0].broken |= {"send", "silence", "close"}
+    bench.guard.fail("gone")
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    assert bench.now == "b"
+    assert not bench.guard.fault
+    assert bench.devices.results == {"backend 0": "", "reset 1": "", "backend 1": ""}
+    assert bench.made[0].log[-1] == "close"
+
+
+def test_a_first_device_that_does_not_open_is_a_fault() -> None:
+    bench = Bench()
+    bench.broken["a"] = {"open"}
+    bench.devices.begin(Orders())
+    bench.run()
+    assert "open failed" in bench.guard.fault
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.now == "b"
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    assert not bench.guard.fault
+
+
+@pytest.mark.parametrize("error", [SystemExit(1), KeyboardInterrupt(), OSError()])
+def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> None:
+    bench = Bench()
+
+    def make(choice: object) -> pc.Backend:
+        raise error
+
+    bench.devices._make = make
+    bench.devices.begin(Orders())
+    bench.run()
+    assert bench.guard.fault.startswith(f"a: {type(error).__name__}")
+
+
+def test_results_do_not_grow(bench: Bench) -> None:
+    for k in range(1, 3 * KEPT):
+        bench.devices.follow(Orders(reset=k))
+    assert len(bench.devices.results) == KEPT
+    assert f"reset {3 * KEPT - 1}" in bench.devices.results
+
+
+def test_real_threads_open_a_real_plug_in() -> None:
+    guard = Guard(N, gain=1.0, stale=0.02)
+    devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}))
+    devices.begin(Orders())
+    due = time.perf_counter() + 20.0
+    while guard.backend is None:
+        assert time.perf_counter() < due
+        devices.poll()
+    assert guard.device({}, ()).amplitudes == 32

@@ -1,0 +1,452 @@
+"""The render process: its loop on a clock that stands still, then a real one."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, ClassVar
+
+import msgspec
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.plugins import registry
+from pacinian.plugins.registry import Offer
+from pacinian.scene.file import Units
+from pacinian.serving import child, messages, quiet
+from pacinian.serving.choosing import Solvers, made
+from pacinian.serving.loading import Loader
+from pacinian.serving.loop import FILES, Loop
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import (
+    AnyChange,
+    Begin,
+    Changes,
+    Device,
+    FrameHead,
+    HandInfo,
+    Orders,
+    Permit,
+    PutObject,
+    Report,
+    SetHands,
+    SetQuiet,
+    Taken,
+)
+from pacinian.serving.settings import Safety, Settings, Zone
+from pacinian.testing import ManualClock
+from pacinian.wire.control import Choice
+from pacinian.wire.time import AM
+
+ARRAY, AIR = pc.autd(), pc.Air()
+N = len(ARRAY)
+POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
+HEAD = messages.frame_capacity(0)
+
+
+class Moody(pc.Solver):
+    """Raises, or takes long, when it is told to."""
+
+    name: ClassVar[str] = "moody"
+    mood: ClassVar[Callable[[], object]] = staticmethod(lambda: None)
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        Moody.mood()
+        out[:] = 0.5
+        return pc.Result()
+
+
+class Server:
+    """All that is around a loop, on a manual clock."""
+
+    def __init__(self, folder: Path, settings: Settings, solver: str = "auto") -> None:
+        sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
+        self.files = {name: Latest.create(folder / name, sizes[name]) for name in FILES}
+        self.clock = ManualClock(500.0)
+        self.device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        self.tell("device", self.device)
+        self.threads: list[Callable[[], None]] = []
+        solvers = Solvers(made(solver), made("auto"), ARRAY, AIR, self.threads.append)
+        self.loader = Loader(lambda _: None)
+        self.loop = Loop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
+        self.number = 0
+        self.run = 11
+
+    def tell(self, name: str, value: Any) -> None:
+        self.files[name].write(messages.pack(value))
+
+    def arm(self, epoch: int = 1, armed: int = 1, until: float = 1e9, stopped: int = 0) -> None:
+        self.files["permit"].write(Permit(armed, until, epoch, stopped).pack())
+
+    def change(self, *changes: AnyChange) -> None:
+        self.number += 1
+        self.tell("changes", Changes(self.number, self.run, changes))
+
+    def put(self, item: Any = POINT, name: str = "a") -> None:
+        self.change(PutObject(name, msgspec.msgpack.encode(item), False))
+
+    def tick(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.loop.renderer.tick()
+            self.loop.between()
+            self.clock.advance(0.001)
+
+    @property
+    def frame(self) -> tuple[FrameHead, bool]:
+        """The newest frame's head, and whether it sounds."""
+        found = self.files["frame"].read()
+        assert found is not None
+        head = FrameHead.unpack(found[1])
+        levels = np.frombuffer(found[1][HEAD:], "<u2")
+        return head, bool(levels[len(levels) // 2 :].any())
+
+    @property
+    def sounds(self) -> bool:
+        return self.frame[1]
+
+    @property
+    def report(self) -> Report:
+        self.clock.advance(0.1)  # the next one is due
+        self.loop.between()
+        found = self.files["report"].read()
+        assert found is not None
+        return msgspec.msgpack.decode(found[1], type=Report)
+
+    @property
+    def taken(self) -> Taken:
+        found = self.files["taken"].read()
+        assert found is not None
+        return msgspec.msgpack.decode(found[1], type=Taken)
+
+    def close(self) -> None:
+        self.loop.close()
+        for file in self.files.values():
+            file.close()
+
+
+@pytest.fixture
+def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Server]]:
+    registry.installed().load()
+    offer = Offer("solver", Moody, "moody", "tests")
+    monkeypatch.setitem(registry.installed().offers, ("solver", "moody"), offer)
+    monkeypatch.setattr(Moody, "mood", staticmethod(lambda: None))
+    servers: list[Server] = []
+
+    def started(settings: Settings | None = None, solver: str = "auto") -> Server:
+        folder = tmp_path / str(len(servers))
+        folder.mkdir()
+        servers.append(Server(folder, settings or Settings(), solver))
+        servers[-1].loop.open()
+        return servers[-1]
+
+    yield started
+    for server in servers:
+        server.close()
+
+
+@pytest.fixture
+def server(make: Callable[..., Server]) -> Server:
+    return make()
+
+
+def test_without_a_permit_it_is_silent_and_takes_what_is_told(server: Server) -> None:
+    server.put()
+    server.tick(10)
+    head, sounds = server.frame
+    assert not sounds
+    assert (head.rows, head.columns, head.device, head.epoch) == (1, N, 1, 0)
+    assert server.taken == Taken(1, server.loop.run, server.run)
+
+
+def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> None:
+    server.put()
+    server.arm(epoch=5)
+    server.tick(10)
+    head, sounds = server.frame
+    assert sounds
+    assert head.epoch == 5
+    server.arm(epoch=6)
+    server.tick()
+    assert server.frame[0].epoch == 6
+
+
+def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
+    server.change(Begin(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
+    server.arm()  # of scene 0
+    server.tick(20)
+    assert not server.sounds
+    server.files["permit"].write(Permit(1, 1e9, 2, 0, scene=7).pack())
+    server.tick(20)
+    assert server.sounds
+
+
+@pytest.mark.parametrize("end", ["closing", "stopped", "expiry", "none"])
+def test_it_lets_go_softly(server: Server, end: str) -> None:
+    server.put()
+    server.arm(until=server.clock.now() + 0.1)
+    server.tick(20)
+    assert server.sounds
+    if end == "closing":
+        server.arm(armed=2, until=server.clock.now() + 0.02)
+    elif end == "stopped":
+        server.arm(stopped=1)
+    elif end == "none":
+        server.arm(armed=0)
+    else:
+        server.tick(69)  # the last but 10 ms
+    assert server.sounds
+    server.tick()
+    fading = [server.sounds]
+    for _ in range(10):
+        server.tick()
+        fading.append(server.sounds)
+    assert fading[0]
+    assert not fading[-1]
+    assert sorted(fading, reverse=True) == fading
+
+
+def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
+    joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.16))).joints
+    assert joints is not None
+    ball = pc.Volume(shape=pc.Sphere(0.03), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=3.0)
+    server.put(ball)
+    server.arm()
+    server.tick(3)
+    turns = server.loop.renderer.turns
+    played = []
+    for k in range(1, 9):
+        turns.taking, turns.samples, turns.solves = k > 4, k <= 4 or k % 2 == 1, k <= 4 or k % 2 == 0  # fmt: skip
+        moved = (joints + np.array([1e-3 * k, 0.0, 0.0])).astype("<f4").tobytes()
+        info = HandInfo("right", "a", moved, b"", b"", server.clock.now())
+        server.change(SetHands((info,), True, k, 0.1 * k, 0.2 * k))
+        server.loop.renderer.tick()
+        server.clock.advance(0.001)
+        head = server.frame[0]
+        assert (head.sent, head.received) == pytest.approx((0.1 * head.input, 0.2 * head.input))
+        played.append(head.input)
+    # from the fifth on by turns: sampled in one tick, solved and sent in the next
+    assert played == [1, 2, 3, 4, 4, 5, 5, 7]
+
+
+def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_anew(
+    make: Callable[..., Server],
+) -> None:
+    server = make()
+    server.put(name="old")
+    again = Loop(
+        server.files, Settings(), ARRAY, AIR, Solvers(made("auto"), made("auto"), ARRAY, AIR),
+        server.loader, server.clock,
+    )  # fmt: skip
+    again.open()
+    assert server.taken == Taken(0, again.run, 0)
+    again.renderer.tick()
+    assert not again.felt.scene.objects
+    again.close()
+    server.tick()
+    server.run, server.number = 12, 0
+    server.put(name="new")
+    server.tick()
+    assert [item.name for item in server.loop.felt.scene.objects] == ["new"]
+    assert server.taken == Taken(1, server.loop.run, 12)
+
+
+def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
+    item = msgspec.msgpack.encode(POINT)
+    raw = [1, 11, [["Begin"], ["PutObject", "a", item, False], ["Put", 1], ["PutObject", 5, item, False]]]  # fmt: skip
+    server.files["changes"].write(msgspec.msgpack.encode(raw))
+    server.tick()
+    assert [one.name for one in server.loop.felt.scene.objects] == ["a"]
+    assert server.taken.number == 1
+    assert server.report.refused == {"": "2 changes were damaged"}
+    server.files["changes"].write(b"\xc1")
+    server.files["orders"].write(b"\xc1")
+    server.tick(2)
+    assert "Malformed" in server.report.refused[""] or "malformed" in server.report.refused[""]
+    assert server.loop.renderer.halted is None
+
+
+def test_technique_and_intensity_are_ordered(server: Server) -> None:
+    server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
+    server.tell("orders", Orders(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
+    server.tick(2)
+    (item,) = server.loop.felt.scene.objects
+    assert item.technique == pc.AM(frequency=50.0)
+    assert item.radiation_pressure == 2.5
+    assert server.report.results == {"technique 3": "", "intensity 4": ""}
+
+
+def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(10)
+    server.tell("orders", Orders(solver=(1, Choice(name="moody"))))
+    server.tick(5)
+    assert server.loop.renderer.session.solver.name == "auto"  # it is being made
+    before = server.files["frame"].number
+    server.threads.pop()()
+    server.tick(5)
+    assert server.files["frame"].number == before + 5
+    assert server.report.results == {"solver 1": ""}
+    assert server.report.state["solver"] == "moody"
+    assert server.sounds
+    server.tell("orders", Orders(solver=(2, Choice(name="nobody"))))
+    server.tick()
+    server.threads.pop()()
+    assert "nobody" in server.report.results["solver 2"]
+    assert server.loop.renderer.session.solver.name == "moody"
+
+
+def test_a_solver_that_raises_halts_until_reset(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+
+    def bad() -> None:
+        raise RuntimeError("no gains today")
+
+    Moody.mood = staticmethod(bad)
+    server.put(pc.Point(position=(0.01, 0.0, 0.15), radiation_pressure=4.0))
+    server.tick(3)
+    assert server.frame[0].rows == 0
+    assert server.report.halted == "solve: RuntimeError: no gains today"
+    Moody.mood = staticmethod(lambda: None)
+    server.tick(5)
+    assert server.frame[0].rows == 0
+    server.tell("orders", Orders(reset=1))
+    server.tick(10)
+    assert server.sounds
+    assert server.report.halted == ""
+    assert server.report.results == {"reset 1": ""}
+
+
+def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(10)
+    server.tell("device", msgspec.structs.replace(server.device, fault="gone"))
+    server.tick(2)
+    assert "gone" in server.report.halted
+    server.tell("orders", Orders(reset=1))
+    server.tick(3)
+    assert server.report.results == {}
+    server.tell("device", server.device)
+    server.tick(10)
+    assert server.report.results == {"reset 1": ""}
+    assert server.sounds
+
+
+def test_a_late_solver_makes_late_ticks_and_no_fault(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    Moody.mood = staticmethod(lambda: server.clock.advance(0.01))
+    server.tick(3)
+    state = server.report.state
+    assert state["late"] >= 1
+    assert state["fault_count"] == 0
+
+
+ZONE = Zone((0.05, 0.0, 0.2), 1.0)
+
+
+def test_quiet_zones_are_kept_by_the_stand_in_and_the_chosen_solver_comes_back(
+    make: Callable[..., Server],
+) -> None:
+    server = make(solver="gs-pat")
+    server.put()
+    server.arm()
+    server.tick(10)
+    session = server.loop.renderer.session
+    assert session.solver.name == "gs-pat"
+    server.change(quiet.quiet([ZONE]))
+    server.tick(10)
+    assert session.solver.name == "auto"
+    assert server.sounds
+    assert "auto keeps the quiet zones" in server.report.state["status"]
+    p = pc.field(ARRAY, server.loop.renderer.emitted, [ZONE.position])
+    assert abs(p[0]) < 1.5  # and rounding to levels
+    server.tell("orders", Orders(solver=(1, Choice(name="moody"))))
+    server.tick()
+    server.threads.pop()()
+    server.tick()
+    assert "quiet" in server.report.results["solver 1"]
+    server.change(SetQuiet(b"", b""))
+    server.tick(3)
+    assert session.solver.name == "gs-pat"
+    assert server.loop.renderer.halted is None
+
+
+def test_zones_of_the_settings_hold_from_the_beginning_and_far_ones_do_no_harm(
+    make: Callable[..., Server],
+) -> None:
+    server = make(Settings(safety=Safety(zones=(ZONE,)), gain=0.5, power=30.0))
+    limits = server.loop.renderer.limits
+    assert limits.quiet is not None
+    assert (limits.gain, limits.power) == (0.5, 30.0)
+    at = tuple(ARRAY.positions[3])
+    bad = (Zone((9.0, 9.0, 9.0), 1.0), Zone((at[0], at[1], at[2]), 1.0))
+    server.change(Begin(), quiet.quiet([*bad, ZONE]))
+    server.put()
+    server.arm()
+    server.tick(5)
+    limits = server.loop.renderer.limits
+    assert limits.quiet is not None
+    assert len(np.asarray(limits.quiet[0])) == 1
+    assert server.loop.renderer.halted is None
+
+
+def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
+    before = server.files["report"].number
+    server.tick(1000)
+    assert 55 <= server.files["report"].number - before <= 62
+    assert server.report.run == server.loop.run
+
+
+def until(what: Callable[[], bool], seconds: float = 60.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+@pytest.mark.parametrize("end", ["terminate", "orphan"])
+def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
+    sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
+    files = {name: Latest.create(tmp_path / name, sizes[name]) for name in FILES}
+    settings = Settings(array=Units(columns=1, rows=1))
+    process = child.start("render", child.Told(str(tmp_path), settings))
+    try:
+        device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        files["device"].write(messages.pack(device))
+        files["permit"].write(Permit(1, 1e12, 3).pack())
+        until(lambda: files["taken"].number > 0)
+        item = msgspec.msgpack.encode(POINT)
+        files["changes"].write(messages.pack(Changes(1, 1, (PutObject("a", item, False),))))
+
+        def sounding() -> bool:
+            found = files["frame"].read()
+            return bool(found and np.frombuffer(found[1][HEAD:], "<u2")[N:].any())
+
+        until(sounding)
+        if end == "terminate":
+            os.kill(process.pid, signal.SIGTERM)
+        else:
+            assert process.stdin is not None
+            process.stdin.close()
+        process.wait(20)
+        if end == "terminate":
+            assert process.returncode == 0
+            assert FrameHead.unpack(files["frame"].read()[1]).rows == 0  # type: ignore[index]
+    finally:
+        process.kill()
+        process.wait()
+        if process.stdin is not None:
+            process.stdin.close()
+        for file in files.values():
+            file.close()

@@ -1,0 +1,290 @@
+"""Starting, watching, starting again and ending the other processes."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import psutil
+import pytest
+
+from pacinian.errors import ServerError
+from pacinian.serving.supervise import FIRST, LONGEST, STARTING, WELL, Supervisor
+from pacinian.testing import ManualClock
+from pacinian.wire.connection import Connection
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals")
+NAMES = "guard", "bus", "render"
+
+CHILD = """
+import sys, time, threading
+from pacinian.serving import child
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import Device, Report, Traffic, pack
+ended = threading.Event()
+told, name = child.begin(ended.set), sys.argv[1]
+with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
+    while not ended.is_set():
+        now = time.perf_counter()
+        file.write(pack({
+            "guard": Device(1, 0, "", 16, 16, 1e3, None, now, False),
+            "bus": Traffic(1, now), "render": Report(1, now, {}),
+        }[name]))
+        time.sleep(0.005)
+print("ended", name, flush=True)
+"""
+PARENT = """
+import subprocess, sys
+import msgspec
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Log, Safety, Settings
+def start(name, told):
+    process = subprocess.Popen(
+        [sys.executable, "-c", sys.argv[2], name], stdin=subprocess.PIPE, start_new_session=True
+    )
+    data = msgspec.json.encode(told)
+    process.stdin.write(len(data).to_bytes(4, "little") + data)
+    process.stdin.flush()
+    print("started", name, process.pid, told.folder, flush=True)
+    return process
+settings = Settings(connection=sys.argv[1], safety=Safety(hung=0.5), log=Log(level="error"))
+serve(settings, lambda path: print("ready", path, flush=True), start)
+"""
+
+
+class Fake:
+    """A process that only has an exit code. log: of all that is done to any of them."""
+
+    stdin = None
+
+    def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
+        self.name, self.log, self.stubborn = name, log, stubborn
+        self.code: int | None = None
+
+    def poll(self) -> int | None:
+        return self.code
+
+    def kill(self) -> None:
+        self.log.append(("kill", self.name))
+        self.code = -9
+
+    def wait(self, timeout: float | None = None) -> int:
+        self.log.append(("wait", self.name))
+        if self.code is None and self.stubborn:
+            raise subprocess.TimeoutExpired(self.name, timeout or 0.0)
+        self.code = self.code or 0
+        return self.code
+
+
+class Watch:
+    """A supervisor of fakes on a clock that stands still."""
+
+    def __init__(self, stubborn: tuple[str, ...] = ()) -> None:
+        self.clock = ManualClock(50.0)
+        self.log: list[tuple[str, str]] = []
+        self.started: list[Fake] = []
+        self.stubborn = stubborn
+        self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
+        self.supervisor.trusted = True
+
+    def _start(self, name: str) -> Fake:
+        self.started.append(Fake(name, self.log, name in self.stubborn))
+        return self.started[-1]
+
+    def check(self, **beats: float) -> list[tuple[str, str]]:
+        now = self.clock.time
+        return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats})
+
+    def newest(self, name: str) -> Fake:
+        return next(fake for fake in reversed(self.started) if fake.name == name)
+
+
+def test_the_guard_is_started_first_and_ended_last() -> None:
+    watch = Watch()
+    assert [fake.name for fake in watch.started] == ["guard", "bus", "render"]
+    assert watch.supervisor.end() == []
+    assert watch.log == [("wait", "render"), ("wait", "bus"), ("wait", "guard")]
+
+
+def test_one_that_does_not_end_when_asked_is_killed_and_the_others_are_ended_all_the_same() -> None:
+    watch = Watch(stubborn=("render",))
+    assert watch.supervisor.end() == ["render"]
+    assert ("kill", "render") in watch.log
+    assert all(fake.code is not None for fake in watch.started)
+
+
+def test_one_that_ended_is_told_once_and_started_again_after_a_while() -> None:
+    watch = Watch()
+    assert watch.check() == []
+    watch.newest("bus").code = 3
+    assert watch.check() == [("bus", "ended with exit code 3")]
+    assert watch.check() == []
+    assert not watch.supervisor.alive("bus", watch.clock.time)
+    watch.clock.advance(FIRST)
+    assert watch.check() == []
+    assert watch.newest("bus").code is None
+    assert watch.supervisor.restarts == {"guard": 0, "bus": 1, "render": 0}
+    watch.newest("render").code = -9
+    assert watch.check() == [("render", "was killed by signal 9")]
+
+
+def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
+    watch = Watch()
+
+    def waited() -> float:
+        """How long it takes from an end to a new start."""
+        watch.newest("bus").code = 1
+        assert len(watch.check()) == 1
+        began = watch.clock.time
+        while watch.newest("bus").code is not None:
+            watch.clock.advance(0.001)
+            watch.check()
+        return watch.clock.time - began
+
+    waits = [waited() for _ in range(10)]
+    for a, b in itertools.pairwise(waits):
+        assert b == pytest.approx(min(LONGEST, 2.0 * a), abs=0.003)
+    watch.clock.advance(2.0 * WELL)
+    assert waited() == pytest.approx(FIRST, abs=0.003)
+
+
+def test_one_without_a_sign_of_life_is_killed() -> None:
+    watch = Watch()
+    watch.check()
+    beat = watch.clock.time
+    watch.clock.advance(1.0)
+    assert watch.check(render=beat) == [], "not yet"
+    watch.clock.advance(0.01)
+    assert watch.check(render=beat) == [("render", "hung, and was killed")]
+    assert watch.log == [("kill", "render"), ("wait", "render")]
+
+
+def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() -> None:
+    watch = Watch()
+    old = watch.clock.time - 1.0
+    watch.clock.advance(STARTING - 1.0)
+    assert watch.check(render=old) == []
+    assert not watch.supervisor.alive("render", old)
+    watch.clock.advance(1.1)
+    assert watch.check(render=old) == [("render", "did not start, and was killed")]
+
+
+def test_before_all_were_ready_an_end_is_an_error() -> None:
+    watch = Watch()
+    watch.supervisor.trusted = False
+    watch.newest("guard").code = 2
+    with pytest.raises(ServerError, match="'guard' ended with exit code 2"):
+        watch.check()
+
+
+def test_if_one_cannot_be_started_those_before_are_ended() -> None:
+    log: list[tuple[str, str]] = []
+
+    def start(name: str) -> Fake:
+        if name == "render":
+            raise OSError("no memory")
+        return Fake(name, log)
+
+    with pytest.raises(OSError, match="no memory"):
+        Supervisor(start, 1.0)
+    assert log == [("wait", "bus"), ("wait", "guard")]
+
+
+# real processes
+
+
+def eventually(seen: Callable[[], Any], seconds: float = 20.0) -> Any:
+    due = time.monotonic() + seconds
+    while time.monotonic() < due:
+        if value := seen():
+            return value
+        time.sleep(0.01)
+    raise AssertionError("did not come true in time")
+
+
+class Running:
+    """A server in a process of its own, with children that only give signs of life."""
+
+    def __init__(self, folder: Path, **env: str) -> None:
+        self.path, self.log = folder / "connection.json", folder / "log"
+        with self.log.open("wb") as out:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", PARENT, str(self.path), CHILD],
+                stdout=out,
+                env={**os.environ, **env},
+            )
+        eventually(lambda: "ready" in self.log.read_text())
+
+    @property
+    def started(self) -> list[tuple[str, int, Path]]:
+        words = [line.split() for line in self.log.read_text().splitlines()]
+        return [(w[1], int(w[2]), Path(w[3])) for w in words if w[0] == "started"]
+
+
+@pytest.fixture
+def running(tmp_path: Path) -> Iterator[Callable[..., Running]]:
+    made: list[Running] = []
+
+    def start(**env: str) -> Running:
+        made.append(Running(tmp_path, **env))
+        return made[-1]
+
+    yield start
+    for one in made:
+        one.process.kill()
+        one.process.wait()
+        for _, pid, _ in one.started:
+            with contextlib.suppress(psutil.Error):
+                psutil.Process(pid).kill()
+
+
+@posix
+def test_one_that_stands_still_is_replaced_and_sigterm_ends_all_in_order(
+    running: Callable[..., Running], tmp_path: Path
+) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(tmp_path / "notify"))
+        manager.settimeout(20.0)
+        server = running(NOTIFY_SOCKET=str(tmp_path / "notify"))
+        assert manager.recv(100) == b"READY=1"
+        assert Connection.read(server.path).pid == server.process.pid
+        (pid,) = (pid for name, pid, _ in server.started if name == "render")
+        os.kill(pid, signal.SIGSTOP)
+        eventually(lambda: [name for name, _, _ in server.started].count("render") == 2)
+        assert not psutil.pid_exists(pid)
+        server.process.send_signal(signal.SIGTERM)
+        assert manager.recv(100) == b"STOPPING=1"
+    assert server.process.wait(20.0) == 0
+    ended = [line.split()[1] for line in server.log.read_text().splitlines() if "ended" in line]
+    # the new renderer may not have come far enough to say so
+    assert [name for name in ended if name != "render"] == ["bus", "guard"]
+    assert ended in (["bus", "guard"], ["render", "bus", "guard"])
+    assert not server.path.exists()
+    assert not any(folder.exists() for _, _, folder in server.started)
+    assert not any(psutil.pid_exists(pid) for _, pid, _ in server.started)
+
+
+@posix
+def test_when_the_parent_is_killed_all_end_by_themselves(running: Callable[..., Running]) -> None:
+    server = running()
+    server.process.kill()
+    server.process.wait()
+    eventually(lambda: not any(map(runs, (pid for _, pid, _ in server.started))))
+
+
+def runs(pid: int) -> bool:
+    """Whether it does, and is not only waiting to be forgotten."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    return False

@@ -1,0 +1,30 @@
+"""Each fault once, on real processes: silent within the stated bound and some slack, and well again.
+
+How long it really takes is measured by `pacinian bench faults`; here the machine may be busy with other things.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+from pacinian.bench.faults.run import FAULTS, Fault
+
+if TYPE_CHECKING:
+    from pacinian.bench.faults.stage import Stage
+
+TIMES, SLACK = 3.0, 1.0  # of a bound; [s]
+LONG = 20.0  # [s]
+WRONG = "stale", "heard", "lives", "left: "  # what a note must not tell
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_silence_and_recovery(stage: Stage, fault: Fault) -> None:
+    times = fault.do(stage)
+    bound = LONG if math.isnan(fault.bound) else TIMES * fault.bound + SLACK
+    for seconds in (times.silence, times.gap):
+        assert math.isnan(seconds) or 0.0 <= seconds < bound
+    assert not any(word in times.note for word in WRONG if not times.note.startswith("nothing"))
+    stage.sounding()

@@ -1,0 +1,20 @@
+"""A short flood; `pacinian bench hostile` sends a million messages and measures."""
+
+from __future__ import annotations
+
+from pacinian.bench.hostile import run, tables
+
+MESSAGES, SECONDS = 20_000, 40.0
+BUSY = 10  # times what is aimed at: the tests' machine does other things, too
+
+
+def test_a_flood_ends_nothing() -> None:
+    found = run.run(MESSAGES, SECONDS, seed=7)
+    assert found.messages > MESSAGES / 10
+    assert found.same
+    assert found.ended == 0
+    assert not found.flooded.lost
+    assert not found.counts.get("failed", 0)
+    assert {"malformed", "refused_protocol", "refused_secret"} <= set(found.counts)
+    assert max(found.growth.values()) < BUSY * tables.GROWN
+    assert len(found.flooded.gap)

@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+import itertools
+import json
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+import pytest
+from msgspec import Struct
+from msgspec.structs import fields
+
+from pacinian.errors import WireError
+from pacinian.wire import commands, control, objects, replies, shapes, state, time
+from pacinian.wire.codec import encode
+from pacinian.wire.examples import examples
+from pacinian.wire.vectors import DECODE, lines, main, text, vectors
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+HERE = Path(__file__).parent
+MADE = vectors()
+FILES = {name: json.loads((HERE / f"{name}.json").read_text(encoding="utf-8")) for name in MADE}
+VALID = [v for name in FILES if name != "malformed" for v in FILES[name]]
+
+
+def named(made: list[dict[str, Any]]) -> list[Any]:
+    return [pytest.param(vector, id=vector["name"]) for vector in made]
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_files_are_what_is_written(name: str, tmp_path: Path) -> None:
+    main(tmp_path)
+    published = (HERE / f"{name}.json").read_bytes()
+    assert published == (tmp_path / f"{name}.json").read_bytes()
+    assert published.decode() == text(MADE[name])
+
+
+def held(value: object) -> set[type]:
+    """The classes of a value, and of all that it holds."""
+    if isinstance(value, (tuple, list)):
+        return set().union(*map(held, value))
+    if isinstance(value, dict):
+        return held(list(value.values()))
+    fields = getattr(value, "__struct_fields__", None)
+    if fields is None:
+        return set()
+    return {type(value)}.union(*(held(getattr(value, name)) for name in fields))
+
+
+def test_every_class_of_the_wire_is_in_them() -> None:
+    seen = set().union(*(held(message) for _, _, message in examples()))
+    wanted: set[Any] = {*commands.COMMANDS, *control.CONTROLS, *replies.REPLIES, *state.STATES}
+    wanted |= {*objects.OBJECTS, commands.HandFrame, commands.Zone, control.Choice, replies.Plugin}
+    for group in (shapes.Shell, shapes.Solid, shapes.Curve, time.Envelope, time.Technique):
+        wanted |= {kind for kind in group.__args__ if isinstance(kind, type)}
+    assert not wanted - seen
+    modules = commands, control, objects, replies, shapes, state, time
+    all_there_are = {
+        kind
+        for module in modules
+        for kind in vars(module).values()
+        if isinstance(kind, type)
+        and hasattr(kind, "__struct_fields__")
+        and kind.__module__ == module.__name__
+    }
+    assert all_there_are - seen == {commands.Command, control.Request, replies.Reply, objects.Felt}
+
+
+def every(value: object) -> Iterator[tuple[type, str]]:
+    """Fields that are not at their default, of a value and of all that it holds."""
+    if isinstance(value, (tuple, list)):
+        yield from itertools.chain.from_iterable(map(every, value))
+    elif isinstance(value, dict):
+        yield from every(list(value.values()))
+    elif isinstance(value, Struct):
+        for field in fields(value):
+            if getattr(value, field.name) != field.default:
+                yield type(value), field.name
+            yield from every(getattr(value, field.name))
+
+
+def test_every_field_is_in_them_with_something_in_it() -> None:
+    seen = {found for _, _, message in examples() for found in every(message)}
+    kinds = set().union(*(held(message) for _, _, message in examples()))
+    shared = {*objects.Felt.__struct_fields__, *commands.Command.__struct_fields__}
+    for kind in kinds:
+        for field in fields(kind):
+            if field.name not in shared:
+                assert (kind, field.name) in seen
+    for name in shared:
+        assert any(name == found for _, found in seen), name
+
+
+@pytest.mark.parametrize("vector", named(VALID))
+def test_an_independent_reader_reads_the_same(vector: dict[str, Any]) -> None:
+    value = msgpack.unpackb(bytes.fromhex(vector["hex"]), strict_map_key=True)
+    assert list(lines(value)) == vector["value"]
+    message = DECODE[vector["socket"]](bytes.fromhex(vector["hex"]))
+    assert encode(message).hex() == vector.get("meant", vector["hex"])
+
+
+def write(value: list[str]) -> bytes:
+    """Bytes from lines alone, by the rules of the README: a writer in another language, as it were."""
+    out = bytearray()
+    for line in value:
+        path, kind, *rest = line.split(" ", 2)
+        content = rest[0] if rest else ""
+        if path != "$" and not path.endswith("]"):
+            out += text_of(path.rpartition(".")[2])
+        out += {
+            "map": lambda c: sized(int(c), 0x80, 16, (0, 0xDE, 0xDF)),
+            "array": lambda c: sized(int(c), 0x90, 16, (0, 0xDC, 0xDD)),
+            "str": text_of,
+            "bin": lambda c: sized(len(c) // 2, 0, 0, (0xC4, 0xC5, 0xC6)) + bytes.fromhex(c),
+            "int": lambda c: integer(int(c)),
+            "float": lambda c: b"\xcb" + struct.pack(">d", float(c)),
+            "bool": lambda c: b"\xc3" if c == "true" else b"\xc2",
+            "nil": lambda _: b"\xc0",
+        }[kind](content)
+    return bytes(out)
+
+
+def text_of(content: str) -> bytes:
+    data = content.encode()
+    return sized(len(data), 0xA0, 32, (0xD9, 0xDA, 0xDB)) + data
+
+
+def sized(length: int, short: int, below: int, heads: tuple[int, int, int]) -> bytes:
+    if length < below:
+        return bytes([short | length])
+    if heads[0] and length < 1 << 8:
+        return bytes([heads[0], length])
+    if length < 1 << 16:
+        return bytes([heads[1]]) + struct.pack(">H", length)
+    return bytes([heads[2]]) + struct.pack(">I", length)
+
+
+def integer(value: int) -> bytes:
+    if -32 <= value < 128:
+        return struct.pack("b", value) if value < 0 else bytes([value])
+    if value < 0:
+        form = next(f for f in "bhiq" if value >= -(1 << (8 * struct.calcsize(f) - 1)))
+        return bytes([0xD0 + "bhiq".index(form)]) + struct.pack(f">{form}", value)
+    form = next(f for f in "BHIQ" if value < 1 << 8 * struct.calcsize(f))
+    return bytes([0xCC + "BHIQ".index(form)]) + struct.pack(f">{form}", value)
+
+
+@pytest.mark.parametrize(
+    "vector", named([v for n in ("command", "control", "reply", "state") for v in FILES[n]])
+)
+def test_the_lines_alone_make_the_bytes(vector: dict[str, Any]) -> None:
+    assert write(vector["value"]).hex() == vector["hex"]
+
+
+@pytest.mark.parametrize("vector", named(FILES["malformed"]))
+def test_what_is_malformed_is_refused_with_its_path(vector: dict[str, Any]) -> None:
+    with pytest.raises(WireError) as caught:
+        DECODE[vector["socket"]](bytes.fromhex(vector["hex"]))
+    assert caught.value.path == vector["path"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_the_files_are_flat(name: str) -> None:
+    for vector in FILES[name]:
+        for value in vector.values():
+            assert isinstance(value, str) or all(isinstance(line, str) for line in value)
+            assert "\n" not in "".join(value)
+    names = [(vector["socket"], vector["name"]) for vector in FILES[name]]
+    assert len(set(names)) == len(names)
