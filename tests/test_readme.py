@@ -5,17 +5,20 @@ import re
 import runpy
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import pacinian as pc
+from pacinian.testing import serving
+from pacinian.wire.connection import VARIABLE
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 BLOCKS = PYTHON.findall(README)
-PAGES = ["README.md", "docs/touch.md", "docs/scenes.md"]
+PAGES = ["README.md", "docs/touch.md", "docs/scenes.md", "docs/server.md"]
 SHOWN = [
     pytest.param(page, block, id=f"{page}-{i}")
     for page in PAGES
@@ -23,8 +26,23 @@ SHOWN = [
 ]
 
 
+@pytest.fixture(scope="module")
+def server() -> Iterator[str]:
+    """For what talks to one."""
+    with serving() as running:
+        yield str(running.connection)
+
+
 @pytest.mark.parametrize(("page", "block"), SHOWN)
-def test_its_python_runs(page: str, block: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_its_python_runs(
+    page: str,
+    block: str,
+    request: pytest.FixtureRequest,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    if "pc.Client(" in block:
+        monkeypatch.setenv(VARIABLE, request.getfixturevalue("server"))
     exec(compile(block, page, "exec"), {"__name__": "readme"})
     if "print" in block:
         assert capsys.readouterr().out
@@ -60,6 +78,14 @@ def test_the_touch_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert "2000 ticks" in out
     assert " 0 faults" in out
     assert "too faint to feel" in out
+
+
+def test_the_client_example_runs(
+    server: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(VARIABLE, server)
+    runpy.run_path(str(ROOT / "examples" / "client.py"))
+    assert "samples" in capsys.readouterr().out
 
 
 def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:

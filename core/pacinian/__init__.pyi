@@ -20,6 +20,7 @@ from .acoustics.transducer import IDEAL as IDEAL
 from .acoustics.transducer import T4010A1 as T4010A1
 from .acoustics.transducer import Transducer as Transducer
 from .client.client import Client as Client
+from .client.emergency import emergency_stop as emergency_stop
 from .errors import ArgumentError as ArgumentError
 from .errors import BackendError as BackendError
 from .errors import ConnectionLost as ConnectionLost
@@ -108,3 +109,4 @@ from .solving.solution import Status as Status
 from .types import Complexes as Complexes
 from .types import Floats as Floats
 from .types import Gains as Gains
+from .wire.commands import Zone as Zone

@@ -6,9 +6,12 @@ import signal
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.bench.faults.peer import Peer
 from pacinian.bench.faults.stage import until
+from pacinian.wire.connection import Connection
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,14 +23,15 @@ POINT = pc.Point(name="thing", position=(0.0, 0.0, 0.2), radiation_pressure=20.0
 
 
 def test_a_server_that_is_killed_and_restarted(stage: Stage) -> None:
-    server = stage.server
+    server, before = stage.server, Connection.read(stage.server.file)
+    with Peer(server.file) as peer:
+        session = peer.hello()["session"]
     with pc.Client(server.file, reconnect=True) as client:
         client.put(POINT)
         client.arm()
         until(lambda: sounds(client, server))
         server.signal("control", signal.SIGKILL)
         until(lambda: not server.left())
-        server.process.wait()
         with pytest.raises(pc.ConnectionLost):
             until(client.renew)
         stale(client)
@@ -41,6 +45,12 @@ def test_a_server_that_is_killed_and_restarted(stage: Stage) -> None:
         client.arm()
         until(lambda: sounds(client, server))
         assert client.status().owner
+    with Peer(server.file) as peer:
+        peer.session = session
+        assert peer.ask("status")["code"] == "session"
+    with pytest.raises(pc.ConnectionLost, match="token"):
+        pc.Client(replace(Connection.read(server.file), token=before.token))
+    assert before.token not in server.said()
 
 
 def stale(client: pc.Client) -> None:

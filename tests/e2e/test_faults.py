@@ -17,10 +17,23 @@ if TYPE_CHECKING:
 
 TIMES, SLACK = 3.0, 1.0  # of a bound; [s]
 LONG = 20.0  # [s]
+LATER = (  # others show the same here, or tests/core/serving and test_client.py do; and these take long
+    "state is never read",
+    "thousands of topics",
+    "solver never returns",
+    "renderer killed -9",
+    "renderer stopped",
+    "guard stopped",
+    "control killed -9",
+    "server killed and restarted",
+    "SIGTERM of the server",
+)
 WRONG = "stale", "heard", "lives", "left: "  # what a note must not tell
 
 
-@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+@pytest.mark.parametrize(
+    "fault", [f for f in FAULTS if f.name not in LATER], ids=lambda fault: fault.name
+)
 def test_silence_and_recovery(stage: Stage, fault: Fault) -> None:
     times = fault.do(stage)
     bound = LONG if math.isnan(fault.bound) else TIMES * fault.bound + SLACK

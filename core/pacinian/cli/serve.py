@@ -26,7 +26,9 @@ PORT = click.IntRange(0, 65535)
 @click.option("--keys", default=None, help="Folder of keys: see `pacinian keys`.")
 @click.option("--connection", default=None, help="Where clients find how to connect.")
 @click.option("--metrics", type=PORT, default=None, help="Port for Prometheus, on 127.0.0.1.")
-@click.option("--log-format", type=click.Choice(["console", "json"]), default=None)
+@click.option(
+    "--log-format", type=click.Choice(["console", "json"]), default=None, help="On standard error."
+)
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
 def serve(config: Path | None, **given: Any) -> None:
     """Run the server that games connect to, until Ctrl-C.
@@ -51,7 +53,9 @@ def _with(settings: Settings, given: dict[str, Any]) -> Settings:
 
     from pacinian.serving.settings import Metrics, Security
 
-    chosen = {name: value for name, value in given.items() if value not in (None, False)}
+    chosen = {
+        name: value for name, value in given.items() if value is not None and value is not False
+    }
     quiet, log = chosen.pop("quiet", False), settings.log
     if "log_format" in chosen:
         log = replace(log, format=chosen.pop("log_format"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from pacinian.checks import number
 from pacinian.client import messages
 from pacinian.client.connected import Connected
 from pacinian.client.emergency import emergency_stop
-from pacinian.errors import ConnectionLost, WireError
+from pacinian.errors import ServerError, WireError
 from pacinian.wire import commands, control, replies
 from pacinian.wire.bulk import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
@@ -33,7 +34,7 @@ SHARE = 0.25  # of the lease between two renewals of `hold`
 
 
 class Client(Connected):
-    """A session with `pacinian serve`; a context manager. Belongs to the thread that makes it.
+    """A session with `pacinian serve`; a context manager. Belongs to the thread that makes it, but for `stop`.
 
     connection: its file, by default where the server writes it, or what is in there. name: for people. scene:
     clients of one name share a scene. lease: within which `renew` must be called while armed [s]; at most, and
@@ -108,7 +109,8 @@ class Client(Connected):
     def hands(self, *hands: Hand, ttl: float = 1.0, wait: bool = True) -> None:
         """All hands that this client tracks, in place of those before; from then on only hands feel the scene.
 
-        Their `time` is of this client's clock; now unless given. Hands without joints cannot be sent.
+        None: nothing is felt, as with lost ones only, which have no joints; the scene stays. Their `time` is of this
+        client's clock; now unless given. Hands that are not lost must have joints.
         """
         frames, times = messages.hands(hands), [h.time for h in hands if h.time is not None]
         now = self._clock()
@@ -128,11 +130,7 @@ class Client(Connected):
 
     def arm(self, take: bool = False) -> None:
         """This client's scene is to be felt, for as long as `renew` is called. take: from its owner, if need be."""
-        live = self._live()
-        live.look()
-        live.notices.clear()
-        live.ask(control.Arm, replies.Ok, take=take)
-        live.armed = live.owner = True
+        self._live().arm(take)
 
     def disarm(self) -> None:
         """Silence, softly; the output is let go."""
@@ -141,12 +139,15 @@ class Client(Connected):
         live.armed = live.owner = False
 
     def stop(self) -> None:
-        """Emergency stop: silence at once, whoever owns the output, until `reset`. Also after a loss."""
-        self._check()
-        try:
+        """Emergency stop: silence at once, whoever owns the output, until `reset`.
+
+        From any thread, and after a loss or `close`, too: then as `emergency_stop`.
+        """
+        with suppress(ServerError):  # of another thread, closed, or lost
+            self._check()
             self._dialogue.stop(control.Stop())
-        except ConnectionLost:
-            emergency_stop(self._where, timeout=self._timeout, keys=self._keys)
+            return
+        emergency_stop(self._where, timeout=self._timeout, keys=self._keys)
 
     def reset(self) -> None:
         """After an emergency stop or a fault: it may be armed again."""

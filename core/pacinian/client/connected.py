@@ -54,6 +54,7 @@ class Connected:
     @property
     def errors(self) -> list[Refused]:
         """What the server refused of calls that did not wait; asking takes them away."""
+        self._look()
         told = list(self._dialogue.errors)
         self._dialogue.errors.clear()
         return told
@@ -61,8 +62,7 @@ class Connected:
     @property
     def connected(self) -> bool:
         """Whether the session still is."""
-        with suppress(ConnectionLost):
-            self._live(again=False).look()
+        self._look()
         return not self._dialogue.lost
 
     @property
@@ -120,6 +120,10 @@ class Connected:
             raise ServerError("a Client belongs to the thread that made it: make one in each")
         if self._closed and not closed:
             raise ConnectionLost("this Client was closed")
+
+    def _look(self) -> None:
+        with suppress(ConnectionLost):
+            self._live(again=False).look()
 
     def _live(self, *, again: bool = True) -> Dialogue:
         self._check()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import itertools
 from collections import deque
+from functools import cache
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import zmq
@@ -15,7 +17,7 @@ from pacinian.client.timing import Timing
 from pacinian.client.watching import newest
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
-from pacinian.wire.control import Bye, Hello, Renew, Request
+from pacinian.wire.control import Arm, Bye, Hello, Renew, Request
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
 from pacinian.wire.state import STATE, State
@@ -55,6 +57,7 @@ class Dialogue:
         self.lost, self.armed, self.owner = "", False, False
         self.errors, self.notices = deque[Refused](maxlen=KEPT), deque[Refused](maxlen=KEPT)
         self.outbox = Outbox()
+        self._come: deque[AnyReply | State] = deque()
         self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._links: list[Link] = []
@@ -75,7 +78,10 @@ class Dialogue:
     def _hello(self, given: dict[str, Any]) -> Welcome:
         sent = self.clock()
         welcome = self._call(
-            self._control, Hello(protocol=(MAJOR, MINOR), **given), Welcome, self.timeout
+            self._control,
+            Hello(protocol=(MAJOR, MINOR), version=version(), **given),
+            Welcome,
+            self.timeout,
         )
         self.timing.clocked(sent, self.clock(), welcome.time)
         if (theirs := welcome.protocol[0]) != MAJOR:
@@ -94,6 +100,13 @@ class Dialogue:
         message = request(session=self.welcome.session, **fields)
         self._call(self._control, message, Ok, timeout, every)
 
+    def arm(self, take: bool) -> None:
+        """Why it did not sound before its Ok is forgotten; what comes after that is not."""
+        self.ask(Arm, Ok, take=take)
+        self.notices.clear()
+        self.armed = self.owner = True
+        self.look()
+
     def stop(self, message: Struct) -> None:
         """As `ask`, with a message that needs no session."""
         self._call(self._control, message, Ok, self.timeout)
@@ -107,7 +120,8 @@ class Dialogue:
 
     def tell(self, command: AnyCommand, answer: type[R]) -> R:
         """A command, and its answer."""
-        self._flush(self.timeout)
+        if not self._flush(self.timeout):
+            self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
         sequence = next(self._sequence)
         return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
 
@@ -129,8 +143,9 @@ class Dialogue:
 
     def look(self, wait: float = 0.0) -> None:
         """Take in what has come, waiting at most so long [s] for the first of it."""
-        for reply in self._receive(wait):
-            self._note(reply)
+        self._receive(wait)
+        while self._come:
+            self._note(self._come.popleft())
 
     def newest(self, timeout: float) -> State | None:
         """The newest state that has been published; None if none came."""
@@ -182,21 +197,18 @@ class Dialogue:
         return found
 
     def _answer(self, number: int, end: float, every: float) -> AnyReply | State | None:
-        """The reply of that number; all others are noted. None if it does not come until `end` [s]."""
-        found: AnyReply | State | None = None
-        while found is None and (left := end - self.clock()) > 0.0:
+        """The reply of that number; those before are noted. None if it does not come until `end` [s]."""
+        while (left := end - self.clock()) > 0.0:
             step = min(left, every or left)
-            replies = self._receive(step)
-            if not replies and step == left:
+            if not self._receive(step) and step == left:
                 break
             if every and self.armed:
                 self._renew()
-            for reply in replies:
-                if reply.id == number:
-                    found = reply
-                else:
-                    self._note(reply)
-        return found
+            while self._come:
+                if (reply := self._come.popleft()).id == number:
+                    return reply
+                self._note(reply)
+        return None
 
     def _renew(self) -> None:
         renew = Renew(
@@ -207,15 +219,18 @@ class Dialogue:
         )
         self._sent(self._control, encode(renew))
 
-    def _receive(self, wait: float) -> list[AnyReply | State]:
+    def _receive(self, wait: float) -> bool:
+        """Whether there is anything in `_come`, waiting at most so long [s]."""
         if self.lost:
             raise ConnectionLost(self.lost)
-        ready = dict(self._poller.poll(milliseconds(wait)))
-        replies = [r for link in self._links if link.socket in ready for r in link.receive()]
+        ready = dict(self._poller.poll(0 if self._come else milliseconds(wait)))
         for link in self._links:
-            if link.monitor in ready and not replies:  # else it is told next time
+            if link.socket in ready:
+                self._come += link.receive()
+        for link in self._links:
+            if link.monitor in ready and not self._come:  # else it is told next time
                 self.lose(str(link.lost()))
-        return replies
+        return bool(self._come)
 
     def _note(self, reply: AnyReply | State) -> None:
         """What was not asked, or not waited for."""
@@ -233,9 +248,10 @@ class Dialogue:
                 self.errors.append(_refused(reply))
 
     def _flush(self, timeout: float = 0.0) -> bool:
-        """Send what waits; True if nothing is left."""
+        """Send what waits, within `timeout` [s] in all; True if nothing is left."""
+        now = self.clock()
         return not self.outbox.waiting or self.outbox.flush(
-            self.clock(), lambda command: self._post(command, timeout)
+            now, lambda command: self._post(command, now + timeout - self.clock())
         )
 
     def _post(self, command: AnyCommand, timeout: float = 0.0) -> bool:
@@ -257,6 +273,15 @@ class Dialogue:
         self.close()
         begun = "; nothing of this session goes on" if hasattr(self, "welcome") else ""
         raise ConnectionLost(why + begun)
+
+
+@cache
+def version() -> str:
+    """Of Pacinian, as installed; "" where it is not."""
+    try:
+        return importlib.metadata.version("pacinian")
+    except importlib.metadata.PackageNotFoundError:
+        return ""
 
 
 def _refused(error: Error) -> Refused:

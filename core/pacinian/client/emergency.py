@@ -28,7 +28,8 @@ def emergency_stop(
 ) -> None:
     """Silence at once, whoever owns the output, until `Client.reset`. Returns when the server has done it.
 
-    Arguments as of `Client`. Raises ConnectionLost if it does not say so within `timeout` [s]; Refused.
+    connection, keys: as of `Client`. timeout: within which it must say so [s], or ConnectionLost is raised. Raises
+    Refused, too.
     """
     given = found(connection, keys)
     with zmq.Context() as context:

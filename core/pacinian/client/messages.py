@@ -12,9 +12,10 @@ from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import RADII, Hand
 from pacinian.scene.motion import STILL, Motion
 from pacinian.wire.bulk import pack
+from pacinian.wire.codec import encode
 from pacinian.wire.commands import HandFrame
 from pacinian.wire.convert import to_wire
-from pacinian.wire.protocol import MOST_OBJECTS, MOST_POINTS
+from pacinian.wire.protocol import LONGEST_COMMAND, MOST_OBJECTS, MOST_POINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+FULL = 900_000  # [bytes] of objects in one message
+LARGEST = (
+    LONGEST_COMMAND - 1024
+)  # [bytes] of one object: the rest is for the command's other fields
+
 
 def batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
     """Parts of a sequence, as many as fit into one message each."""
@@ -33,8 +39,9 @@ def batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
 
 
 def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, objects.Object]]:
-    """Objects by name. Raises ArgumentError, WireError before anything is sent."""
+    """Objects by name, so many that a message has room. Raises ArgumentError, WireError before the first."""
     made: dict[str, objects.Object] = {}
+    sizes: dict[str, int] = {}
     for i, item in enumerate(items):
         name = getattr(item, "name", None)
         if not name:
@@ -43,11 +50,20 @@ def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, o
             raise ArgumentError(f"objects[{i}]", f"must have a name of its own, not {name!r} again")
         try:
             made[name] = to_wire(item, duration)
+            sizes[name] = _size(made[name])
         except WireError as error:
             path = f"$.objects[{name}]{error.path.removeprefix('$')}"
             raise WireError(error.problem, path) from error
-    for batch in batches(list(made.items())):
-        yield dict(batch)
+    batch: dict[str, objects.Object] = {}
+    filled = 0
+    for name, size in sizes.items():
+        if len(batch) == MOST_OBJECTS or (batch and filled + size > FULL):
+            yield batch
+            batch, filled = {}, 0
+        batch[name] = made[name]
+        filled += size
+    if batch:
+        yield batch
 
 
 def moves(poses: Mapping[str, Pose], motions: Mapping[str, Motion]) -> Iterator[dict[str, Any]]:
@@ -77,6 +93,14 @@ def points(given: ArrayLike) -> bytes:
     if len(array) > MOST_POINTS:
         raise ArgumentError("points", f"must be at most {MOST_POINTS}, not {len(array)}")
     return pack(array)
+
+
+def _size(item: objects.Object) -> int:
+    """Of an object in a message, without its name [bytes]. Raises WireError if it is too large for any."""
+    size = len(encode(item))
+    if size > LARGEST:
+        raise WireError(f"is {size:,} bytes: keep to {LARGEST:,}", "$")
+    return size
 
 
 def _velocity(motion: Motion | None) -> tuple[float, ...]:

@@ -25,7 +25,7 @@ from pacinian.serving.desk import Desk
 from pacinian.serving.fields import Emitted
 from pacinian.serving.logs import Sparse, configure
 from pacinian.serving.memory import Latest
-from pacinian.serving.messages import Device, Sessions, Taken, pack
+from pacinian.serving.messages import Changes, Device, Sessions, Taken, pack
 from pacinian.serving.security import Gate, received
 from pacinian.serving.warm import warm
 from pacinian.wire.codec import encode
@@ -74,6 +74,7 @@ class Bus:
         self._poller.register(socket, zmq.POLLIN)
         self._told = -TELL  # [s]
         self._busy = False
+        memory["changes"].write(pack(Changes(0, run, ())))  # nothing of a bus before sounds again
         self.tell()
 
     def round(self) -> None:
@@ -82,9 +83,11 @@ class Bus:
         wait = 0 if self._busy else SOON if outbox.waits or len(self.desk.converter) else LATER
         if self._poller.poll(wait):
             self._take()
-        if (sessions := self._sessions()) is not None:
-            self.desk.sessions(sessions)
-        self._publish()
+        with self.desk.going_on("sessions"):
+            if (sessions := self._sessions()) is not None:
+                self.desk.sessions(sessions)
+        with self.desk.going_on("publishing"):
+            self._publish()
         self.desk.round(self._clock())
         self._reply()
         if self._clock() - self._told >= TELL:
@@ -94,7 +97,8 @@ class Bus:
     def tell(self) -> None:
         """Report to control."""
         now = self._clock()
-        self._new("device", Device, self._emitted.device)
+        with self.desk.going_on("device"):
+            self._new("device", Device, self._emitted.device)
         self._memory["traffic"].write(pack(self.desk.traffic(now, self.port)))
         self._told = now
 
@@ -114,13 +118,18 @@ class Bus:
         outbox = self.desk.outbox
         self._new("taken", Taken, outbox.taken)
         if (changes := outbox.next()) is not None:
-            self._memory["changes"].write(pack(changes))
+            try:
+                self._memory["changes"].write(pack(changes))
+            except Exception:
+                outbox.lost()
+                raise
 
     def _reply(self) -> None:
-        for peer, reply in self.desk.replies:
-            with contextlib.suppress(zmq.Again):
-                self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
+        replies = self.desk.replies[:]
         self.desk.replies.clear()
+        for peer, reply in replies:
+            with self.desk.going_on("reply"), contextlib.suppress(zmq.Again):
+                self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
 
     def _sessions(self) -> Sessions | None:
         new: list[Sessions] = []
@@ -174,6 +183,7 @@ def main() -> None:
     told = child.begin(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
+    child.urgent(0)  # not before the renderer, however much there is to decode
     with opened(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()

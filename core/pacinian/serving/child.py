@@ -32,6 +32,9 @@ class Told(Struct, frozen=True):
     settings: Settings
     secrets: dict[str, str] = {}
 
+    def __repr__(self) -> str:  # never the secrets
+        return f"Told({self.folder!r})"
+
     @property
     def path(self) -> Path:
         """The folder."""
@@ -54,9 +57,14 @@ def launch(command: Sequence[str], told: Told) -> subprocess.Popen[bytes]:
     # a group of its own: Ctrl-C is the parent's, which ends its children in order
     process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
     if process.stdin is not None:
-        with contextlib.suppress(OSError):  # it has died: seen when it is asked for
-            process.stdin.write(len(data).to_bytes(4, "little") + data)
-            process.stdin.flush()
+        file = os.dup(process.stdin.fileno())
+
+        def tell() -> None:
+            with contextlib.suppress(OSError), os.fdopen(file, "wb") as pipe:
+                pipe.write(len(data).to_bytes(4, "little") + data)
+
+        # one that does not read holds up nobody; one that has died is seen when it is asked for
+        threading.Thread(target=tell, name="tell", daemon=True).start()
     return process
 
 
@@ -110,6 +118,7 @@ def _read(pipe: int, length: int) -> bytes:
 def urgent(by: int = 10, *, first: bool = False) -> None:
     """Ask the system to prefer this process, and to wake it in time, where it may be asked.
 
+    by: how much, whatever its parent's; 0 as usual.
     first: on Linux, this thread goes before all usual ones, but not what it starts: for one that mostly sleeps.
     """
     if sys.platform == "linux":
@@ -119,4 +128,4 @@ def urgent(by: int = 10, *, first: bool = False) -> None:
             with contextlib.suppress(OSError):
                 os.sched_setscheduler(0, policy, os.sched_param(1))
     with contextlib.suppress(AttributeError, OSError):
-        os.nice(-by)
+        os.setpriority(os.PRIO_PROCESS, 0, -by)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from pacinian.errors import UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.rendering.warming import try_out
+from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.session import Session
 
@@ -36,6 +37,8 @@ class Made(NamedTuple):
 class Solvers:
     """Which solver solves: the one chosen last, but where it cannot keep the quiet zones, the stand-in.
 
+    One is made at a time, and of those that wait only the newest.
+
     chosen: to begin with. stand_in: keeps quiet zones. array, medium: to try new ones out. thread: for tests.
     """
 
@@ -53,20 +56,29 @@ class Solvers:
         self._stand_in, self._array, self._medium = stand_in, array, medium
         self._thread = thread or _thread
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
-        self._newest = 0
+        self._busy = False
+        self._next: tuple[int, Choice] | None = None  # once the thread is free
+        self._results: dict[str, str] = {}
 
     def order(self, number: int, choice: Choice) -> None:
         """Begin to make a solver; the newest order wins."""
-        self._newest = number
+        if self._next is not None:
+            self._results[f"solver {self._next[0]}"] = SUPERSEDED
+        self._next = number, choice
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin with what is next, unless one is being made."""
+        if self._busy or self._next is None:
+            return
+        (number, choice), self._next, self._busy = self._next, None, True
 
         def work() -> None:
             try:
                 solver = made(choice)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
-                self._made.put(
-                    Made(number, None, f"{choice.name}: {type(error).__name__}: {error}")
-                )
+                self._made.put(Made(number, None, f"{choice.name}: {told(error)}"))
             else:
                 self._made.put(Made(number, solver))
 
@@ -74,16 +86,18 @@ class Solvers:
 
     def poll(self, quiet: bool) -> dict[str, str]:
         """Take what has been made; return what became of orders. quiet: whether there are quiet zones."""
-        results: dict[str, str] = {}
+        results, self._results = self._results, {}
         while not self._made.empty():
             order, solver, problem = self._made.get()
             if solver is not None:
-                problem = self._take(order, solver, quiet)
+                problem = self._take(solver, quiet)
             results[f"solver {order}"] = problem
+            self._busy = False
+            self._begin()
         return results
 
-    def _take(self, order: int, solver: Solver, quiet: bool) -> str:
-        if order != self._newest:
+    def _take(self, solver: Solver, quiet: bool) -> str:
+        if self._next is not None:
             return SUPERSEDED
         if quiet and QUIET not in solver.keeps:
             return f"{UnsupportedLimit(solver.name, QUIET)}: there are quiet zones"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from pacinian.wire.protocol import LATEST
+
 WINDOW = 5.0  # [s]; the offset is the least of the last one to two of them
-BACK = 1.0  # [s]; a clock that went back by more was set, or is another one
+BACK = LATEST  # [s]; a clock that went back by more was set: no command lives so long
 
 
 class ClientClock:

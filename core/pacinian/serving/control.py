@@ -20,7 +20,7 @@ from pacinian.serving.publishing import Publisher, View
 from pacinian.serving.selecting import Selection
 from pacinian.serving.sessions import Sessions
 from pacinian.wire.codec import decode_control, encode, id_of
-from pacinian.wire.control import Capabilities, Select, Status, Stop
+from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
 from pacinian.wire.replies import Error
 from pacinian.wire.state import FRAME, STATE
 
@@ -97,6 +97,8 @@ class Control:
         self._doors.wait(ROUND)
         for peer, user, data in self._doors.requests(MOST):
             self._request(peer, user, data)
+        for why, more in self._doors.turned_away():
+            self._log.warning("connection refused", why=why, more=more)
         now = self._clock()
         self.sessions.pass_time(now)
         self._settle()
@@ -114,7 +116,8 @@ class Control:
         ownership = self.sessions.ownership
         if ownership.owner is not None:
             ownership.disarm(ownership.owner, self._clock())
-        while ownership.permit.armed:  # nobody is answered: a game that arms again would go on for ever
+        # nobody is answered: a game that arms again would go on for ever
+        while ownership.permit.armed:
             self._doors.wait(ROUND)
             self.sessions.pass_time(self._clock())
             self._settle()
@@ -161,10 +164,11 @@ class Control:
             return
         try:
             self._do(peer, user, message, now)
+            self._settle()
         except Exception:  # a mistake of ours must not end the server
             self.counts["failed"] += 1
-            log().exception("request failed", user=user)
-        self._settle()
+            self._log.exception("request failed", user=user)
+            self._send(peer, Error(id=message.id, code="fault", message="the server failed here"))
 
     def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
         sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
@@ -184,6 +188,11 @@ class Control:
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
                 elif reply := self.selection.ask(session, message, self.publisher.known(), now):
                     self._send(peer, reply)
+            case Arm() if not self._supervisor.alive("bus", self.view.traffic.beat):
+                sessions.pass_time(now)
+                if sessions.of(peer, message.session, message.id):
+                    problem = "the bus is being started again"
+                    self._send(peer, Error(id=message.id, code="fault", message=problem))
             case _:
                 sessions.handle(peer, user, message, now)
         if sessions.replayed > replayed:
@@ -192,13 +201,13 @@ class Control:
         if sessions.resets > resets:
             self._note_reset(now)
         if isinstance(message, Stop):
-            log().warning("emergency stop", user=user)
+            self._log.warning("emergency stop", user=user)
 
     def _note_reset(self, now: float) -> None:
         faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
         self._reset = {name: (fault, now + GRACE) for name, fault in faults.items() if fault}
         self.selection.reset(self.sessions.resets)
-        log().info("reset")
+        self._log.info("reset")
 
     def _settle(self) -> None:
         """Tell the other processes what has changed, then the clients."""
@@ -250,8 +259,6 @@ class Control:
             self._ended(name, why, now)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
-        for why, more in self._doors.turned_away():
-            self._log.warning("connection refused", why=why, more=more)
         self._settle()
 
     def _fault(self, fault: str) -> None:
@@ -270,9 +277,12 @@ class Control:
     def _publish(self, now: float) -> None:
         self.view.look()
         self.view.look_at_frame()
-        self.newest = self.publisher.published(now, self._supervisor.restarts)
-        self._doors.publish(STATE, encode(self.newest))
-        self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+        try:
+            self.newest = self.publisher.published(now, self._supervisor.restarts)
+            self._doors.publish(STATE, encode(self.newest))
+            self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+        except (TypeError, ValueError):  # what a plug-in has told, or WireError: it is too long
+            self.counts["unpublished"] += 1
 
 
 def _server() -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pacinian.errors import WireError
@@ -17,7 +18,7 @@ from pacinian.wire.commands import Field
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Generator
     from concurrent.futures import Executor
 
     from pacinian.acoustics.array import Array
@@ -74,6 +75,19 @@ class Desk:
     def message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
         """A message of a connection, authenticated as `user`, received at `now` [s]."""
         self.received += 1
+        with self.going_on("message"):
+            self._message(peer, user, data, now)
+
+    @contextmanager
+    def going_on(self, what: str) -> Generator[None]:
+        """Whatever is raised in here is logged and counted, and the bus goes on."""
+        try:
+            yield
+        except Exception:
+            self.refused += 1
+            self._log.exception(f"fault: {what}")
+
+    def _message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
         if not self._peers.may(peer, now):
             self._refuse(peer, data, "busy", "sends too many messages: slow down", now)
             return
@@ -96,15 +110,19 @@ class Desk:
     def round(self, now: float) -> None:
         """What time brings, and what was found out while sending."""
         for room in self.rooms.values():
-            room.expire(now)
-        for client, error in self.outbox.errors:
-            self._answer(client, error, now)
+            with self.going_on("expiry"):
+                room.expire(now)
+        errors = self.outbox.errors[:]
         self.outbox.errors.clear()
-        for client, reply in self.converter.round():
-            self._answer(client, reply, now)
-        answer = self.fields.step()
-        if answer is not None:
-            self._answer(*answer, now)
+        for client, error in errors:
+            self._answer(client, error, now)
+        with self.going_on("conversion"):
+            for client, reply in self.converter.round():
+                self._answer(client, reply, now)
+        with self.going_on("field"):
+            answer = self.fields.step()
+            if answer is not None:
+                self._answer(*answer, now)
 
     def traffic(self, now: float, port: int) -> Traffic:
         """How the bus is."""
@@ -163,6 +181,9 @@ class Desk:
             return Error(id=command.id, code=refusal.code, message=message, path=refusal.path[:200])
         except WireError as wrong:
             return refused(wrong, command.id)
+        except Exception:  # of ours: the others' commands go on
+            self._log.exception("fault: command")
+            return Error(id=command.id, code="fault", message="the server failed at this command")
         return Ok(id=command.id) if command.id else None
 
     def _answer(self, client: Client, reply: Reply | None, now: float) -> None:

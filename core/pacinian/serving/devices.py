@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import queue
 import threading
 from contextlib import suppress
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.plugins import registry
 from pacinian.serving.guarding import told
+from pacinian.serving.output import check_rate
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,19 +28,36 @@ SUPERSEDED = "another one was selected since"
 
 
 class Opened(NamedTuple):
-    """What became of an order. turn: counts what was begun. problem: why there is no backend."""
+    """What became of orders. problem: why there is no backend."""
 
-    order: str
-    turn: int
+    orders: tuple[str, ...]
     choice: Choice | Configured
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
 
 
-class Devices:
-    """Gives a guard its devices, as ordered.
+class Next:
+    """What is to be opened next. choice: that was selected by `order`; None: what there was.
 
-    choice: what to begin with. array: what they stand for. make, thread: for tests.
+    resets: orders that wait for it, too. olds: are closed first.
+    """
+
+    def __init__(self) -> None:
+        self.choice: Choice | Configured | None = None
+        self.order = ""
+        self.resets: list[str] = []
+        self.olds: list[Backend] = []
+
+    @property
+    def orders(self) -> tuple[str, ...]:
+        """All of them."""
+        return (self.order, *self.resets) if self.order else tuple(self.resets)
+
+
+class Devices:
+    """Gives a guard its devices, as ordered: one is opened at a time, and of those that wait only the newest.
+
+    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread: for tests.
     """
 
     def __init__(
@@ -46,39 +65,53 @@ class Devices:
         guard: Guard,
         array: Array,
         choice: Choice | Configured,
+        rate: float,
         make: Callable[[Choice | Configured], Backend] | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
     ) -> None:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
+        self._rate = rate
         self._make, self._thread = make or _made, thread or _thread
         self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
-        self._turn = self._taken = 0
-        self._coming: dict[int, str] = {}  # generation to order: wait for their first frame
+        self._busy = False
+        self._next = Next()  # once the thread is free
+        self._coming: dict[
+            int, tuple[str, ...]
+        ] = {}  # generation to orders: wait for the first frame
 
     def begin(self, orders: Orders) -> None:
         """Open the first one: what was selected before the guard was started anew, or as configured."""
         self._reset = orders.reset
         self._selected, selected = orders.backend
         self._choice = selected or self._choice
-        self._open(f"backend {self._selected}", self._choice)
+        self._select(f"backend {self._selected}", self._choice)
 
     def follow(self, orders: Orders) -> None:
         """Do what is new in the orders."""
         number, choice = orders.backend
         if number != self._selected and choice is not None:
             self._selected = number
-            self._open(f"backend {number}", choice)
+            self._select(f"backend {number}", choice)
         if orders.reset != self._reset:
             self._reset = orders.reset
             self._mend(f"reset {self._reset}")
+
+    def _select(self, order: str, choice: Choice | Configured) -> None:
+        if self._next.order:
+            self._done(self._next.order, SUPERSEDED)
+        self._next.order, self._next.choice = order, choice
+        self._open()
 
     def _mend(self, order: str) -> None:
         """After a fault: the device that waits, or the one there was, opened anew."""
         guard = self._guard
         if guard.fault and guard.coming is None:
-            self._open(order, self._choice, guard.release())
+            self._next.resets.append(order)
+            if (old := guard.release()) is not None:
+                self._next.olds.append(old)
+            self._open()
             return
         if guard.fault:
             guard.switch()
@@ -90,30 +123,33 @@ class Devices:
         guard = self._guard
         while not self._opened.empty():
             self._take(self._opened.get())
-        if guard.generation in self._coming:  # which has got its first frame
-            self._done(self._coming.pop(guard.generation))
+        for order in self._coming.pop(guard.generation, ()):  # which has got its first frame
+            self._done(order)
         while guard.leaving:
             self._thread(functools.partial(_close, guard.leaving.pop()))
 
     def _take(self, opened: Opened) -> None:
-        guard, (order, turn, choice, device, problem) = self._guard, opened
-        reset = order.startswith("reset")
+        guard, (orders, choice, device, problem) = self._guard, opened
+        self._busy = False
         if device is None:
-            self._done(order, problem)
+            for order in orders:
+                self._done(order, problem)
             if guard.backend is None:
                 guard.clear()
                 guard.fail(problem)
-            return
-        if turn < self._taken:
-            guard.leaving.append(device[0])
-            self._done(order, "" if reset else SUPERSEDED)
         else:
-            for late in self._coming.values():
-                self._done(late, SUPERSEDED)
-            self._taken, self._choice = turn, choice
-            self._coming = {guard.take(*device): order}
-        if reset:
-            guard.clear()
+            if guard.backend is not None and self._next.order:
+                guard.leaving.append(device[0])
+                for order in orders:
+                    self._done(order, SUPERSEDED)
+            else:
+                for late in itertools.chain(*self._coming.values()):
+                    self._done(late, SUPERSEDED)
+                self._choice = choice
+                self._coming = {guard.take(*device): orders}
+            if any(order.startswith("reset") for order in orders):
+                guard.clear()
+        self._open()
 
     def _done(self, order: str, problem: str = "") -> None:
         self.results[order] = problem
@@ -121,25 +157,40 @@ class Devices:
         for old in list(self.results)[:-KEPT]:
             del self.results[old]
 
-    def _open(self, order: str, choice: Choice | Configured, old: Backend | None = None) -> None:
-        """Begin to open a device, once `old` is closed."""
-        self._turn += 1
-        turn = self._turn
+    def _open(self) -> None:
+        """Begin with what is next, unless one is being opened."""
+        ahead, guard = self._next, self._guard
+        if self._busy or not ahead.orders:
+            return
+        self._next = Next()
+        if ahead.choice is None and guard.backend is not None:  # one that was selected is there now
+            guard.leaving += ahead.olds
+            guard.clear()
+            for order in ahead.resets:
+                self._done(order)
+            return
+        choice, self._busy = ahead.choice or self._choice, True
 
         def work() -> None:
-            if old is not None:
+            for old in ahead.olds:
                 _close(old)
-            try:
-                backend = self._make(choice)
-                can = backend.capability
-                backend.open(self._array)
-            except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
-                problem = f"{choice.name}: {told(error)}"
-                self._opened.put(Opened(order, turn, choice, problem=problem))
-            else:
-                self._opened.put(Opened(order, turn, choice, (backend, can)))
+            self._opened.put(self._tried(ahead.orders, choice))
 
         self._thread(work)
+
+    def _tried(self, orders: tuple[str, ...], choice: Choice | Configured) -> Opened:
+        """What comes of opening a device."""
+        backend = None
+        try:
+            backend = self._make(choice)
+            can = backend.capability
+            check_rate(can.rate, self._rate)
+            backend.open(self._array)
+        except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
+            if backend is not None:
+                _close(backend)
+            return Opened(orders, choice, problem=f"{choice.name}: {told(error)}")
+        return Opened(orders, choice, (backend, can))
 
 
 def _made(choice: Choice | Configured) -> Backend:

@@ -16,6 +16,7 @@ from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving import loading, messages, taking
+from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class FeltScene:
                     scene = scene.put(item)
                 except Exception as error:
                     self._drop(name)
-                    self.refuse(name, f"{type(error).__name__}: {error}")
+                    self.refuse(name, told(error))
             return scene
 
     @property
@@ -144,22 +145,30 @@ class FeltScene:
         try:
             self._does[type(change)](change)
         except Exception as error:  # whatever it is, the loop goes on
-            self.refuse(name, f"{type(error).__name__}: {error}")
+            self.refuse(name, told(error))
 
     def _drop(self, name: str) -> None:
-        for there in (self._items, self._given, self._loading):
+        self._forget(name)
+        for there in (self._items, self._given):
             there.pop(name, None)
+
+    def _forget(self, name: str) -> None:
+        """What is being loaded under that name is not wanted any more."""
+        if self._loading.pop(name, None) is not None:
+            self._loader.drop(name)
 
     def refuse(self, name: str, problem: str) -> None:
         """Tell that an object could not be put, or "" for none in particular."""
         self.refused.pop(name, None)
-        self.refused[name] = problem[:1000]
+        self.refused[name] = plain(problem)
         while len(self.refused) > KEPT:
             del self.refused[next(iter(self.refused))]
 
     def _begin(self, change: messages.Begin) -> None:
         self._gone = dict.fromkeys(item.name for item in self.scene.objects)
-        for there in (self._items, self._given, self._new, self._loading):
+        for name in list(self._loading):
+            self._forget(name)
+        for there in (self._items, self._given, self._new):
             there.clear()
         self.refused.clear()
         self.number = change.scene
@@ -168,7 +177,7 @@ class FeltScene:
     def _put(self, change: messages.PutObject) -> None:
         name, data, default = change.name, change.item, change.default
         self.refused.pop(name, None)
-        self._loading.pop(name, None)
+        self._forget(name)
         if len(data) > loading.LIGHT:
             self._load(change, lambda: loading.loaded(loading.item_of(data)))
             return

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -67,7 +68,7 @@ class Rounds:
         )
         chosen = settings.backend
         choice = chosen if isinstance(chosen, Choice) else Choice(chosen)
-        self.devices = Devices(self.guard, array, choice)
+        self.devices = Devices(self.guard, array, choice, settings.rate)
         self._told = -TELL  # [s]
         self._orders.look()
         self.devices.begin(self._orders.value)
@@ -98,16 +99,17 @@ class Rounds:
     def __exit__(self, *_: object) -> None:
         """Silence, tell, and close."""
         guard, due = self.guard, time.perf_counter() + 0.5 * LAST
-        guard.silence("end")
-        while guard.loud and time.perf_counter() < due:
-            time.sleep(IDLE)
+        with self._stack:
             guard.silence("end")
-        self.tell()
-        for backend in (guard.backend, guard.coming, *guard.leaving):
-            if backend is not None:
-                with contextlib.suppress(Exception):
-                    backend.close()
-        self._stack.close()
+            while guard.loud and time.perf_counter() < due:
+                time.sleep(IDLE)
+                guard.silence("end")
+            with contextlib.suppress(Exception):
+                self.tell()
+            for backend in (guard.backend, guard.coming, *guard.leaving):
+                if backend is not None:
+                    with contextlib.suppress(Exception):
+                        backend.close()
 
 
 def _last_generation(device: Latest) -> int:
@@ -127,7 +129,7 @@ def _alive(seconds: float) -> None:
 
 def main() -> None:
     """Run until the parent goes, or tells it to."""
-    ended = threading.Event()
+    ended, parent = threading.Event(), os.getppid()
 
     def orphaned() -> None:
         ended.set()
@@ -151,6 +153,8 @@ def main() -> None:
             _alive(told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
         _alive(LAST)
+    if os.getppid() != parent:  # it has gone, and would have removed it
+        shutil.rmtree(told.path, ignore_errors=True)
 
 
 if __name__ == "__main__":

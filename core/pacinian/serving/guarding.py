@@ -235,6 +235,11 @@ def told(error: BaseException) -> str:
         )
     except Exception:
         text = type(error).__name__
+    return plain(text)
+
+
+def plain(text: str) -> str:
+    """So much of a text that it can be told, whatever is in it."""
     return text[:LONGEST].encode(errors="replace").decode()
 
 

@@ -15,6 +15,7 @@ from pacinian.scene.objects import Body, Object, Particles, Path, Point
 from pacinian.scene.shapes.flat import Disc, Rectangle
 from pacinian.scene.shapes.round import Sphere
 from pacinian.scene.time.envelope import Envelope, Noise, Timed, Wave, resolve
+from pacinian.serving.guarding import told
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,19 +39,30 @@ class Loaded(NamedTuple):
 
 
 class Loader:
-    """Makes objects and envelopes in order, one after the other. thread: for tests."""
+    """Makes objects and envelopes in order, one after the other: of each name only the newest. thread: for tests."""
 
     def __init__(self, thread: Callable[[Callable[[], None]], object] | None = None) -> None:
-        self._jobs: queue.SimpleQueue[tuple[str, int, Callable[[], Object | Timed]]]
-        self._jobs, self._done = queue.SimpleQueue(), queue.SimpleQueue[Loaded]()
+        self._jobs: dict[str, tuple[int, Callable[[], Object | Timed]]] = {}
+        self._some, self._done = threading.Condition(), queue.SimpleQueue[Loaded]()
         self._thread, self._started = thread or _thread, False
 
+    def __len__(self) -> int:
+        """How many wait."""
+        return len(self._jobs)
+
     def ask(self, name: str, turn: int, job: Callable[[], Object | Timed]) -> None:
-        """Do this, too. name, turn: whose it is."""
-        self._jobs.put((name, turn, job))
+        """Do this, in place of what waits for that name. turn: which it is."""
+        with self._some:
+            self._jobs[name] = turn, job
+            self._some.notify()
         if not self._started:
             self._started = True
             self._thread(self._work)
+
+    def drop(self, name: str) -> None:
+        """What waits for that name is not wanted any more."""
+        with self._some:
+            self._jobs.pop(name, None)
 
     def done(self) -> list[Loaded]:
         """What has been done since this was last asked."""
@@ -64,12 +76,15 @@ class Loader:
             self._one()
 
     def _one(self) -> None:
-        name, turn, job = self._jobs.get()
+        with self._some:
+            self._some.wait_for(lambda: self._jobs)
+            name = next(iter(self._jobs))
+            turn, job = self._jobs.pop(name)
         gc.disable()  # a search among so many new things takes longer than a tick
         try:
             self._done.put(Loaded(name, turn, job()))
         except Exception as error:  # what cannot be loaded is told, and the thread goes on
-            self._done.put(Loaded(name, turn, None, f"{type(error).__name__}: {error}"))
+            self._done.put(Loaded(name, turn, None, told(error)))
         gc.freeze()
         gc.enable()
 

@@ -41,6 +41,12 @@ def configure(settings: Log, process: str) -> None:
         event["process"] = process
         return event
 
+    def printable(_log: object, _method: str, event: Any) -> Any:
+        for name, value in event.items():
+            if isinstance(value, str) and not value.isprintable():  # a client's name, say
+                event[name] = "".join(c if c.isprintable() else "?" for c in value)
+        return event
+
     plain = structlog.dev.plain_traceback  # others show local variables, and so secrets
     last: list[Processor]
     if settings.format == "json":
@@ -51,6 +57,7 @@ def configure(settings: Log, process: str) -> None:
     structlog.configure(
         processors=[
             named,
+            printable,
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
             *last,
@@ -109,9 +116,20 @@ class Sparse:
 
     def warning(self, event: str, **values: Any) -> None:
         """Log a warning, unless there were too many of this event lately."""
+        self._add("warning", event, values)
+
+    def info(self, event: str, **values: Any) -> None:
+        """Log what is worth knowing."""
+        self._add("info", event, values)
+
+    def exception(self, event: str, **values: Any) -> None:
+        """Log an error, with the exception that is handled."""
+        self._add("exception", event, values)
+
+    def _add(self, level: str, event: str, values: dict[str, Any]) -> None:
         if not self._allowed.setdefault(event, Allowance(self._often)).take(self._clock()):
             self._missed[event] = self._missed.get(event, 0) + 1
             return
         if missed := self._missed.pop(event, 0):
             values["missed"] = missed
-        log().warning(event, **values)
+        getattr(log(), level)(event, **values)

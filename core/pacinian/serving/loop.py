@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msgspec.msgpack import Decoder
+from msgspec.structs import replace
 
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.renderer import RAMP, Renderer
@@ -15,6 +16,7 @@ from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving import messages, quiet, reporting, taking
 from pacinian.serving.felt_scene import FeltScene
+from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input, Outputs
 from pacinian.serving.salvage import changes_of
 from pacinian.serving.watching import Watched
@@ -22,14 +24,18 @@ from pacinian.solving.problem import Limits
 from pacinian.wire.convert_time import technique_to_scene
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.scene.time.technique import Technique
     from pacinian.serving.choosing import Solvers
     from pacinian.serving.loading import Loader
     from pacinian.serving.memory import Latest
     from pacinian.serving.messages import Orders
     from pacinian.serving.settings import Settings
     from pacinian.wire.replies import Plugin
+    from pacinian.wire.time import Technique as WireTechnique
 
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.01  # [s] before a permit ends, the scene fades
@@ -85,6 +91,8 @@ class Loop:
         self._zones = self.felt.quiet
         self._limit()
         self._done = messages.Orders()
+        self._kind: tuple[str, Technique] = "", SIMULTANEOUS  # what is presented
+        self._intensity = 1.0
         self._reset = 0
         self._told = 0.0  # [s] when the next report is due
 
@@ -94,7 +102,7 @@ class Loop:
         self.felt.start = self.renderer.start
         self._changes.skip()
         self._files["taken"].write(messages.pack(messages.Taken(0, self.run, 0)))
-        self._orders.look()
+        self._try(self._orders.look)
         self._reset = self._orders.value.reset
         self._obey(self._orders.value)
         self.renderer.scene = self._scene
@@ -106,27 +114,35 @@ class Loop:
 
     def between(self, report: object = None) -> None:
         """Between two ticks: orders, a new device, a new solver, a report. It never raises an Exception."""
-        try:
-            if self._device.look():
-                self._note(self._outputs.follow(self.renderer))
-            if self._orders.look():
-                self._obey(self._orders.value)
-            self._choose()
-            self._mend()
-        except Exception as error:  # whatever it is, the loop goes on
-            self.felt.refuse("", f"{type(error).__name__}: {error}")
+        for step in self._follow, self._listen, self._choose, self._mend:
+            self._try(step)
         now = self.clock.now()
         if now >= self._told:
             self._told = now + 1.0 / self._settings.state_rate
-            self._report(now)
+            self._try(lambda: self._report(now))
+
+    def _try(self, step: Callable[[], object]) -> str:
+        """Do it; what is wrong with it, which is told. Whatever it is, the loop goes on."""
+        try:
+            step()
+        except Exception as error:
+            problem = told(error)
+            self.felt.refuse("", problem)
+            return problem
+        return ""
+
+    def _follow(self) -> None:
+        if self._device.look():
+            self._note(self._outputs.follow(self.renderer))
+
+    def _listen(self) -> None:
+        if self._orders.look():
+            self._obey(self._orders.value)
 
     def _scene(self, t: float) -> Scene:
         """The scene of a tick."""
         self._permit.look()
-        try:
-            self._take()
-        except Exception as error:  # whatever it is, the loop goes on
-            self.felt.refuse("", f"{type(error).__name__}: {error}")
+        self._try(self._take)
         permit = self._permit.value
         over = self.clock.now() > permit.until - EARLY
         other = permit.scene != self.felt.number
@@ -166,18 +182,31 @@ class Loop:
             session.solver = solver
 
     def _obey(self, orders: Orders) -> None:
-        """Do what is new in the orders."""
+        """Do what is new in the orders; what cannot be done does not keep the rest from it."""
         done, self._done = self._done, orders
-        number, choice = orders.solver
-        if number != done.solver[0] and choice is not None:
-            self._choosing.order(number, choice)
-        technique = orders.technique[1]
+        (solver, choice), (technique, asked), (intensity, level) = (
+            orders.solver, orders.technique, orders.intensity
+        )  # fmt: skip
+        if solver != done.solver[0] and choice is not None:
+            problem = self._try(lambda: self._choosing.order(solver, choice))
+            if problem:
+                self._note({f"solver {solver}": problem})
+        if technique != done.technique[0]:
+            self._note({f"technique {technique}": self._try(lambda: self._present(asked))})
+        if intensity != done.intensity[0]:
+            self._note({f"intensity {intensity}": self._try(lambda: self._dim(level))})
+
+    def _present(self, technique: WireTechnique | None) -> None:
+        """Another technique. Raises ArgumentError, WireError."""
+        name = "" if technique is None else str(technique.__struct_config__.tag)
         kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
-        self.felt.present(kind, orders.intensity[1])
-        for name in ("technique", "intensity"):
-            number = getattr(orders, name)[0]
-            if number != getattr(done, name)[0]:
-                self._note({f"{name} {number}": ""})
+        self.felt.present(kind, self._intensity)
+        self._kind = name, kind
+
+    def _dim(self, intensity: float) -> None:
+        """Another factor on all pressures."""
+        self.felt.present(self._kind[1], intensity)
+        self._intensity = intensity
 
     def _mend(self) -> None:
         """After a reset, once the device is well: begin again."""
@@ -198,21 +227,30 @@ class Loop:
         return self.felt.input(self.renderer.shown)
 
     def _report(self, now: float) -> None:
-        renderer = self.renderer
-        technique, intensity = self._done.technique[1], self._done.intensity[1]
-        state = reporting.state(renderer, now - renderer.start)
-        state["technique"] = "" if technique is None else str(technique.__struct_config__.tag)
-        state["intensity"] = intensity
-        if note := self._choosing.status(renderer.limits.quiet is not None):
-            state["status"] = note
-        halted = renderer.halted
+        """Tell how it is; or where that cannot be told, that it lives."""
+        halted = self.renderer.halted
         report = messages.Report(
             self.run,
             now,
-            state,
+            {},
             self.results,
-            "" if halted is None else f"{halted.stage}: {halted.message}",
+            "" if halted is None else plain(f"{halted.stage}: {halted.message}"),
             self.felt.refused,
             self.solvers,
         )
+        try:
+            self._tell(replace(report, state=self._state(now)))
+        except Exception as error:
+            self.felt.refuse("", told(error))
+            self._tell(report)
+
+    def _tell(self, report: messages.Report) -> None:
         self._files["report"].write(messages.pack(report))
+
+    def _state(self, now: float) -> dict[str, Any]:
+        renderer = self.renderer
+        state = reporting.state(renderer, now - renderer.start)
+        state["technique"], state["intensity"] = self._kind[0], self._intensity
+        if note := self._choosing.status(renderer.limits.quiet is not None):
+            state["status"] = note
+        return state

@@ -31,7 +31,7 @@ from pacinian.wire.time import Technique
 CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `frame_capacity`
     "permit": 64,
     "sessions": 1 << 20,
-    "orders": 1 << 16,
+    "orders": 1 << 18,
     "changes": 4 << 20,
     "taken": 64,
     "report": 2 << 20,

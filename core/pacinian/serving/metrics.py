@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from prometheus_client import Metric
 
+    from pacinian.serving.messages import Traffic
     from pacinian.wire.state import State
 
 HOST = "127.0.0.1"
@@ -25,11 +26,11 @@ OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 class Metrics(Collector):
     """Serves them while entered.
 
-    newest: the state, None before the first, and the server's own counts by name. Raises ServerError.
+    newest: the state, None before the first, the server's own counts by name, and how the bus is. Raises ServerError.
     """
 
     def __init__(
-        self, port: int, newest: Callable[[], tuple[State | None, Mapping[str, int]]]
+        self, port: int, newest: Callable[[], tuple[State | None, Mapping[str, int], Traffic]]
     ) -> None:
         self._port, self._newest = port, newest
 
@@ -54,9 +55,13 @@ class Metrics(Collector):
 
     def collect(self) -> Iterator[Metric]:
         """The metrics of now."""
-        state, counts = self._newest()
+        state, counts, bus = self._newest()
         for name, value in counts.items():
             yield _counter(f"control_{name}", f"Control socket: {name}", value)
+        yield _counter("bus_received", "Commands", bus.received)
+        yield _counter("bus_superseded", "Commands that newer ones replaced", bus.superseded)
+        yield _counter("bus_refused", "Commands", bus.refused)
+        yield _gauge("bus_waiting", "Changes that the renderer does not know yet", bus.waiting)
         if state is None:
             return
         yield _counter("ticks", "Ticks of the loop", state.ticks)

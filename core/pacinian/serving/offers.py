@@ -5,11 +5,14 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from pacinian.plugins import registry
+from pacinian.serving.guarding import plain
 from pacinian.wire.replies import Plugin
 
 if TYPE_CHECKING:
-    from pacinian.plugins.registry import Kind
+    from pacinian.plugins.registry import Kind, Offer
 
 LOADING = threading.Lock()  # plug-ins are found by one thread at a time
 
@@ -21,10 +24,20 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
         plugins.load()
     return tuple(
         Plugin(
-            name=offer.name[:64],
-            summary=(offer.cls.__doc__ or "").strip().partition("\n")[0][:200],
-            options={k: v for k, v in offer.options.items() if isinstance(v, int | float | str)},
+            name=plain(offer.name)[:64],
+            summary=plain(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
+            options=_options(offer),
         )
         for _, offer in sorted(plugins.offers.items())
         if offer.kind == kind
     )
+
+
+def _options(offer: Offer) -> dict[str, int | float | str]:
+    """Its simple settings; none of one of which they cannot be read, or told."""
+    try:
+        found = {k: v for k, v in offer.options.items() if isinstance(v, int | float | str)}
+        msgspec.msgpack.encode(found)
+    except Exception:  # whatever a plug-in does, the process starts
+        return {}
+    return found

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.serving.messages import Begin, Changes, PutObject, RemoveObject, Wrap
 from pacinian.serving.news import MOVED, WRAPPED
+from pacinian.serving.things import AT_ONCE
 
 if TYPE_CHECKING:
     from pacinian.serving.intake import Client
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 MOST = 64  # objects in one batch
 LIGHT = 48  # of which are only moved, wrapped or removed while others wait to be put
-FRESH = 16  # of which are converted for it
 BYTES = 1 << 20  # of one batch, but for a single object that is larger
 
 
@@ -54,6 +54,11 @@ class Outbox:
         elif mine:
             self._waits = False
 
+    def lost(self) -> None:
+        """The last batch could not be published: all comes anew."""
+        self._waits = False
+        self._begin()
+
     @property
     def waits(self) -> bool:
         """Whether there is more to send, as soon as the last batch is taken."""
@@ -88,7 +93,7 @@ class Outbox:
                 continue  # it is being converted
             if thing.item is not None:
                 fresh += 1
-                if fresh > FRESH:
+                if fresh > AT_ONCE:
                     return
                 if not self._pack(room, thing):
                     continue

@@ -132,18 +132,23 @@ class Outputs:
         """For the device that is to have the next frames. Raises ArgumentError where the loop cannot serve it."""
         device = self._device.value
         generation = self._tried = device.next or device.generation
-        rows = device.rate / self._rate
-        if not generation or rows < 1.0 - 1e-9 or round(rows) > MOST_ROWS:
-            raise ArgumentError(
-                "backend",
-                f"must have 1 to {MOST_ROWS} frames a tick: {device.rate:g} Hz does not fit a loop of "
-                f"{self._rate:g} Hz",
-            )
+        if not generation:
+            raise ArgumentError("backend", "must be open")
+        check_rate(device.rate, self._rate)
         can = Capability(device.phases, device.amplitudes, device.rate, device.watchdog)
         return self._output(generation, can)
 
     def _output(self, generation: int, capability: Capability) -> Output:
         return Output(self._file, self._device, self._permit, generation, capability, self._tag)
+
+
+def check_rate(device: float, loop: float) -> None:
+    """Refuse a device of that rate for a loop of that rate [Hz]. Raises ArgumentError."""
+    if not 1.0 - 1e-9 <= device / loop < MOST_ROWS + 0.5:
+        raise ArgumentError(
+            "backend",
+            f"must have 1 to {MOST_ROWS} frames a tick: {device:g} Hz does not fit a loop of {loop:g} Hz",
+        )
 
 
 def _bytes(levels: Levels) -> memoryview:

@@ -91,6 +91,7 @@ class Ownership:
         self.owner = session
         session.until = max(session.until, now + session.lease)
         if self.armed:
+            self.renew(session)
             self.told.append((session.peer, Ok(id=request)))
         else:
             self._asked.append(request)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import msgspec
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=Struct)
 
 SHOWN = 8  # faults
+LONGEST, LONGEST_NAME = 500, 200  # characters of a fault, and of a backend's name
 INPUT = 32  # [bytes] of one hand update in `State.inputs`
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
 NO_DEVICE = Device(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
@@ -54,7 +56,10 @@ class View:
         """Read the newest frame."""
         if new := self._memory["frame"].read(self._numbers["frame"]):
             self._numbers["frame"], data = new
-            self.frame, self.levels = FrameHead.unpack(data), data[HEAD:]
+            try:
+                self.frame, self.levels = FrameHead.unpack(data), data[HEAD:]
+            except struct.error:
+                self.unreadable += 1
 
     def _read(self, name: str, old: S) -> S:
         if not (new := self._memory[name].read(self._numbers[name])):
@@ -88,7 +93,7 @@ class Publisher:
 
     def fault(self, fault: str) -> None:
         """Note one."""
-        self.faults = [*self.faults[1 - SHOWN :], fault]
+        self.faults = [*self.faults[1 - SHOWN :], fault[:LONGEST]]
         self.fault_count += 1
 
     def output(self) -> Output:
@@ -106,8 +111,6 @@ class Publisher:
         """The state at `now` [s], without hand updates."""
         report, device, ownership = self._view.report, self._view.device, self._sessions.ownership
         told = {k: v for k, v in report.state.items() if k not in OURS}
-        faults = [*told.pop("faults", ()), *self.faults]
-        count = int(told.pop("fault_count", 0)) + self.fault_count
         common: dict[str, Any] = {
             "type": "state",
             "sequence": self._sequence,
@@ -116,18 +119,25 @@ class Publisher:
             "armed": ownership.armed,
             "owner": ownership.owner.name if ownership.owner is not None else "",
             "scene": ownership.owner.scene if ownership.owner is not None else "",
-            "backend": device.name,
+            "backend": device.name[:LONGEST_NAME],
             "frames": device.frames,
             "longest_gap": device.longest_gap,
             "restarts": restarts,
-            "faults": tuple(faults[-SHOWN:]),
-            "fault_count": count,
             "clients": self._clients(now),
         }
-        nothing = {"solver": "", "technique": "", "intensity": 1.0}
+        nothing = {
+            "solver": "",
+            "technique": "",
+            "intensity": 1.0,
+            "faults": tuple(self.faults),
+            "fault_count": self.fault_count,
+        }
         try:
+            theirs = [fault[:LONGEST] for fault in told.pop("faults", ())]
+            told["faults"] = tuple([*theirs, *self.faults][-SHOWN:])
+            told["fault_count"] = told.get("fault_count", 0) + self.fault_count
             return msgspec.convert({**nothing, **told, **common}, State)
-        except (msgspec.ValidationError, ValueError):  # what a plug-in has told is no state
+        except (TypeError, ValueError):  # what a plug-in has told is no state
             self._view.unreadable += 1
             return msgspec.convert({**nothing, **common}, State)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.scene.sampling.tracks import HOLD
+from pacinian.serving.guarding import plain
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
@@ -31,7 +32,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
         "tick_ms": _milliseconds(ticks),
         "frames": report.frames_sent,
         "skipped": dict(report.skipped),
-        "faults": tuple(f"{fault.stage}: {fault.message}"[:200] for fault in list(report.faults)[-FAULTS:]),
+        "faults": tuple(plain(f"{fault.stage}: {fault.message}")[:200] for fault in list(report.faults)[-FAULTS:]),
         "fault_count": report.fault_count,
     }  # fmt: skip
 

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
 
+from pacinian.errors import WireError
 from pacinian.serving.messages import Orders
 from pacinian.wire.control import Choice
+from pacinian.wire.convert_time import technique_to_scene
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 PATIENCE = 10.0  # [s] for a solver to be made or a device to be opened
 SUSPECT = 10.0  # [s] after its selection in which a solver is blamed for a renderer that ends
 KINDS = "solver", "backend", "technique", "intensity"
+SETTINGS = "technique", "intensity"  # of which the newest one stands for those before
+MOST = 8  # selections that wait
 
 
 @dataclass
@@ -64,6 +68,21 @@ class Selection:
         }
         if not given:
             return Ok(id=message.id)
+        if message.technique is not None:
+            try:
+                technique_to_scene(message.technique)
+            except WireError as error:
+                return Error(
+                    id=message.id,
+                    code="argument",
+                    message=error.problem[:1000],
+                    path=error.path[:200],
+                )
+        replaced = {f"{kind} {getattr(self.orders, kind)[0]}" for kind in SETTINGS if kind in given}
+        if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MOST:
+            return Error(id=message.id, code="busy", message=f"{MOST} selections wait already")
+        for waiting in self._waiting:
+            waiting.missing -= replaced
         missing = {self._order(kind, value) for kind, value in given.items()}
         self._waiting.append(Waiting(session.peer, message.id, missing, now + PATIENCE))
         if message.solver is not None:

@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import socket
+import sys
 import threading
 from typing import TYPE_CHECKING
 
@@ -49,6 +50,7 @@ def serve(
     path = where(settings.connection)
     _alone(path)
     configure(settings.log, "control")
+    _many_files()
     with contextlib.ExitStack() as stack:
         stack.callback(flush)
         stack.enter_context(_signals(ending))
@@ -60,6 +62,7 @@ def serve(
             name: stack.enter_context(memory.Latest.create(folder / name, capacity))
             for name, capacity in capacities.items()
         }
+        child.urgent(5)  # a stop is answered whatever the others do; threads of ZeroMQ take it over
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
         doors = stack.enter_context(Doors(context, gate, settings.network))
@@ -67,9 +70,12 @@ def serve(
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
-        told = child.Told(str(folder), replace(settings, network=network), secrets)
+        told = child.Told(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets)
-        supervisor = Supervisor(lambda name: start(name, told), settings.safety.hung)
+        given = {"bus": replace(told, secrets=secrets)}  # the others have no socket
+        supervisor = Supervisor(
+            lambda name: start(name, given.get(name, told)), settings.safety.hung
+        )
         stack.callback(_end, supervisor)
         control = Control(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
@@ -102,6 +108,17 @@ def _alone(path: Path) -> None:
         )
 
 
+def _many_files() -> None:
+    """Each connection takes a file: let there be as many as the system allows."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
+
 def _end(supervisor: Supervisor) -> None:
     for name in supervisor.end():
         log().error("had to be killed", name=name)
@@ -113,7 +130,8 @@ def _metrics(
     if not settings.metrics.port:
         return contextlib.nullcontext()
     return Metrics(
-        settings.metrics.port, lambda: (control.newest, {**control.counts, **doors.counts})
+        settings.metrics.port,
+        lambda: (control.newest, {**control.counts, **doors.counts}, control.view.traffic),
     )
 
 

@@ -89,7 +89,7 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
 class Clients(Struct, frozen=True, forbid_unknown_fields=True):
     """How much clients may ask of the server.
 
-    most: connections, and sessions. objects: of a scene; per_client: of one client. rate: messages per second of
+    most: sessions, not connections. objects: of a scene; per_client: of one client. rate: messages per second of
     one client. command_bytes: of one command.
     """
 

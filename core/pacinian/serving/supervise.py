@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 CHILDREN = "guard", "bus", "render"  # in the order in which they are started
 ENDED = "render", "bus", "guard"  # the device is silenced last, when nothing can sound any more
-STARTING = 60.0  # [s] until the first sign of life
+STARTING = 300.0  # [s] until the first sign of life: kernels may be compiled first
 FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
 WELL = 10.0  # [s] after which one that lives is trusted again
 PATIENCE = 3.0  # [s] in which one that was asked to end must have ended
@@ -95,20 +95,28 @@ class Supervisor:
         for name, child in self.children.items():
             now = self._clock()
             if child.due is not None:
-                if now >= child.due:
-                    child.process, child.started, child.due = self._start(name), now, None
-                    child.restarts += 1
-                continue
-            why = self._ended(child, beats.get(name, 0.0), now)
-            if not why:
-                continue
-            if not self.trusted:
-                raise ServerError(f"the process {name!r} {why} before the server was ready")
-            if now - child.started > WELL:
-                child.wait = FIRST
-            child.due, child.wait = now + child.wait, min(LONGEST, 2.0 * child.wait)
-            ended.append((name, why))
+                why = self._again(child, now)
+            elif why := self._ended(child, beats.get(name, 0.0), now):
+                if not self.trusted:
+                    raise ServerError(f"the process {name!r} {why} before the server was ready")
+                if now - child.started > WELL:
+                    child.wait = FIRST
+            if why:
+                child.due, child.wait = now + child.wait, min(LONGEST, 2.0 * child.wait)
+                ended.append((name, why))
         return ended
+
+    def _again(self, child: Child, now: float) -> str:
+        """Start it again if it is time, and the old one has ended; return why it cannot be."""
+        if child.due is None or now < child.due or child.process.poll() is None:
+            return ""
+        try:
+            child.process = self._start(child.name)
+        except (OSError, ServerError) as error:
+            return f"could not be started: {error}"
+        child.started, child.due = now, None
+        child.restarts += 1
+        return ""
 
     def _ended(self, child: Child, beat: float, now: float) -> str:
         if (code := child.process.poll()) is not None:
@@ -136,6 +144,8 @@ class Supervisor:
             except subprocess.TimeoutExpired:
                 _killed(child.process)
                 killed.append(name)
+                with contextlib.suppress(subprocess.TimeoutExpired):  # the system holds it
+                    child.process.wait(PATIENCE)
         return killed
 
 
@@ -146,6 +156,6 @@ def _closed(process: Process) -> None:
 
 
 def _killed(process: Process) -> None:
+    """It ends when the system lets it."""
     process.kill()
-    process.wait()
     _closed(process)

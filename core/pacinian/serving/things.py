@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import msgspec
 import numpy as np
@@ -25,12 +25,16 @@ from pacinian.wire.shapes import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.serving.converting import Wraps
     from pacinian.serving.intake import Client
     from pacinian.wire.commands import Move
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
 
-HEAVY = 1 << 14  # [bytes]; what is larger takes long to convert
+HEAVY = 1 << 11  # [bytes] of bulk; what has more takes long to convert: above 0.1 ms
+AT_ONCE = 16  # objects that are converted one after another while commands wait
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
 LARGEST = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
 FARTHEST, FASTEST, UNIT = (
@@ -38,31 +42,36 @@ FARTHEST, FASTEST, UNIT = (
     100.0,
     0.01,
 )  # [m]; [m/s] or [rad/s]; a quaternion's length is 1 within
+SCALARS = {float, int, str, bool, type(None)}
 POSE, VELOCITY = struct.Struct("<7f"), struct.Struct("<6f")
 
 
 class Thing:
-    """An object by its name. owner: who put it last. size: what it takes [bytes].
+    """An object by its name. owner: who put it last. size: what it takes [bytes], but for its share of the message.
 
     seen: when it was put, until: when it is removed, by our clock [s]. moved: pose, velocities or none, time [s].
-    wrapped: an envelope, encoded, that came later. placed: whether it counts as its owner's.
+    wrapped: an envelope, encoded, that came later. wraps: what makes the one that came
+    last, of `waits` [bytes], while that takes. slow: it takes long to convert.
+    placed: whether it counts as its owner's.
     """
 
-    def __init__(self, name: str, item: Object, owner: Client, size: int, seen: float) -> None:
-        self.name, self.owner, self.size, self.seen = name, owner, size, seen
+    def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
+        self.name, self.owner, self.size, self.seen = name, owner, bulk(item), seen
         self.item: Object | None = item
         self.packed, self.placed = b"", False
         self.default = item.technique is None
         self.until = None if item.duration is None else seen + item.duration
         self.moved: tuple[bytes, bytes, float] | None = None
         self.wrapped = b""
+        self.wraps: Wraps | None = None
+        self.waits = 0
+        shape = item.shape if isinstance(item, (Surface, Volume)) else None
+        self.slow = isinstance(shape, SLOW) or self.size > HEAVY
 
     @property
     def heavy(self) -> bool:
         """Whether it takes long to convert, and has not been."""
-        item = self.item
-        slow = isinstance(item, (Surface, Volume)) and isinstance(item.shape, SLOW)
-        return item is not None and (slow or self.size > HEAVY)
+        return self.slow and self.item is not None
 
     def pack(self, most: float) -> bytes:
         """The object, encoded. most: radiation pressure [Pa]. Raises WireError, TooStrong."""
@@ -73,10 +82,22 @@ class Thing:
     def accept(self, packed: bytes) -> None:
         """What it was converted to; it counts while it has an owner."""
         self.packed, self.item = packed, None
-        more = len(packed) + len(self.wrapped) - self.size
+        self.grow(len(packed) + len(self.wrapped) + self.waits - self.size)
+
+    def grow(self, more: int) -> None:
+        """It takes so many bytes more, which count while it has an owner."""
         self.size += more
         if self.placed:
             self.owner.bytes += more
+
+    def wrap(self, envelope: bytes, wraps: Wraps | None = None, waits: int = 0) -> None:
+        """Another envelope; wraps: makes yet another, of so many bytes."""
+        self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
+        self.wrapped, self.wraps, self.waits = envelope, wraps, waits
+
+    def leave(self) -> None:
+        """It is gone: nothing is converted for it any more."""
+        self.item = self.wraps = None
 
     def move(self) -> MoveObject | None:
         """Its pose, if that came later than itself."""
@@ -93,6 +114,18 @@ class Thing:
             (p, q_, r) if velocity else None,
             seen,
         )
+
+
+def bulk(value: object) -> int:
+    """Of a wire object: bulk numbers in it [bytes]."""
+    if isinstance(value, bytes):
+        return len(value)
+    parts: Sequence[object] = ()
+    if isinstance(value, msgspec.Struct):
+        parts = [getattr(value, name) for name in value.__struct_fields__]
+    elif isinstance(value, tuple):
+        parts = cast("tuple[object, ...]", value)
+    return sum([bulk(part) for part in parts if type(part) not in SCALARS])
 
 
 def made(name: str, item: Object, seen: float, most: float) -> bytes:

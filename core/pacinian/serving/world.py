@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING
 
@@ -9,9 +10,9 @@ import msgspec
 
 from pacinian.errors import WireError
 from pacinian.serving import quiet
-from pacinian.serving.converting import Job
+from pacinian.serving.converting import Objects, Wraps
 from pacinian.serving.news import MOVED, WRAPPED, News
-from pacinian.serving.things import Thing, check_poses, refused, too_strong
+from pacinian.serving.things import AT_ONCE, HEAVY, Thing, bulk, check_poses, refused, too_strong
 from pacinian.serving.tracking import Tracked, tracked
 from pacinian.wire.commands import Clear, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import envelope_to_scene
@@ -72,7 +73,7 @@ class Room:
         elif isinstance(command, Remove):
             self._remove(command.names)
         elif isinstance(command, Envelopes):
-            self._wrap(command)
+            return self._wrap(client, command)
         elif isinstance(command, Quiet):
             self._quiet(client, command.zones)
         elif isinstance(command, Clear):
@@ -122,8 +123,12 @@ class Room:
         return quiet.quiet([*self._settings.safety.zones, *zones])
 
     def _put(self, client: Client, command: Put, seen: float, size: int) -> bool:
-        most, each = self._settings.safety.pressure, size // max(1, len(command.objects))
-        things = [Thing(name, item, client, each, seen) for name, item in command.objects.items()]
+        most = self._settings.safety.pressure
+        things = [Thing(name, item, client, seen) for name, item in command.objects.items()]
+        rest = max(0, size - sum(thing.size for thing in things))
+        for thing in things:
+            thing.size += rest // len(things)
+            thing.slow |= bool(command.id) and len(things) > AT_ONCE
         self._make_room(client, things)
         for thing in things:
             item = thing.item
@@ -136,7 +141,7 @@ class Room:
         for thing in things:
             self._place(thing)
         if heavy:
-            self._converter.ask(Job(self, heavy, client, command.id))
+            self._converter.ask(Objects(self, heavy, client, command.id))
         if len(self._ends) > 2 * len(self.things) + 64:  # most of these were put anew
             self._ends = [(t.until, t.name) for t in self.things.values() if t.until is not None]
             heapify(self._ends)
@@ -160,6 +165,7 @@ class Room:
         old = self.things.get(thing.name)
         if old is not None:
             _count(old, -1)
+            old.leave()
         _count(thing, 1)
         self.things[thing.name] = thing
         if thing.until is not None:
@@ -175,17 +181,29 @@ class Room:
             self.news.new(thing.name, MOVED)
         self._all_there(command.names)
 
-    def _wrap(self, command: Envelopes) -> None:
-        envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
-        for _, thing in self._those(command.names):
-            more = len(envelope) - len(thing.wrapped)
-            if thing.owner.bytes + more > MEMORY:
-                raise full("$.names")
-            thing.owner.bytes += more
-            thing.size += more
-            thing.wrapped = envelope
-            self.news.new(thing.name, WRAPPED)
+    def _wrap(self, client: Client, command: Envelopes) -> bool:
+        things, size = [thing for _, thing in self._those(command.names)], bulk(command.envelope)
+        heavy, envelope = size > HEAVY, b""
+        if not heavy:
+            envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
+            size = len(envelope)
+        more: Counter[Client] = Counter()
+        for thing in things:
+            more[thing.owner] += size - (thing.waits if heavy else len(thing.wrapped) + thing.waits)
+        if any(owner.bytes + bytes_ > MEMORY for owner, bytes_ in more.items()):
+            raise full("$.names")
+        if heavy:
+            ident = command.id if len(things) == len(command.names) else 0
+            job = Wraps(self, things, client, ident, command.envelope)
+            for thing in things:
+                thing.wrap(thing.wrapped, job, size)
+            self._converter.ask(job)
+        else:
+            for thing in things:
+                thing.wrap(envelope)
+                self.news.new(thing.name, WRAPPED)
         self._all_there(command.names)
+        return not heavy
 
     def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, Thing]]:
         for i, name in enumerate(names):
@@ -204,6 +222,7 @@ class Room:
             thing = self.things.pop(name, None)
             if thing is not None:
                 _count(thing, -1)
+                thing.leave()
                 self.news.removed(name)
 
     def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:

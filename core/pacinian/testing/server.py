@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from pacinian.serving.settings import Settings
 
-START = 120.0  # [s] for all of its processes to be ready, and to compile what there is to compile
+START = 300.0  # [s] for all of its processes to be ready, and to compile what there is to compile
 END = 10.0  # [s] to end by itself when it is told to
 LOOK = 0.02  # [s] between two looks
 TOLD = 2000  # characters of the log that an error tells

@@ -4,10 +4,13 @@ import pickle
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.wire import control, replies
 
 from .fake import Fake
 
@@ -28,7 +31,7 @@ def test_it_belongs_to_one_thread(client: pc.Client) -> None:
     caught: list[BaseException] = []
 
     def other() -> None:
-        for call in (client.clear, client.renew, client.stop, client.close):
+        for call in (client.clear, client.renew, client.disarm, client.close):
             try:
                 call()
             except pc.ServerError as error:
@@ -38,6 +41,55 @@ def test_it_belongs_to_one_thread(client: pc.Client) -> None:
     thread.start()
     thread.join()
     assert ["thread that made it" in str(error) for error in caught] == [True] * 4
+
+
+def test_a_stop_is_of_any_thread_and_does_not_disturb_the_session(
+    server: Fake, client: pc.Client
+) -> None:
+    caught: list[BaseException] = []
+
+    def other() -> None:
+        try:
+            client.stop()
+        except BaseException as error:
+            caught.append(error)
+
+    for _ in range(2):
+        thread = threading.Thread(target=other)
+        thread.start()
+        while thread.is_alive():
+            client.clear()
+    assert caught == []
+    assert len(server.of(control.Stop)) == 2
+    client.stop()
+    assert len(server.of(control.Hello)) == 1
+    assert len(server.of(control.Stop)) == 3
+
+
+def test_a_stop_after_close_is_done_with_the_same_arguments(
+    server: Fake, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pc.Client(server.connection.write(tmp_path / "connection.json"), timeout=3.0) as client:
+        pass
+    client.stop()
+    assert isinstance(server.seen[-1], control.Stop)
+    seen: list[Any] = []
+
+    def instead(where: object, *, timeout: float, keys: object) -> None:
+        seen.append((where, timeout, keys))
+
+    monkeypatch.setattr("pacinian.client.client.emergency_stop", instead)
+    client.stop()
+    assert seen == [(tmp_path / "connection.json", 3.0, None)]
+
+
+def test_a_stop_that_the_session_is_refused_is_tried_without(
+    server: Fake, client: pc.Client
+) -> None:
+    answers = [replies.Error(code="busy", message="too much"), replies.Ok()]
+    server.answers[control.Stop] = lambda m: replace(answers.pop(0), id=m.id)
+    client.stop()
+    assert answers == []
 
 
 def test_it_cannot_be_pickled(client: pc.Client) -> None:

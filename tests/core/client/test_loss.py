@@ -249,17 +249,13 @@ def test_closing_does_not_wait_for_a_server_that_hangs(server: Fake) -> None:
     assert time.monotonic() - begin < 5.0
 
 
-def test_too_much_in_one_message_is_told_and_the_session_goes_on(server: Fake) -> None:
-    many = [
-        pc.Particles(positions=HEAVY.positions * 2, radiation_pressure=1.0, name=str(i))
-        for i in range(10)
-    ]
-    with pc.Client(server.connection) as client:
-        for wait in (True, False):
-            with pytest.raises(pc.WireError, match="bytes"):
-                client.put(*many, wait=wait)
-        client.put(many[0])
-        assert len(server.of(commands.Put)) == 1
+def test_a_server_without_room_for_what_waits_is_lost(server: Fake) -> None:
+    with pc.Client(server.connection, timeout=0.1) as client:
+        server.deaf = True
+        fill(client)
+        client.move("rain", pc.Pose(), wait=False, ttl=60.0)
+        with pytest.raises(pc.ConnectionLost, match=r"no room for a command within 0.1 s"):
+            client.put(POINT)
 
 
 def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:

@@ -66,9 +66,10 @@ class Pretender:
         value: Any
         if self.name == "guard":
             loud = permit.armed != 0 and now < permit.until
+            given = {"name": "pretended", "backends": (Plugin(name="pretended"),), **self.extra}
             value = Device(
-                1, 0, "pretended", 16, 16, 1000.0, None, now, sounding=loud,
-                backends=(Plugin(name="pretended"),), **self.extra,
+                generation=1, next=0, phases=16, amplitudes=16, rate=1000.0, watchdog=None, beat=now,
+                sounding=loud, **given,
             )  # fmt: skip
         elif self.name == "bus":
             value = Traffic(1, now, **self.extra)
@@ -90,13 +91,18 @@ class Pretender:
 
 
 class Server:
-    """One that runs. processes: all that were started, by name. extra: what they tell, by name."""
+    """One that runs.
+
+    processes: all that were started, by name. extra: what they tell, by name. silent: names of those that start
+    without a sign of life.
+    """
 
     def __init__(self, settings: Settings, folder: Path) -> None:
         self.path = folder / "connection.json"
         self.settings = replace(settings, connection=str(self.path))
         self.processes: dict[str, list[Pretender]] = {}
         self.extra: dict[str, dict[str, Any]] = {"guard": {}, "bus": {}, "render": {}}
+        self.silent: set[str] = set()
         self.context = zmq.Context()
         self.ending = threading.Event()
         self.error: BaseException | None = None
@@ -111,6 +117,7 @@ class Server:
 
     def _start(self, name: str, told: Told) -> Pretender:
         made = Pretender(name, told, self.extra[name])
+        made.silent = name in self.silent
         self.processes.setdefault(name, []).append(made)
         return made
 

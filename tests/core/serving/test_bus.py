@@ -12,7 +12,7 @@ import zmq
 import pacinian as pc
 from pacinian.serving import bus as module
 from pacinian.serving import child
-from pacinian.serving.bus import opened
+from pacinian.serving.bus import Bus, opened
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import (
     CAPACITIES,
@@ -59,6 +59,7 @@ class Server:
         self._seen = 0
         self.round: Callable[[], object] = lambda: time.sleep(0.001)
         self.port = 0
+        self.bus: Bus
 
     def sessions(self, *keys: bytes, owned: str = "s", scene: str = "s") -> None:
         infos = tuple(SessionInfo(key, key[:1].decode(), scene, USER) for key in keys)
@@ -111,7 +112,7 @@ def running(folder: Path, settings: Settings) -> Iterator[Server]:
     with contextlib.ExitStack() as stack:
         server = Server(folder, settings, stack)
         bus = stack.enter_context(opened(settings, folder, {"token": TOKEN}))
-        server.round, server.port = bus.round, bus.port
+        server.round, server.port, server.bus = bus.round, bus.port, bus
         yield server
 
 
@@ -368,3 +369,65 @@ def test_a_round_takes_only_so_many_messages(
     server.round = counted
     server.until(lambda: server.traffic().received == 101)
     assert rounds >= 10
+
+
+def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path: Path) -> None:
+    with contextlib.ExitStack() as stack:
+        server = Server(tmp_path, PLAIN, stack)
+        server.memory["changes"].write(pack(Changes(9, 1, ())))
+        with opened(PLAIN, tmp_path, {"token": TOKEN}):
+            read = server.memory["changes"].read()
+            assert read is not None
+            told = msgspec.msgpack.decode(read[1], type=Changes)
+            assert (told.number, told.changes) == (0, ())
+            assert told.run == server.traffic().run
+
+
+@pytest.mark.parametrize(
+    "where", ["_do", "_answer", "round", "expire", "step", "next", "sessions", "_leave", "encode"]
+)
+def test_whatever_is_raised_it_goes_on(
+    server: Server, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    server.sessions(A, B)
+    one, other = server.connect(), server.connect()
+    send(one, put({"a": point()}, session=A, id=1))
+    assert server.reply(one) == Ok(id=1)
+    desk = server.bus.desk
+    raised: list[str] = []
+
+    def bad(*_: object) -> Any:
+        raised.append(where)
+        raise RuntimeError(where)
+
+    at: Any = {
+        "round": desk.converter, "expire": next(iter(desk.rooms.values())), "step": desk.fields,
+        "next": desk.outbox, "encode": module,
+    }.get(where, desk)  # fmt: skip
+    with monkeypatch.context() as patch:
+        patch.setattr(at, where, bad)
+        send(one, put({"a": point()}, session=A, id=2, sequence=2))
+        server.sessions(A)
+        server.until(lambda: raised)
+        for _ in range(20):
+            server.round()
+    send(one, put({"c": point()}, session=A, id=3, sequence=3))
+    server.until(lambda: decode_reply(one.recv()).id == 3 if one.poll(0) else None)
+    server.until(lambda: "c" in server.renderer.scene)
+    if where == "_do":
+        server.until(lambda: server.traffic().refused)
+    del other
+
+
+def test_a_command_that_fails_is_answered(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    server.sessions(A)
+    one = server.connect()
+
+    def bad(*_: object) -> Any:
+        raise RuntimeError("of ours")
+
+    monkeypatch.setattr("pacinian.serving.world.Room.do", bad)
+    send(one, put({"a": point()}, session=A, id=1))
+    reply = server.reply(one)
+    assert isinstance(reply, Error)
+    assert (reply.code, reply.id) == ("fault", 1)

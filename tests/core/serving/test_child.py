@@ -99,6 +99,46 @@ def test_a_child_that_dies_at_once_is_no_error_of_its_parent(tmp_path: Path) -> 
     assert child.end(process, LONG) == 3
 
 
+def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), {"long": "x" * 900_000})  # more than a pipe holds
+    process = child.launch([sys.executable, "-c", "import time; time.sleep(10)"], told)
+    assert process.poll() is None, "it went on only once the child had ended"
+    process.kill()
+    child.end(process, LONG)
+
+
+def test_secrets_are_not_shown() -> None:
+    assert "hidden" not in repr(Told("folder", Settings(), {"token": "hidden"}))
+
+
+@linux
+def test_threads_are_as_urgent_as_what_made_them_was_then() -> None:
+    """As those of ZeroMQ: niceness is of a thread, and handed on."""
+    code = """
+import os, zmq
+from pathlib import Path
+from pacinian.serving import child
+
+def nice():
+    stats = (task.read_text() for task in Path("/proc/self/task").glob("*/stat"))
+    return sorted({int(stat.rpartition(")")[2].split()[16]) for stat in stats if "ZMQ" in stat})
+
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -5)
+except OSError:
+    print("may not")
+else:
+    child.urgent(0)
+    with zmq.Context() as context, context.socket(zmq.PUB):
+        print(os.getpriority(os.PRIO_PROCESS, 0), nice())
+"""
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, check=True, text=True, timeout=LONG)
+    if "may not" in done.stdout:
+        pytest.skip("may not be urgent here")
+    assert done.stdout.strip() == "0 [0]"
+
+
 def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
     told = Told(str(tmp_path), Settings(), {"long": "x" * child.LONGEST})
     with pytest.raises(ServerError, match="more than"):

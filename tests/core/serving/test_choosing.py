@@ -4,6 +4,7 @@ import importlib.metadata
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import msgspec
 import pytest
 
 import pacinian as pc
@@ -109,12 +110,27 @@ def test_what_cannot_solve_is_refused_with_the_reason(
     assert solvers.chosen is before
 
 
-def test_the_newest_order_wins_whichever_is_made_first(solvers: Solvers, threads: Threads) -> None:
+def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
+    solvers: Solvers, threads: Threads
+) -> None:
+    before = solvers.chosen
     solvers.order(1, Choice(name="loud"))
-    solvers.order(2, Choice(name="auto"))
-    threads.work()  # the newest first
-    assert solvers.poll(quiet=False) == {"solver 2": "", "solver 1": SUPERSEDED}
+    for number in range(2, 100):
+        solvers.order(number, Choice(name="raises"))
+    solvers.order(100, Choice(name="auto"))
+    assert len(threads.waiting) == 1
+    assert solvers.poll(quiet=False) == dict.fromkeys(
+        [f"solver {k}" for k in range(2, 100)], SUPERSEDED
+    )
+    threads.work()
+    assert solvers.poll(quiet=False) == {"solver 1": SUPERSEDED}
+    assert solvers.chosen is before
+    threads.work()
+    assert solvers.poll(quiet=False) == {"solver 100": ""}
     assert solvers.chosen.name == "auto"
+    solvers.order(101, Choice(name="loud"))
+    threads.work()
+    assert solvers.poll(quiet=False) == {"solver 101": ""}
 
 
 def test_quiet_zones_are_kept_by_the_stand_in_while_there_are_any(solvers: Solvers) -> None:
@@ -140,6 +156,32 @@ def test_while_there_are_quiet_zones_only_what_keeps_them_can_be_selected(
 def test_a_stand_in_must_keep_them() -> None:
     with pytest.raises(pc.UnsupportedLimit):
         Solvers(made("auto"), made("gs-pat"), ARRAY)
+
+
+def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Odd(Loud):
+        name: ClassVar[str] = "odd"
+
+    class Unreadable(Loud):
+        name: ClassVar[str] = "unreadable"
+        __signature__ = "none of yours"
+
+    class Huge(Loud):
+        name: ClassVar[str] = "huge"
+
+        def __init__(self, size: int = 1 << 80) -> None:
+            pass
+
+    Odd.__doc__ = "One \ud800."
+    for cls in (Odd, Unreadable, Huge):
+        offer = Offer("solver", cls, cls.name, "tests")
+        monkeypatch.setitem(registry.installed().offers, ("solver", cls.name), offer)
+    found = {plugin.name: plugin for plugin in offers("solver")}
+    assert found["unreadable"].options == found["huge"].options == {}
+    assert found["loud"].options == {"level": 0.5}
+    assert msgspec.msgpack.encode(tuple(found.values()))
 
 
 def test_offers_are_described() -> None:

@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.serving.clocks import BACK, WINDOW, Allowance, ClientClock
+from pacinian.wire.protocol import LATEST
 
 bounded = settings(deadline=None, derandomize=True, max_examples=100)
 seconds = st.floats(-1e6, 1e6)
@@ -111,3 +112,12 @@ def test_an_allowance_comes_back_with_time_and_not_when_time_goes_back() -> None
     assert not allowance.take(0.0)
     assert not allowance.take(1.05)
     assert allowance.take(1.101)
+
+
+def test_what_is_old_is_never_young() -> None:
+    clock = ClientClock()
+    for i in range(100):
+        assert clock.age(0.1 * i, 0.1 * i) == pytest.approx(0.0)
+    assert clock.age(0.0, 11.5) == pytest.approx(11.5)  # 10 s old, and 1.5 s under way
+    assert clock.age(11.5, 11.6) == pytest.approx(0.1)
+    assert BACK >= LATEST

@@ -174,7 +174,7 @@ def test_a_process_that_ends_silences_and_is_started_again(
     assert server.permit().armed == 0
     eventually(lambda: len(server.processes[name]) == 2)
     again = game if name != "bus" else game.hello()
-    assert isinstance(eventually(lambda: again.ask(Arm)), Ok)
+    eventually(lambda: isinstance(again.ask(Arm), Ok))
     state = again.ask(Status)
     assert state.restarts[name] == 1
     assert any(name in fault for fault in state.faults)
@@ -250,6 +250,7 @@ def test_metrics_are_served_on_loopback(start_server: Any) -> None:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     server = start_server(Settings(metrics=Metrics(port)))
+    server.extra["bus"] |= {"received": 9, "superseded": 4, "refused": 2, "waiting": 1}
     server.client().hello()
 
     def text() -> str:
@@ -263,6 +264,10 @@ def test_metrics_are_served_on_loopback(start_server: Any) -> None:
         'pacinian_tick_seconds{quantile="0.99"}',
         'pacinian_restarts_total{process="bus"} 0.0',
         "pacinian_control_requests_total",
+        "pacinian_bus_received_total 9.0",
+        "pacinian_bus_superseded_total 4.0",
+        "pacinian_bus_refused_total 2.0",
+        "pacinian_bus_waiting 1.0",
     ):
         assert name in seen
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, ClassVar
 
@@ -26,10 +27,13 @@ class Named(pc.Backend):
 
     def __init__(self, called: str, broken: set[str]) -> None:
         self.called, self.broken, self.log = called, broken, list[str]()
+        self.rate = 1000.0
 
     @property
     def capability(self) -> pc.Capability:
-        return pc.Capability()
+        made = pc.Capability()
+        object.__setattr__(made, "rate", self.rate)  # whatever a plug-in says
+        return made
 
     def _told(self, what: str) -> None:
         self.log.append(what)
@@ -55,21 +59,23 @@ class Bench:
     def __init__(self) -> None:
         self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
         self.broken: dict[str, set[str]] = {}
+        self.rates: dict[str, float] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
-        self.devices = Devices(self.guard, ARRAY, Choice(name="a"), self.make, self.waiting.append)
+        self.devices = Devices(
+            self.guard, ARRAY, Choice(name="a"), 1000.0, self.make, self.waiting.append
+        )
 
     def make(self, choice: Choice | Configured) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
+        self.made[-1].rate = self.rates.get(choice.name, 1000.0)
         return self.made[-1]
 
     def run(self) -> None:
+        self.devices.poll()
         while self.waiting:
             self.waiting.pop(0)()
-        self.devices.poll()
-        for work in self.waiting:
-            work()
-        self.waiting.clear()
+            self.devices.poll()
 
     def frame(self) -> None:
         """The renderer answers with a frame for the device that waits, or that is."""
@@ -152,20 +158,55 @@ def test_one_that_does_not_open_leaves_the_old_one_sounding(bench: Bench) -> Non
     assert bench.now == "a"  # what there was is opened anew, not what did not open
 
 
-@pytest.mark.parametrize("late", [False, True])
-def test_of_two_selected_the_last_one_counts_whichever_opens_first(
-    bench: Bench, late: bool
-) -> None:
-    bench.devices.follow(selected(1, "b"))
-    bench.devices.follow(selected(2, "c"))
-    if late:
-        bench.waiting.reverse()
+def test_one_is_opened_at_a_time_and_of_those_that_wait_the_newest(bench: Bench) -> None:
+    for number in range(1, 10):
+        bench.devices.follow(selected(number, f"b{number}"))
+    assert len(bench.waiting) == 1
     bench.run()
     bench.frame()
     bench.run()
-    assert bench.now == "c"
-    assert bench.devices.results == {"backend 0": "", "backend 1": SUPERSEDED, "backend 2": ""}
-    assert next(device for device in bench.made if device.called == "b").log == ["open", "close"]
+    assert bench.now == "b9"
+    replaced = {f"backend {number}": SUPERSEDED for number in range(1, 9)}
+    assert bench.devices.results == {"backend 0": "", **replaced, "backend 9": ""}
+    assert [device.called for device in bench.made] == ["a", "b1", "b9"]
+    assert bench.made[1].log == ["open", "close"]
+
+
+@pytest.mark.parametrize("opens", [True, False])
+@pytest.mark.parametrize("newer", [True, False])
+def test_a_reset_waits_for_what_is_being_opened(bench: Bench, opens: bool, newer: bool) -> None:
+    bench.frame()
+    bench.broken["b"] = set() if opens else {"open"}
+    bench.devices.follow(selected(1, "b"))
+    bench.made[0].broken.add("send")
+    bench.frame()
+    assert bench.guard.fault
+    bench.devices.follow(selected(1, "b", reset=1))
+    if newer:
+        bench.devices.follow(selected(2, "c", reset=1))
+    assert len(bench.waiting) == 1
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == ("c" if newer else "b" if opens else "a")
+    assert not bench.guard.fault
+    assert bench.devices.results["reset 1"] == ""
+    assert bench.made[0].log[-1] == "close"
+    bench.frame()
+    assert bench.guard.sounding
+
+
+@pytest.mark.parametrize("rate", [999.0, 64_600.0, math.nan, math.inf, -1000.0])
+def test_a_device_whose_rate_the_loop_cannot_serve_is_refused(bench: Bench, rate: float) -> None:
+    bench.rates["b"] = rate
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "a"
+    assert bench.guard.sounding
+    assert "frames a tick" in bench.devices.results["backend 1"]
+    assert bench.made[1].log == ["close"]
 
 
 def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
@@ -258,7 +299,7 @@ def test_results_do_not_grow(bench: Bench) -> None:
 
 def test_real_threads_open_a_real_plug_in() -> None:
     guard = Guard(N, gain=1.0, stale=0.02)
-    devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}))
+    devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0)
     devices.begin(Orders())
     due = time.perf_counter() + 20.0
     while guard.backend is None:

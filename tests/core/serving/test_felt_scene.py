@@ -43,7 +43,7 @@ class Manual:
         self.loader = Loader(thread=lambda _: None)
 
     def work(self) -> None:
-        while not self.loader._jobs.empty():
+        while len(self.loader):
             self.loader._one()
 
 
@@ -315,3 +315,19 @@ def test_the_loader_makes_one_after_the_other_and_goes_on_after_errors() -> None
     assert (a.name, a.turn, a.made, a.problem) == ("a", 1, None, "RuntimeError: torn")
     assert b.made is POINT
     assert not loader.done()
+
+
+def test_of_each_name_only_the_newest_is_loaded() -> None:
+    manual = Manual()
+    scene = felt(loader=manual.loader)
+    for k in range(1, 50):
+        scene.apply([put("a", tetrahedron(0.001 * k)), put(f"b{k}", tetrahedron(0.01))])
+        scene.apply([RemoveObject(f"b{k}")])
+        assert len(manual.loader) == 1
+    manual.work()
+    scene.apply([])
+    [a] = scene.scene.objects
+    assert isinstance(a, pc.Surface | pc.Volume)
+    assert a.shape == tetrahedron(0.049).shape
+    scene.apply([put("c", tetrahedron(0.01)), Begin()])
+    assert len(manual.loader) == 0

@@ -9,12 +9,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.scene.file import Choice
+from pacinian.serving.guard import Rounds
 from pacinian.serving.guarding import KEPT, LONGEST, Guard, told
-from pacinian.serving.messages import MOST_ROWS, Device, FrameHead, Permit
+from pacinian.serving.memory import Latest
+from pacinian.serving.messages import (
+    CAPACITIES,
+    MOST_ROWS,
+    Device,
+    FrameHead,
+    Permit,
+    frame_capacity,
+)
+from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 N, STALE, ROUND = 5, 0.02, 0.25e-3
 FOREVER = Permit(1, math.inf, 1, 0)
@@ -508,3 +520,31 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
             if "send" in asked:
                 assert may or what.get("send")
         assert all(not device.loud for device in guard.leaving) or guard.fault
+
+
+def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = Settings(backend=Choice("simulated"))
+    columns = len(made.array.make())
+    sizes = {**CAPACITIES, "frame": frame_capacity(columns)}
+    files = [
+        Latest.create(tmp_path / name, sizes[name])
+        for name in ("permit", "frame", "orders", "device")
+    ]
+    clock = ManualClock()
+    backends = [Recorded(clock) for _ in range(3)]
+    backends[0].raises["close"] = OSError("gone")
+    rounds = Rounds(tmp_path, made, ())
+
+    def bad() -> None:
+        raise RuntimeError("told by a plug-in")
+
+    monkeypatch.setattr(rounds, "tell", bad)
+    with rounds:
+        for backend in backends[:2]:
+            rounds.guard.take(backend, backend.can)
+        rounds.guard.leaving.append(backends[2])
+    assert [backend.what[-1] for backend in backends] == ["close"] * 3
+    for file in files:
+        file.close()

@@ -6,12 +6,22 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.messages import Begin, MoveObject, PutObject, RemoveObject, SetHands, Taken
+from pacinian.serving.messages import (
+    Begin,
+    Changes,
+    MoveObject,
+    PutObject,
+    RemoveObject,
+    SetHands,
+    Taken,
+)
 from pacinian.serving.outbox import BYTES, MOST, Outbox
 from pacinian.serving.things import HEAVY
 from pacinian.serving.world import Refusal, Room
 from pacinian.wire import objects, shapes
+from pacinian.wire.bulk import pack
 from pacinian.wire.commands import HandFrame
+from pacinian.wire.time import STEADY, Wave
 
 from .fake_renderer import (
     FakeRenderer,
@@ -29,6 +39,8 @@ from .fake_renderer import (
 
 bounded = settings(deadline=None, derandomize=True, max_examples=200)
 NAMES = "abcdefgh"
+LONG = Wave(samples=pack(np.zeros(HEAVY)), rate=1000.0)
+SLOW = 80  # [Pa]; what is stronger has a long envelope
 name = st.sampled_from(NAMES)
 names = st.lists(name, max_size=3, unique=True)
 steps = st.lists(
@@ -50,7 +62,9 @@ steps = st.lists(
 def command(step: tuple[Any, ...]) -> Any:
     kind, chosen = step[0], tuple(step[1])
     if kind == "put":
-        return put({n: point(float(step[2])) for n in chosen}, id=int(step[3]))
+        envelope = LONG if step[2] > SLOW else STEADY
+        items = {n: point(float(step[2]), envelope=envelope) for n in chosen}
+        return put(items, id=int(step[3]))
     if kind == "move":
         return move(chosen, step[2] / 8)
     if kind == "wrap":
@@ -100,9 +114,9 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
             renderer = FakeRenderer(renderer.run + 1)
         else:
             made = command(step)
-            heavy = step[0] == "put" and step[2] > 80
+            heavy = step[0] == "put" and step[2] > SLOW
             slow |= set(step[1]) if heavy else set()
-            done(room, who, made, HEAVY * 8 if heavy else 100)
+            done(room, who, made)
             model.do(who, made, 0.0)
         assert len(room.news) <= 2 * len(NAMES) + 3
     if file is not None and renderer.last.number != file.number:
@@ -303,3 +317,41 @@ def test_a_removed_object_that_comes_again_comes_last() -> None:
     assert [type(c) for c in batch.changes] == [RemoveObject, PutObject]
     renderer.take(batch)
     assert list(renderer.scene) == ["b", "a"]
+
+
+@bounded
+@given(st.booleans(), st.booleans(), st.booleans())
+def test_a_bus_that_begins_with_no_changes_goes_on_as_any(
+    seen: bool, early: bool, known: bool
+) -> None:
+    """seen: the renderer takes the empty ones; early: only after the first batch was made."""
+    room, who = room_of(), client()
+    outbox, renderer = felt(room, run=8), FakeRenderer()
+    renderer.scene["old"] = [b"of the bus before", None, None]
+    renderer.last = Taken(3, renderer.run, 7)
+    if known:
+        outbox.taken(renderer.last)
+    done(room, who, put({"a": point()}))
+    batch = outbox.next() if early else None
+    if seen:
+        renderer.take(Changes(0, outbox.run, (Begin(),)))  # as the loop takes it
+        outbox.taken(renderer.last)
+    if batch is not None:
+        outbox.taken(renderer.take(batch))
+    renderer.drain(outbox)
+    assert set(renderer.scene) == {"a"}
+    assert outbox.next() is None
+    done(room, who, move(("a",), 0.5))
+    renderer.drain(outbox)
+    assert renderer.scene["a"][1] == 0.5
+
+
+def test_a_batch_that_could_not_be_published_comes_anew() -> None:
+    room, who = room_of(), client()
+    outbox, renderer = felt(room), FakeRenderer()
+    done(room, who, put({"a": point()}))
+    assert outbox.next() is not None
+    outbox.lost()
+    renderer.drain(outbox)
+    assert set(renderer.scene) == {"a"}
+    assert renderer.begins == 1

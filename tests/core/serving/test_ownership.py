@@ -48,6 +48,17 @@ def test_arming_again_while_it_fades_waits_and_counts() -> None:
     assert desk.permit[:3] == (1, pytest.approx(100.0 + LEASE), 2)
 
 
+def test_arming_what_is_armed_extends_it() -> None:
+    desk = Desk()
+    game = desk.hello()
+    game.arm()
+    desk.wait(LEASE / 2)
+    assert game.arm() == Ok(id=7)
+    assert desk.permit[:3] == (1, pytest.approx(100.0 + 1.5 * LEASE), 1)
+    assert desk.wait(0.9 * LEASE) == []
+    assert desk.armed == 1
+
+
 def test_bye_is_soft_and_a_lost_link_is_not() -> None:
     desk = Desk()
     game = desk.hello()

@@ -38,12 +38,14 @@ from pacinian.serving.messages import (
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
-from pacinian.wire.time import AM
+from pacinian.wire.shapes import Polyline
+from pacinian.wire.time import AM, STM
 
 ARRAY, AIR = pc.autd(), pc.Air()
 N = len(ARRAY)
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 HEAD = messages.frame_capacity(0)
+NOWHERE = STM(frequency=100.0, along=Polyline(points=bytes(24)))  # a route that goes nowhere
 
 
 class Moody(pc.Solver):
@@ -450,3 +452,100 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
             process.stdin.close()
         for file in files.values():
             file.close()
+
+
+def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
+    orders = Orders(technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody")))
+    server.tell("orders", orders)
+    server.tick()
+    report = server.report
+    assert "points" in report.results["technique 1"]
+    assert report.results["intensity 1"] == ""
+    assert report.state["intensity"] == 0.5
+    assert report.state["technique"] == ""  # as before
+    assert len(server.threads) == 1
+    server.tell("orders", msgspec.structs.replace(orders, technique=(2, AM(frequency=100.0))))
+    server.tick()
+    assert server.report.results["technique 2"] == ""
+    assert server.report.state["technique"] == "am"
+
+
+@pytest.mark.parametrize("damaged", [True, False])
+def test_it_begins_whatever_the_orders_are(
+    make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
+) -> None:
+    before = Loop.open
+
+    def opened(loop: Loop) -> None:
+        data = b"\xc1" if damaged else messages.pack(Orders(technique=(4, NOWHERE)))
+        loop._files["orders"].write(data)
+        before(loop)
+
+    monkeypatch.setattr(Loop, "open", opened)
+    server = make()
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+    assert damaged or "points" in server.report.results["technique 4"]
+
+
+@pytest.mark.parametrize("how", ["raises", "long", "odd"])
+def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
+    server: Server, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    def state(*_: object) -> dict[str, Any]:
+        if how == "raises":
+            raise RuntimeError("of ours")
+        return {"points": bytes(messages.CAPACITIES["report"]) if how == "long" else "\ud800"}
+
+    server.tick()
+    monkeypatch.setattr("pacinian.serving.reporting.state", state)
+    before = server.clock.now()
+    report = server.report
+    assert report.beat > before
+    assert report.state == {}
+    monkeypatch.undo()
+    assert server.report.state["solver"]
+    assert server.report.refused[""]
+
+
+def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def bad(*_: object) -> None:
+        raise OSError("no memory")
+
+    monkeypatch.setattr(server.loop, "_tell", bad)
+    server.clock.advance(0.1)
+    server.loop.between()
+
+
+def test_texts_are_told_in_part_whatever_is_in_them(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+
+    def bad() -> None:
+        raise RuntimeError("\ud800" + 10_000_000 * "x")
+
+    Moody.mood = staticmethod(bad)
+    server.put()
+    server.arm()
+    server.tick(10)
+    for k in range(300):
+        server.loop.felt.refuse(f"a{k}", 10_000_000 * "y")
+    report = server.report
+    assert report.state["faults"]
+    assert len(report.halted) <= 500
+    assert max(map(len, report.refused.values())) <= 500
+
+
+def test_objects_of_a_bus_that_has_gone_do_not_sound_again(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(20)
+    assert server.sounds
+    server.tell("changes", Changes(0, server.run + 1, ()))
+    server.tick(20)
+    assert not server.sounds
+    assert not server.loop.felt.scene.objects
+    assert server.taken == Taken(0, server.loop.run, server.run + 1)

@@ -32,6 +32,7 @@ import sys, time, threading
 from pacinian.serving import child
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, Report, Traffic, pack
+from pacinian.wire.replies import Plugin
 ended = threading.Event()
 told, name = child.begin(ended.set), sys.argv[1]
 with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
@@ -39,7 +40,7 @@ with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "
         now = time.perf_counter()
         file.write(pack({
             "guard": Device(1, 0, "", 16, 16, 1e3, None, now, False),
-            "bus": Traffic(1, now), "render": Report(1, now, {}),
+            "bus": Traffic(1, now), "render": Report(1, now, {}, solvers=(Plugin(name="auto"),)),
         }[name]))
         time.sleep(0.005)
 print("ended", name, flush=True)
@@ -70,6 +71,7 @@ class Fake:
 
     def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
         self.name, self.log, self.stubborn = name, log, stubborn
+        self.held = False  # by the system: even killed, it does not end
         self.code: int | None = None
 
     def poll(self) -> int | None:
@@ -77,11 +79,12 @@ class Fake:
 
     def kill(self) -> None:
         self.log.append(("kill", self.name))
-        self.code = -9
+        self.code = None if self.held else -9
 
     def wait(self, timeout: float | None = None) -> int:
         self.log.append(("wait", self.name))
-        if self.code is None and self.stubborn:
+        if self.code is None and (self.stubborn or self.held):
+            assert timeout is not None, "it would wait for ever"
             raise subprocess.TimeoutExpired(self.name, timeout or 0.0)
         self.code = self.code or 0
         return self.code
@@ -95,10 +98,13 @@ class Watch:
         self.log: list[tuple[str, str]] = []
         self.started: list[Fake] = []
         self.stubborn = stubborn
+        self.error: Exception | None = None  # why none can be started
         self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
         self.supervisor.trusted = True
 
     def _start(self, name: str) -> Fake:
+        if self.error is not None:
+            raise self.error
         self.started.append(Fake(name, self.log, name in self.stubborn))
         return self.started[-1]
 
@@ -167,7 +173,47 @@ def test_one_without_a_sign_of_life_is_killed() -> None:
     assert watch.check(render=beat) == [], "not yet"
     watch.clock.advance(0.01)
     assert watch.check(render=beat) == [("render", "hung, and was killed")]
-    assert watch.log == [("kill", "render"), ("wait", "render")]
+    assert watch.log == [("kill", "render")], "and nobody waits for that"
+
+
+def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_ends() -> None:
+    watch = Watch()
+    old = watch.newest("bus")
+    old.held = True
+    beat = watch.clock.time
+    watch.clock.advance(1.1)
+    assert watch.check(bus=beat) == [("bus", "hung, and was killed")]
+    watch.clock.advance(LONGEST)
+    assert watch.check(bus=beat) == []
+    assert watch.newest("bus") is old, "its port is not free"
+    old.code = -9
+    assert watch.check(bus=beat) == []
+    assert watch.newest("bus") is not old
+    watch.newest("bus").held = True
+    assert watch.supervisor.end() == ["bus"]
+
+
+@pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
+def test_one_that_cannot_be_started_again_is_tried_again_less_and_less_often(
+    error: Exception,
+) -> None:
+    watch = Watch()
+    watch.newest("bus").code = 1
+    assert len(watch.check()) == 1
+    watch.error = error
+    tries: list[float] = []
+    while len(tries) < 4:
+        watch.clock.advance(0.001)
+        if ended := watch.check():
+            assert ended == [("bus", f"could not be started: {error}")]
+            tries.append(watch.clock.time)
+    waits = [b - a for a, b in itertools.pairwise(tries)]
+    assert waits == pytest.approx([2 * FIRST, 4 * FIRST, 8 * FIRST], abs=0.003)
+    watch.error = None
+    watch.clock.advance(LONGEST)
+    assert watch.check() == []
+    assert watch.newest("bus").code is None
+    assert watch.supervisor.restarts["bus"] == 1
 
 
 def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() -> None:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import psutil
-
 from pacinian.bench.faults.device import UNPLUGGED, Other, Probe
+from pacinian.bench.faults.server import memory
 from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
 from pacinian.bench.faults.stage import QUIET, Times, until
 
@@ -57,7 +54,6 @@ def control_killed(stage: Stage) -> Times:
     silence = stage.broken(lambda: stage.server.signal("control", signal.SIGKILL))
     until(lambda: not stage.server.left())
     gone = time.perf_counter() - stage.at
-    stage.server.process.wait()
     stage.server.start()
     return Times(silence, stage.healed(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
 
@@ -171,9 +167,3 @@ def terminated(stage: Stage) -> Times:
     stage.server.start()
     note = f"exit code {code} after {1e3 * took:.0f} ms" + f"; left: {left}" * bool(left)
     return Times(silence, stage.healed(after=took), note=note)
-
-
-def memory(pid: int) -> set[Path]:
-    """Folders of shared memory that a process maps."""
-    maps = psutil.Process(pid).memory_maps() if os.name == "posix" else []
-    return {Path(m.path).parent for m in maps if "/pacinian-" in m.path and m.path[0] == "/"}

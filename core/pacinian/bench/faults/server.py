@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import psutil
@@ -17,10 +20,9 @@ from pacinian.bench.faults.plugins import install
 from pacinian.errors import ServerError
 
 if TYPE_CHECKING:
-    from pathlib import Path
     from types import TracebackType
 
-START = 60.0  # [s]
+START = 300.0  # [s]
 CONFIGURATION = """backend = "probe"
 connection = "connection.json"
 [array]
@@ -48,11 +50,14 @@ class Server:
         self._configuration.write_text(CONFIGURATION + more, encoding="utf-8")
         self._process: subprocess.Popen[bytes] | None = None
         self._seen: set[psutil.Process] = set()
+        self._shared: set[Path] = set()
 
     def start(self) -> None:
-        """Start it, and wait until all its processes run. Raises ServerError."""
+        """Start it, also again after its end, and wait until all its processes run. Raises ServerError."""
         command = [sys.executable, "-m", "pacinian", "serve", str(self._configuration)]
         self.file.unlink(missing_ok=True)
+        if self._process is not None:
+            self._process.wait()
         with (self.folder / "log").open("ab") as errors:
             self._process = subprocess.Popen(
                 command, env=self._environment, stdin=subprocess.DEVNULL,
@@ -63,6 +68,7 @@ class Server:
             if self._process.poll() is not None or time.monotonic() > end:
                 raise ServerError(f"the server did not start: {self.said()[-2000:]}")
             time.sleep(0.02)
+        self._shared |= memory(self._process.pid)
 
     @property
     def process(self) -> subprocess.Popen[bytes]:
@@ -124,6 +130,8 @@ class Server:
             with contextlib.suppress(psutil.Error):
                 process.kill()
                 process.wait(5.0)
+        for folder in self._shared:  # one that is killed leaves it
+            shutil.rmtree(folder, ignore_errors=True)
         self.log.close()
         self.other.close()
 
@@ -142,3 +150,9 @@ class Server:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def memory(pid: int) -> set[Path]:
+    """Folders of shared memory that a process maps."""
+    maps = psutil.Process(pid).memory_maps() if os.name == "posix" else []
+    return {Path(m.path).parent for m in maps if "/pacinian-" in m.path and m.path[0] == "/"}

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 SHARES = {"command": 0.6, "control": 0.3, "raw": 0.1}  # of the messages
+BUSY = len(SHARES) + 2  # processes that a flood keeps busy: those who send, control and the bus
 CHUNK = 200_000  # messages between two looks at what is usual
 CONFIGURATION = """[clients]
 rate = 1e6
@@ -75,7 +76,7 @@ def run(
             floods = {kind: math.ceil(share * todo) for kind, share in SHARES.items()}
             watch.phase(flooded, floods, seed + done, left)
             took = flooded.seconds - before
-            watch.phase(burdened, {"burn": 1 << 60}, seed, min(5.0, 0.3 * took), len(floods))
+            watch.phase(burdened, {"burn": 1 << 60}, seed, min(5.0, 0.3 * took), BUSY)
             tell(flooded.sent.total())
         same, growth = watch.same, watch.growth()
         memory = {name: float(max(values)) for name, values in watch.memory.items()}

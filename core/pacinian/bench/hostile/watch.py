@@ -54,6 +54,11 @@ class Phase:
         """Gaps of more than one tick beyond the regular one."""
         return int((self.gap > 2.0 * TICK).sum())
 
+    @property
+    def often(self) -> float:
+        """Silences a second."""
+        return self.silences / max(self.seconds, 1e-9)
+
     def worst(self) -> float:
         """The longest gap [s]."""
         return float(self.gap.max(initial=0.0))

@@ -74,18 +74,32 @@ class Bounds:
 
     def _sign(self, t: Triangles) -> None:
         """Make bounds inside negative: what hangs together away from the surface has one sign."""
-        import igl
         from scipy import ndimage
 
         part = np.asarray(ndimage.label(self.gap > 0.0)[0])
         first = np.unique(part, return_index=True)[1]
         cells = np.stack(np.unravel_index(first, part.shape), axis=1)
-        turns: Floats = np.asarray(
-            igl.winding_number(t.vertices, t.faces, self.low + (cells + 0.5) * self.size)
-        )
+        turns = winding(t, self.low + (cells + 0.5) * self.size)
         sign = np.where(turns > 0.5, -1.0, 1.0)
         sign[0] = 1.0  # near the surface
         self.gap *= sign[part]
+
+
+def winding(t: Triangles, points: Floats) -> Floats:
+    """How often the triangles wind around each of a few points, (K, 3) [m], (K,): 1 inside, 0 outside.
+
+    The sum of their solid angles by A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE
+    Trans. Biomed. Eng. 30 (1983) 125. libigl's builds a tree, in which the interpreter lock is held too long.
+    """
+    corners = t.vertices[t.faces]  # (F, 3, 3) [m]
+    turns = np.zeros(len(points))
+    for k, point in enumerate(points):
+        a, b, c = np.moveaxis(corners - point, 1, 0)
+        x, y, z = (np.sqrt((v * v).sum(axis=1)) for v in (a, b, c))
+        volume = (a * np.cross(b, c)).sum(axis=1)
+        below = x * y * z + (a * b).sum(1) * z + (b * c).sum(1) * x + (c * a).sum(1) * y
+        turns[k] = np.arctan2(volume, below).sum() / (2.0 * math.pi)
+    return turns
 
 
 def _cells(extent: Floats, size: float) -> Indices:
