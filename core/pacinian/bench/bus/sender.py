@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-RADIUS = (
-    0.0205  # [m] of the disc below the palm: 15 to 18 samples before 9 units, 16 most of the time
-)
-ABOVE = 0.003  # [m], the disc inside of the palm's skin
+SIDE, APART = 4, 0.015  # 16 points below the palm [m]
+RADIUS = 0.006  # [m] from a point to the skin that feels it
+ABOVE = 0.003  # [m], the points inside of the palm's skin
 SWING = 0.005  # [m] to either side, once a second
 DRIFT = 1.001  # so that hands meet every phase of a tick, also where both have one rate
 RENEW = 0.05  # [s]
+ALONE = 8.0  # [s] at most: a session that does not renew is forgotten after 10
 WARM = 5.0  # [s] that are not counted, at most as long as what is
 SETTLE = 0.2  # [s] after the last hand until what it did is known
 TURNS = "solve, in turn with sampling"
@@ -73,7 +73,7 @@ class Times(Struct, frozen=True):
 
 
 def hands() -> list[HandFrame]:
-    """A second of a hand above the disc, in thousandths."""
+    """A second of a hand above the points, in thousandths."""
     made = list[HandFrame]()
     for t in np.arange(1000) * 1e-3:
         hand = gallery.HAND.moved(Pose((SWING * np.sin(2.0 * np.pi * t), 0.0, 0.0)))
@@ -82,11 +82,14 @@ def hands() -> list[HandFrame]:
     return made
 
 
-def disc() -> objects.Surface:
-    """What the palm touches."""
-    return objects.Surface(
-        shape=shapes.Disc(RADIUS),
+def points() -> objects.Particles:
+    """What the palm touches: always 16 samples."""
+    along = APART * (np.arange(SIDE) - (SIDE - 1) / 2.0)
+    places = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
+    return objects.Particles(
+        positions=bulk.pack(places),
         pose=shapes.Pose((0.0, 0.0, gallery.HEIGHT + ABOVE)),
+        radius=RADIUS,
         radiation_pressure=10.0,
         envelope=Sine(frequency=150.0),
     )
@@ -139,9 +142,9 @@ class Sender:
         """First the echo alone, then beside the hands."""
         task, peer = self.task, self.peer
         self.trip()
-        paced(task.rate, max(1.0, 0.2 * task.seconds), lambda: None, self.trip)
+        paced(task.rate, min(max(1.0, 0.2 * task.seconds), ALONE), lambda: None, self.trip)
         alone = Quantiles.of(self.trips[1:])
-        peer.ask(Put, objects={"disc": disc()})
+        peer.ask(Put, objects={"points": points()})
         peer.ask(Hands, hands=(self.frames[0],))
         peer.request(Arm)
         paced(task.rate, min(WARM, task.seconds), self.hand, lambda: None)
