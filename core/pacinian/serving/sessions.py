@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pacinian.wire.control import AnyControl
     from pacinian.wire.replies import Code, Reply
 
+OWN = "own "  # begins the names of scenes that nobody else may join
 LINK = 0.55  # [s] from the last sign of life on a client's connection to silence
 
 
@@ -133,6 +134,10 @@ class Sessions:
             side = "server" if major > MAJOR else "client"
             self._error(peer, message.id, "version", problem, f"update the {side}")
             return
+        if message.scene.startswith(OWN):
+            problem = f"no scene's name may begin with {OWN!r}: those are clients' own"
+            self._error(peer, message.id, "argument", problem)
+            return
         if old := self._by_peer.get(peer):
             self._end(old, now, soft=True)
         most = self._settings.clients.most
@@ -145,7 +150,7 @@ class Sessions:
             peer=peer,
             user=user,
             name=message.client,
-            scene=message.scene or f"own {secrets.token_hex(8)}",
+            scene=message.scene or f"{OWN}{secrets.token_hex(8)}",
             lease=most_lease if message.lease is None else min(message.lease, most_lease),
             renewed=now,
         )

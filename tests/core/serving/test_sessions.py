@@ -50,6 +50,7 @@ def test_scenes_are_shared_by_name_and_otherwise_of_ones_own() -> None:
     assert a.welcome.scene == b.welcome.scene
     assert len({g.welcome.scene for g in (a, c, d)}) == 3
     assert c.welcome.session.hex()[:8] not in c.welcome.scene, "keys are nobody else's"
+    assert code(desk.ask(b"e", hello(scene=c.welcome.scene))) == "argument", "it is published"
 
 
 def test_there_are_only_so_many_clients() -> None:
