@@ -65,7 +65,7 @@ class GuardProcess:
         child.end(self.process)
         for memory in self._memory.values():
             memory.close()
-        shutil.rmtree(self._folder)
+        shutil.rmtree(self._folder, ignore_errors=True)  # the guard may have been quicker
 
     def wait(self, so: Callable[[Device], bool]) -> Device:
         """Until the guard says so."""

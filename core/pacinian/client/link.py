@@ -30,7 +30,6 @@ MOST = 1000  # messages that are read at once
 OPTIONS = {
     zmq.LINGER: 0,
     zmq.SNDHWM: 16,
-    zmq.SNDBUF: 1 << 14,  # [bytes]; what waits here is old when it is read: see `Outbox`
     zmq.RCVHWM: MOST,
     zmq.MAXMSGSIZE: LONGEST_REPLY,
     zmq.HANDSHAKE_IVL: 1000,  # [ms], as all below

@@ -82,7 +82,8 @@ def test_a_steady_stream_is_seen_fresh_by_a_slow_reader(server: Fake, client: pc
 
 def test_no_state_in_time_is_a_loss(client: pc.Client) -> None:
     with pytest.raises(pc.ConnectionLost, match=r"no state within 0.01 s"):
-        next(client.watch(0.01))
+        for _ in client.watch(0.01):
+            pass  # what was published before may still come
     assert not client.connected
 
 

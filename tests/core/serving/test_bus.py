@@ -406,13 +406,13 @@ def test_whatever_is_raised_it_goes_on(
     }.get(where, desk)  # fmt: skip
     with monkeypatch.context() as patch:
         patch.setattr(at, where, bad)
-        send(one, put({"a": point()}, session=A, id=2, sequence=2))
+        send(one, put({"a": point()}, session=A, id=2, sequence=2, ttl=60.0))
         server.sessions(A)
         server.until(lambda: raised)
         for _ in range(20):
             server.round()
-    send(one, put({"c": point()}, session=A, id=3, sequence=3))
-    server.until(lambda: decode_reply(one.recv()).id == 3 if one.poll(0) else None)
+    send(one, put({"c": point()}, session=A, id=3, sequence=3, ttl=60.0))  # telling takes a while
+    server.until(lambda: decode_reply(one.recv()) == Ok(id=3) if one.poll(0) else None)
     server.until(lambda: "c" in server.renderer.scene)
     if where == "_do":
         server.until(lambda: server.traffic().refused)
