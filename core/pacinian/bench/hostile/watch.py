@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import subprocess
 import sys
@@ -124,7 +125,8 @@ class Watch:
 
     def _look(self) -> None:
         for name, process in self.parts.items():
-            self.memory[name].append(process.memory_info().rss)
+            with contextlib.suppress(psutil.NoSuchProcess):  # told by `same`
+                self.memory[name].append(process.memory_info().rss)
 
     @property
     def same(self) -> bool:
