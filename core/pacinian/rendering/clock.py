@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-BEHIND = 0.1  # [s] by which a loop may lag before it gives up catching up (sleep, a debugger)
+BEHIND = 0.1  # [s] that a loop makes up for; if it lags by more (sleep, a debugger) it goes on from there
 
 
 class Clock(Protocol):
@@ -38,11 +38,12 @@ class SystemClock:
 
 
 def paced(
-    clock: Clock, period: float, duration: float | None = None
+    clock: Clock, period: float, duration: float | None = None, behind: float = BEHIND
 ) -> Iterator[tuple[float, int]]:
     """When each tick of a loop is due [s], as soon as it is, for `duration` [s], or for ever.
 
-    period: from tick to tick [s]. With each: how many were left out before it, as the loop lagged too far.
+    period: from tick to tick [s]. behind: by how much the loop may lag [s] before it leaves out the ticks whose
+    whole time is over. With each: how many were left out before it.
     """
     begin = due = clock.now()
     lost = 0
@@ -50,6 +51,6 @@ def paced(
         clock.wait_until(due)
         yield due, lost
         due += period
-        behind = clock.now() - due
-        lost = int(behind / period) if behind > BEHIND else 0
+        lag = clock.now() - due
+        lost = int(lag / period) if lag > behind else 0
         due += lost * period

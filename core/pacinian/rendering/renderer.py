@@ -10,7 +10,7 @@ from pacinian.checks import kind, number
 from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
-from pacinian.rendering.clock import Clock, SystemClock, paced
+from pacinian.rendering.clock import BEHIND, Clock, SystemClock, paced
 from pacinian.rendering.emitter import Emitter
 from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.report import Report, Stages
@@ -196,19 +196,25 @@ class Renderer:
         self.close()
 
     def run(
-        self, duration: float | None = None, on_tick: Callable[[Report], object] | None = None
+        self,
+        duration: float | None = None,
+        on_tick: Callable[[Report], object] | None = None,
+        behind: float = BEHIND,
     ) -> Report:
         """Tick at the rate for `duration` [s], or until Ctrl-C; then silence, always.
 
-        on_tick: called after each tick. Ctrl-C ends the run with `report.interrupted`.
+        on_tick: called after each tick. behind: by how much the loop may lag [s] and then tick faster to make up
+        for it; after that, ticks whose whole time is over are left out: `report.skipped["missed ticks"]`. 0 where
+        only what is now counts. Ctrl-C ends the run with `report.interrupted`.
         """
+        behind = number("behind", behind, low=0.0)
         duration = None if duration is None else number("duration", duration, low=0.0)
         was_open = self._opened
         self.open()
         self.report.interrupted = False
         try:
             with undisturbed():
-                for due, lost in paced(self.clock, self.period, duration):
+                for due, lost in paced(self.clock, self.period, duration, behind):
                     if lost:
                         self.report.skipped["missed ticks"] += lost
                     self.tick(due)

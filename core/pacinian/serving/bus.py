@@ -1,14 +1,15 @@
 """The bus process: it takes clients' commands, keeps their objects, and tells the renderer what is new.
 
-Plain polling, in rounds: a bounded number of messages, what time brings, the next batch for the renderer if it has
-taken the last, a slice of a query, replies. Objects that take long are converted in a thread. A client that does not
-read its replies loses them.
+Plain polling, in rounds: the messages that there are, of which the newest count; what time brings; the next batch for
+the renderer if it has taken the last; a slice of a query; replies. Objects that take long are converted in a thread.
+A client that does not read its replies loses them.
 """
 
 from __future__ import annotations
 
 import contextlib
 import gc
+import math
 import random
 import sys
 import threading
@@ -26,6 +27,7 @@ from pacinian.serving.fields import Emitted
 from pacinian.serving.logs import Sparse, configure
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Changes, Device, Sessions, Taken, pack
+from pacinian.serving.newest import Message
 from pacinian.serving.security import Gate, received
 from pacinian.serving.warm import warm
 from pacinian.wire.codec import encode
@@ -42,12 +44,13 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
-MOST = 128  # messages in one round
-LONG = 0.001  # [s] that messages may take in one round
+MOST, LARGE = 2048, 4 << 20  # messages in one round, and bytes
+LONG = 0.002  # [s] that it may take to receive them
+APART = 3e-4  # [s] from round to round, at least: what comes one by one is then taken together
 SOON, LATER = 1, 5  # [ms] to wait for messages: while something is to be taken, and otherwise
 SWITCH = 2e-4  # [s] that an object which is converted may hold up the rest
 TELL = 0.05  # [s] between two reports
-QUEUE = 64  # messages of one client that wait here
+QUEUE = 256  # messages of one client that wait here
 
 
 class Bus:
@@ -73,11 +76,16 @@ class Bus:
         self._poller.register(socket, zmq.POLLIN)
         self._told = -TELL  # [s]
         self._busy = False
+        self._begun = -math.inf  # [s], the last round
         memory["changes"].write(pack(Changes(0, run, ())))  # nothing of a bus before sounds again
         self.tell()
 
     def round(self) -> None:
         """Take messages, tell the renderer, answer."""
+        begin = self._clock()
+        if begin < self._begun + APART:
+            time.sleep(self._begun + APART - begin)
+        self._begun = self._clock()
         outbox = self.desk.outbox
         wait = 0 if self._busy else SOON if outbox.waits or len(self.desk.converter) else LATER
         if self._poller.poll(wait):
@@ -102,16 +110,17 @@ class Bus:
         self._told = now
 
     def _take(self) -> None:
-        end = self._clock() + LONG
-        for _ in range(MOST):
+        """All that has come, at once: what is replaced by something newer then costs next to nothing."""
+        messages: list[Message] = []
+        end, size = self._clock() + LONG, 0
+        while len(messages) < MOST and size < LARGE and (now := self._clock()) < end:
             taken = received(self._socket)
             if taken is None:
-                return
+                break
             peer, user, data = taken
-            now = self._clock()
-            self.desk.message(peer, self._name(user), data, now)
-            if now > end:
-                return
+            messages.append(Message(peer, self._name(user), data, now))
+            size += len(data)
+        self.desk.messages(messages)
 
     def _publish(self) -> None:
         outbox = self.desk.outbox
@@ -182,7 +191,7 @@ def main() -> None:
     told = child.begin(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
-    child.urgent(0)  # not before the renderer, however much there is to decode
+    child.urgent(4)  # before who sends too much, but not before the renderer
     with opened(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()

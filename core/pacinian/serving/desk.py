@@ -10,6 +10,7 @@ from pacinian.serving.converting import Converter
 from pacinian.serving.fields import Fields
 from pacinian.serving.intake import Client, Peers
 from pacinian.serving.messages import Traffic, scene_number
+from pacinian.serving.newest import newest
 from pacinian.serving.outbox import Outbox
 from pacinian.serving.things import refused
 from pacinian.serving.world import Refusal, Room
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.serving.logs import Sparse
     from pacinian.serving.messages import SessionInfo, Sessions
+    from pacinian.serving.newest import Message
     from pacinian.serving.settings import Settings
     from pacinian.types import Gains
     from pacinian.wire.commands import AnyCommand
@@ -72,11 +74,16 @@ class Desk:
         if sessions.owned in self.rooms:
             self.outbox.feel(self.rooms[sessions.owned])
 
-    def message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
-        """A message of a connection, authenticated as `user`, received at `now` [s]."""
-        self.received += 1
-        with self.going_on("message"):
-            self._message(peer, user, data, now)
+    def messages(self, messages: list[Message]) -> None:
+        """Messages of authenticated connections, in the order in which they came."""
+        self.received += len(messages)
+        kept, replaced = newest([one for one in messages if self._may(one)])
+        for message in kept:
+            with self.going_on("message"):
+                self._message(*message)
+        for key, count in replaced.items():
+            if (client := self.clients.get(key)) is not None:
+                client.replaced(count)
 
     @contextmanager
     def going_on(self, what: str) -> Generator[None]:
@@ -87,10 +94,14 @@ class Desk:
             self.refused += 1
             self._log.exception(f"fault: {what}")
 
+    def _may(self, message: Message) -> bool:
+        may = self._peers.may(message.peer, message.time)
+        if not may:
+            problem = "sends too many messages: slow down"
+            self._refuse(message.peer, message.data, "busy", problem, message.time)
+        return may
+
     def _message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
-        if not self._peers.may(peer, now):
-            self._refuse(peer, data, "busy", "sends too many messages: slow down", now)
-            return
         try:
             command = decode_command(data)
         except WireError as error:

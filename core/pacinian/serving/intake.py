@@ -60,6 +60,11 @@ class Client:
             advice="send less, or let it live longer",
         )
 
+    def replaced(self, count: int) -> None:
+        """So many of its commands were not done, as newer ones came with them."""
+        self.commands += count
+        self.dropped += count
+
     def tells(self, error: Error, now: float) -> bool:
         """Count an error; whether the client is told: always if it asked, or else not too often."""
         self.errors += 1

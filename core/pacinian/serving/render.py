@@ -56,7 +56,8 @@ def _render(told: child.Told) -> None:
         stack.callback(loop.close)
         loop.open()
         threading.Thread(target=_list, args=(loop,), name="offers", daemon=True).start()
-        loop.renderer.run(on_tick=loop.between)
+        # the past is not made up for: what is sent is of now, and the newest hands are seen at once
+        loop.renderer.run(on_tick=loop.between, behind=0.0)
 
 
 def _list(loop: Loop) -> None:

@@ -6,11 +6,9 @@ import struct
 from typing import TYPE_CHECKING, cast
 
 import msgspec
-import numpy as np
 
 from pacinian.errors import WireError
 from pacinian.serving.messages import CAPACITIES, MoveObject
-from pacinian.wire.bulk import unpack
 from pacinian.wire.convert import to_scene
 from pacinian.wire.objects import Surface, Volume
 from pacinian.wire.replies import Error
@@ -43,7 +41,7 @@ FARTHEST, FASTEST, UNIT = (
     0.01,
 )  # [m]; [m/s] or [rad/s]; a quaternion's length is 1 within
 SCALARS = {float, int, str, bool, type(None)}
-POSE, VELOCITY = struct.Struct("<7f"), struct.Struct("<6f")
+POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Struct("<3f")
 
 
 class Thing:
@@ -166,15 +164,10 @@ def too_strong(name: str, item: Object, pressure: float, most: float) -> TooStro
 
 def check_poses(command: Move) -> None:
     """Refuse rotations and speeds that cannot be meant; the rest is checked already. Raises WireError."""
-    q = unpack(command.poses, 7)[:, 3:]
-    bad = np.abs((q * q).sum(axis=1) - 1.0) > 2.0 * UNIT
-    if bad.any():
-        problem = "must have a unit quaternion (x, y, z, w)"
-        raise WireError(problem, f"$.poses[{int(bad.argmax())}]")
-    if not command.velocities:
-        return
-    v = unpack(command.velocities, 3)
-    bad = (v * v).sum(axis=1) > FASTEST**2
-    if bad.any():
-        problem = f"must be at most {FASTEST:g} m/s, and rad/s"
-        raise WireError(problem, f"$.velocities[{int(bad.argmax()) // 2}]")
+    for i, (_, _, _, x, y, z, w) in enumerate(POSE.iter_unpack(command.poses)):
+        if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT:
+            raise WireError("must have a unit quaternion (x, y, z, w)", f"$.poses[{i}]")
+    for i, (x, y, z) in enumerate(VECTOR.iter_unpack(command.velocities)):
+        if x * x + y * y + z * z > FASTEST * FASTEST:
+            problem = f"must be at most {FASTEST:g} m/s, and rad/s"
+            raise WireError(problem, f"$.velocities[{i // 2}]")

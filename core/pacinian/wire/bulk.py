@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+import struct
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,39 +14,86 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Singles
 
 
-def rows(
-    name: str,
-    data: bytes,
-    width: int,
-    count: int | None,
-    *,
-    empty: bool = False,
-    low: float | None = -10.0,
-    high: float = 10.0,
-) -> None:
-    """Refuse data that is not `count` (None: any number of) rows of `width` float32 in low..high.
+FEW = 14  # numbers: so many are sooner checked one by one than all at once
 
-    empty: no data will do, too. low: None for any numbers, NaN too. Raises ValueError, which the decoder
-    turns into one with a path.
+
+class Rows(NamedTuple):
+    """That a field is rows of `width` float32 in low..high.
+
+    counts: of rows: one of these, any unless given. each: a field for each of whose items there is a row. empty: no
+    data will do, too. low: None for any numbers, NaN too.
     """
-    if empty and not data:
-        return
-    if len(data) % (4 * width) or (count is not None and len(data) != 4 * width * count):
-        wanted = "rows" if count is None else f"{count} rows"
+
+    name: str
+    width: int
+    counts: tuple[int, ...] = ()
+    each: str = ""
+    empty: bool = False
+    low: float | None = -10.0
+    high: float = 10.0
+
+    def check(self, message: Any) -> None:
+        """Refuse a message whose field is anything else. Raises ValueError, as msgspec wants it."""
+        data: bytes = getattr(message, self.name)
+        counts = (len(getattr(message, self.each)),) if self.each else self.counts
+        if data or not self.empty:
+            _check_rows(self.name, data, self.width, counts)
+            _check_range(self.name, data, self.low, self.high)
+
+
+class Grid(NamedTuple):
+    """That a field is float32 in low..high, as many as the message's `grid` says; its last side is of a row."""
+
+    name: str
+    low: float
+    high: float
+
+    def check(self, message: Any) -> None:
+        """Refuse a message whose field is anything else. Raises ValueError."""
+        data: bytes = getattr(message, self.name)
+        *sides, width = message.grid
+        _check_rows(self.name, data, width, (math.prod(sides),))
+        _check_range(self.name, data, self.low, self.high)
+
+
+class Indices(NamedTuple):
+    """That a field is rows of three uint32 that count the (V, 3) float32 of the field `into`."""
+
+    name: str
+    into: str
+
+    def check(self, message: Any) -> None:
+        """Refuse a message whose field is anything else. Raises ValueError."""
+        data: bytes = getattr(message, self.name)
+        below = len(getattr(message, self.into)) // 12
+        if len(data) % 12:
+            raise ValueError(f"`{self.name}` must be rows of 3 uint32, not {len(data)} bytes")
+        if data and np.frombuffer(data, "<u4").max() >= below:
+            raise ValueError(f"`{self.name}` must be indices of the {below} that there are")
+
+
+def check(message: Any) -> None:
+    """Refuse a message that breaks one of these rules, which its class has as `BULK`. Raises ValueError."""
+    for rule in message.BULK:
+        rule.check(message)
+
+
+def _check_rows(name: str, data: bytes, width: int, counts: tuple[int, ...]) -> None:
+    if len(data) % (4 * width) or (counts and len(data) // (4 * width) not in counts):
+        wanted = f"{counts[0]} rows" if counts else "rows"
         raise ValueError(f"`{name}` must be {wanted} of {width} float32, not {len(data)} bytes")
+
+
+def _check_range(name: str, data: bytes, low: float | None, high: float) -> None:
     if low is None or not data:
         return
-    values = np.frombuffer(data, "<f4")
-    if not (values.min() >= low and values.max() <= high):
+    if len(data) <= 4 * FEW:
+        inside = all(low <= x <= high for x in struct.unpack(f"<{len(data) // 4}f", data))
+    else:
+        values = np.frombuffer(data, "<f4")
+        inside = bool(values.min() >= low and values.max() <= high)
+    if not inside:
         raise ValueError(f"`{name}` must be from {low:g} to {high:g}, without NaN")
-
-
-def indices(name: str, data: bytes, width: int, below: int) -> None:
-    """Refuse data that is not rows of `width` uint32, all less than `below`. Raises ValueError."""
-    if len(data) % (4 * width):
-        raise ValueError(f"`{name}` must be rows of {width} uint32, not {len(data)} bytes")
-    if data and np.frombuffer(data, "<u4").max() >= below:
-        raise ValueError(f"`{name}` must be indices of the {below} that there are")
 
 
 def unpack(data: bytes, width: int) -> Singles:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import rows
+from pacinian.wire.bulk import Rows, check
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import (
     MOST_HANDS,
@@ -59,9 +59,13 @@ class Move(Command, frozen=True, kw_only=True, tag="move"):
     poses: Annotated[bytes, Meta(max_length=28 * MOST_OBJECTS)]
     velocities: Annotated[bytes, Meta(max_length=24 * MOST_OBJECTS)] = b""
 
+    BULK = (
+        Rows("poses", 7, each="names"),
+        Rows("velocities", 6, each="names", empty=True, low=-100.0, high=100.0),
+    )
+
     def __post_init__(self) -> None:
-        rows("poses", self.poses, 7, len(self.names))
-        rows("velocities", self.velocities, 6, len(self.names), empty=True, low=-100.0, high=100.0)
+        check(self)
 
 
 class Remove(Command, frozen=True, kw_only=True, tag="remove"):
@@ -94,11 +98,14 @@ class HandFrame(Struct, frozen=True, kw_only=True):
     radii: Annotated[bytes, Meta(max_length=104)] = b""
     velocities: Annotated[bytes, Meta(max_length=312)] = b""
 
+    BULK = (
+        Rows("joints", 3, (26,), empty=True, low=None),
+        Rows("radii", 1, (26,), empty=True, low=None),
+        Rows("velocities", 3, (26, 1), empty=True, low=None),
+    )
+
     def __post_init__(self) -> None:
-        rows("joints", self.joints, 3, 26, empty=True, low=None)
-        rows("radii", self.radii, 1, 26, empty=True, low=None)
-        count = 1 if len(self.velocities) == 12 else 26
-        rows("velocities", self.velocities, 3, count, empty=True, low=None)
+        check(self)
 
 
 class Hands(Command, frozen=True, kw_only=True, tag="hands"):
@@ -133,8 +140,10 @@ class Field(Command, frozen=True, kw_only=True, tag="field"):
 
     points: Annotated[bytes, Meta(max_length=12 * MOST_POINTS)]
 
+    BULK = (Rows("points", 3),)
+
     def __post_init__(self) -> None:
-        rows("points", self.points, 3, None)
+        check(self)
 
 
 COMMANDS = Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import rows
+from pacinian.wire.bulk import Grid, Rows, check
 from pacinian.wire.protocol import (
     MOST_PARTICLES,
     Duration,
@@ -57,8 +57,10 @@ class Texture(Struct, frozen=True, kw_only=True):
     size: tuple[Length, Length]
     repeat: bool = True
 
+    BULK = (Grid("values", 0.0, 1.0),)
+
     def __post_init__(self) -> None:
-        rows("values", self.values, self.grid[1], self.grid[0], low=0.0, high=1.0)
+        check(self)
 
 
 class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -105,8 +107,10 @@ class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
     pose: Pose = Pose()
     radius: Length = WAVELENGTH / 2.0
 
+    BULK = (Rows("positions", 3),)
+
     def __post_init__(self) -> None:
-        rows("positions", self.positions, 3, None)
+        check(self)
 
 
 class Surface(Felt, frozen=True, kw_only=True, tag="surface"):

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import indices, rows
+from pacinian.wire.bulk import Grid, Indices, Rows, check
 from pacinian.wire.protocol import (
     MOST_FACES,
     MOST_PARTS,
@@ -66,8 +66,10 @@ class HeightMap(Struct, frozen=True, kw_only=True, tag_field="type", tag="height
     height: Length
     depth: Length = 1.0
 
+    BULK = (Grid("heights", -1e6, 1e6),)
+
     def __post_init__(self) -> None:
-        rows("heights", self.heights, self.grid[1], self.grid[0], low=-1e6, high=1e6)
+        check(self)
 
 
 class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
@@ -81,9 +83,10 @@ class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
     faces: Annotated[bytes, Meta(min_length=12, max_length=12 * MOST_FACES)]
     scale: Length = 1.0
 
+    BULK = Rows("vertices", 3, low=-1e6, high=1e6), Indices("faces", into="vertices")
+
     def __post_init__(self) -> None:
-        rows("vertices", self.vertices, 3, None, low=-1e6, high=1e6)
-        indices("faces", self.faces, 3, len(self.vertices) // 12)
+        check(self)
 
 
 class Box(Struct, frozen=True, tag_field="type", tag="box"):
@@ -111,9 +114,10 @@ class Voxels(Struct, frozen=True, kw_only=True, tag_field="type", tag="voxels"):
     pitch: Length
     level: Annotated[float, Meta(gt=0.0, le=1.0, description="0..1, not 0")] = 0.5
 
+    BULK = (Grid("values", 0.0, 1.0),)
+
     def __post_init__(self) -> None:
-        x, y, z = self.grid
-        rows("values", self.values, z, x * y, low=0.0, high=1.0)
+        check(self)
 
 
 Primitive = Sphere | Box | Capsule | Mesh | Voxels
@@ -179,8 +183,10 @@ class Polyline(Struct, frozen=True, tag_field="type", tag="polyline"):
     points: Annotated[bytes, Meta(min_length=24, max_length=12 * MOST_VERTICES)]
     closed: bool = False
 
+    BULK = (Rows("points", 3),)
+
     def __post_init__(self) -> None:
-        rows("points", self.points, 3, None)
+        check(self)
 
 
 Shell = Rectangle | Disc | Sphere | HeightMap | Mesh

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import rows
+from pacinian.wire.bulk import Rows, check
 from pacinian.wire.protocol import MOST_VALUES, Angle, Frequency, Length, Seconds, Share
 from pacinian.wire.shapes import Curve
 
@@ -84,8 +84,10 @@ class Wave(Struct, frozen=True, kw_only=True, tag_field="type", tag="wave"):
     loop: bool = True
     mode: Literal["waveform", "loudness"] = "waveform"
 
+    BULK = (Rows("samples", 1),)
+
     def __post_init__(self) -> None:
-        rows("samples", self.samples, 1, None)
+        check(self)
 
 
 STEADY = Constant()

@@ -106,6 +106,20 @@ def test_after_a_late_tick_the_loop_catches_up_and_after_a_long_stop_it_does_not
     renderer.close()
 
 
+def test_a_loop_that_makes_up_for_nothing_leaves_out_what_is_over() -> None:
+    clock = ManualClock()
+    renderer, device, _ = make(clock=clock, backend=Simulated(wait=clock.advance))
+    renderer.open()
+    device.delay(0.0035)
+    report = renderer.run(0.01, behind=0.0)
+    assert report.skipped["missed ticks"] == 2
+    assert report.ticks == 8
+    assert report.late_ticks == 1
+    with pytest.raises(pc.ArgumentError, match="behind"):
+        renderer.run(0.01, behind=-1.0)
+    renderer.close()
+
+
 def test_nothing_that_did_not_change_is_solved_again() -> None:
     renderer, _, _ = make()
     report = renderer.run(0.05)

@@ -139,6 +139,26 @@ else:
     assert done.stdout.strip() == "0 [0]"
 
 
+@pytest.mark.skipif(not child.AUTOGROUP.exists(), reason="only Linux shares time out by session")
+def test_a_child_is_urgent_among_sessions_too() -> None:
+    """Niceness is looked at within a session only, and each child is one."""
+    code = """
+from pacinian.serving import child
+before = child.AUTOGROUP.read_text().split()[-1]
+child.urgent(3)
+print(before, child.AUTOGROUP.read_text().split()[-1])
+"""
+    for alone, nice in ((True, "-3"), (False, "0")):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True, check=True, text=True, timeout=LONG, start_new_session=alone,
+        )  # fmt: skip
+        before, after = done.stdout.split()
+        if alone and after == before:
+            pytest.skip("may not be urgent here")
+        assert after == (nice if alone else before)
+
+
 def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
     told = Told(str(tmp_path), Settings(), {"long": "x" * child.LONGEST})
     with pytest.raises(ServerError, match="more than"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import subprocess
 import sys
@@ -36,6 +37,8 @@ class Apart:
             [sys.executable, "-m", f"{__package__}.{module}"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            start_new_session=os.name
+            == "posix",  # as any program: Linux shares time out by session
         )
         self._lines = queue.SimpleQueue[bytes]()
         threading.Thread(target=self._pump, args=(self.process.stdout,), daemon=True).start()

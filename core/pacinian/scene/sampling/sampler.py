@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.checks import FAR, integer, length, number
-from pacinian.scene.objects import Surface, Volume
+from pacinian.scene.objects import Point, Surface, Volume
 from pacinian.scene.sampling.allot import allot
 from pacinian.scene.sampling.broad import merge, near
 from pacinian.scene.sampling.covers import Covers
@@ -19,7 +19,7 @@ from pacinian.scene.sampling.perception import faintest
 from pacinian.scene.sampling.ramps import Ramps
 from pacinian.scene.sampling.resolving import Resolving
 from pacinian.scene.sampling.samples import Samples, joined, nothing
-from pacinian.scene.sampling.sources import FINEST, Source, Spots, Whole, contact
+from pacinian.scene.sampling.sources import FINEST, Lone, Source, Spots, Whole, contact
 from pacinian.scene.sampling.tracks import HandTrack, Tracks
 from pacinian.scene.time.technique import AM
 from pacinian.scene.time.waves import Constant
@@ -178,7 +178,8 @@ class Sampler:
                 continue
             name, pose = _name(item, i), self._tracks.pose(item, t)
             if not skin:
-                whole = Whole(item, i, name, pose, self._covers, objects)
+                of = Lone if isinstance(item, Point) else Whole
+                whole = of(item, i, name, pose, self._covers, objects)
                 sources.append((whole, self._spacing(pose.position)))
                 continue
             least = faintest(_vibration(item)) if self.perception else 0.0
@@ -228,6 +229,11 @@ class Sampler:
         def cut(samples: Samples) -> Samples:
             if workspace is None:
                 return samples
+            if len(samples) == 1:  # mostly a point
+                x, y, z = samples.positions[0].tolist()
+                (a, b, c), (u, v, w) = workspace.lower, workspace.upper
+                if a <= x <= u and b <= y <= v and c <= z <= w:
+                    return samples
             kept = workspace.holds(samples.positions)
             return samples if kept.all() else samples.only(kept)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 ANYWHERE = np.empty((0, 3))
+UNTURNED = np.zeros((1, 3))
+UNTURNED.flags.writeable = False
 FINEST = 1e-4  # [m], a hundredth of a wavelength
 
 
@@ -69,6 +71,19 @@ class Whole:
             local.points @ R + self.pose.position, P, normals, local.area,
             np.full(K, self.index), keys(self.name, _apart(item, spacing), np.arange(K)), np.full(K, item.pressure),
             self.items,
+        )  # fmt: skip
+
+
+class Lone(Whole):
+    """A point without a hand: as `Whole`, in a fifth of the time, as scenes have many that move."""
+
+    def at(self, spacing: float) -> Samples:
+        """As for every source."""
+        item = cast("Point", self.item)
+        P = np.array([item.pressure])
+        return Samples(
+            np.array([self.pose.position]), P, UNTURNED, np.array([item.area]),
+            np.array([self.index]), np.array([self.name << 31]), P, self.items,
         )  # fmt: skip
 
 

@@ -15,7 +15,8 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.covers import KEPT
+from pacinian.scene.sampling.covers import KEPT, Covers
+from pacinian.scene.sampling.sources import Lone, Whole
 from pacinian.scene.shapes.curves import Circle, Line
 from pacinian.scene.time.technique import STM
 
@@ -600,3 +601,29 @@ def test_many_shapes_of_their_own_are_not_covered_again(monkeypatch: pytest.Monk
     asked.clear()
     sampler.sample(pc.Scene(balls[::-1]))
     assert asked["cover"] == 0
+
+
+@bounded
+@given(points, poses.map(lambda pose: pose.position), st.integers(0, 1000), st.integers(0, 2**31))
+def test_a_lone_point_is_as_any_object_rendered_whole(
+    point: pc.Point, at: tuple[float, float, float], index: int, name: int
+) -> None:
+    asked = point, index, name, pc.Pose(at), Covers(), (point,)
+    quick, slow = Lone(*asked).at(0.01), Whole(*asked).at(0.01)
+    for field in dataclasses.fields(slow):
+        mine, other = getattr(quick, field.name), getattr(slow, field.name)
+        np.testing.assert_array_equal(mine, other)
+        assert getattr(mine, "dtype", None) == getattr(other, "dtype", None)
+
+
+@pytest.mark.parametrize("x", [-0.11, -0.1, 0.0, 0.1, 0.11])
+def test_one_point_is_cut_as_many_are(x: float) -> None:
+    room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+    one = pc.Point(position=(x, 0.0, 0.2), radiation_pressure=5.0)
+    pair = Particles(
+        positions=np.array([(0.0, 0.0, 0.0), (x, 0.0, 0.0)]),
+        pose=pc.Pose((0.0, 0.0, 0.2)),
+        radiation_pressure=5.0,
+    )
+    alone = len(pc.Sampler(ramp=0.0).sample(pc.Scene((one,), room)))
+    assert alone == len(pc.Sampler(ramp=0.0).sample(pc.Scene((pair,), room))) - 1
