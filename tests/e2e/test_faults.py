@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.bench.faults.run import FAULTS, Fault
+from pacinian.bench.faults import parts
+from pacinian.bench.faults.run import FAULTS, STALE, Fault
 
 if TYPE_CHECKING:
     from pacinian.bench.faults.stage import Stage
 
 TIMES, SLACK = 3.0, 1.0  # of a bound; [s]
 LONG = 20.0  # [s]
-LATER = (  # others show the same here, or tests/core/serving and test_client.py do; and these take long
+LATER = (  # other tests show the same, here, in tests/core/serving or test_client.py; and these take long
     "state is never read",
     "thousands of topics",
     "solver never returns",
@@ -28,7 +29,7 @@ LATER = (  # others show the same here, or tests/core/serving and test_client.py
     "server killed and restarted",
     "SIGTERM of the server",
 )
-WRONG = "stale", "heard", "lives", "left: "  # what a note must not tell
+WRONG = "stale", "heard", "lives", "left: ", "replaced"  # what a note must not tell
 
 
 @pytest.mark.parametrize(
@@ -41,3 +42,11 @@ def test_silence_and_recovery(stage: Stage, fault: Fault) -> None:
         assert math.isnan(seconds) or 0.0 <= seconds < bound
     assert not any(word in times.note for word in WRONG if not times.note.startswith("nothing"))
     stage.sounding()
+
+
+def test_a_killed_renderer_is_replaced_and_the_game_is_told(stage: Stage) -> None:
+    times = parts.render_killed(stage)
+    assert 0.0 <= times.silence < TIMES * STALE + SLACK
+    assert 0.0 < times.recovery < LONG
+    assert times.note == "told: fault"
+    assert stage.onlooker.ask("status")["restarts"]["render"] > 0

@@ -17,11 +17,11 @@ from msgspec.structs import replace
 from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector
-from pacinian.checks import number
+from pacinian.checks import integer, length, number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
-from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.sampling.sources import FINEST
 from pacinian.scene.scene import Scene, Workspace
 
 if TYPE_CHECKING:
@@ -93,7 +93,10 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
     spacing: float | None = None
 
     def __post_init__(self) -> None:
-        Sampler(self.budget, self.spacing)  # which checks both
+        # as `Sampler` does, which takes half a second to import: a guard must be there again soon
+        integer("budget", self.budget, low=1)
+        if self.spacing is not None:
+            number("spacing", length("spacing", self.spacing), low=FINEST)
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):

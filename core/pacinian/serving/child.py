@@ -5,9 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-import platform
 import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -25,9 +23,6 @@ if TYPE_CHECKING:
 
 LONGEST = 1 << 20  # [bytes] of what a child is told
 PDEATHSIG, TIMERSLACK = 1, 29  # of Linux's prctl
-SETATTR = {"x86_64": 314, "aarch64": 274}  # numbers of sched_setattr
-ATTR = struct.Struct("=IIQiIQQQ")  # its sched_attr
-SLICE = 3e-4  # [s]
 AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
 
 
@@ -134,23 +129,8 @@ def urgent(by: int = 10, *, first: bool = False) -> None:
             policy = os.SCHED_RR | os.SCHED_RESET_ON_FORK
             with contextlib.suppress(OSError):
                 os.sched_setscheduler(0, policy, os.sched_param(1))
-        else:
-            _sliced(SLICE)
     with contextlib.suppress(AttributeError, OSError):
         os.setpriority(os.PRIO_PROCESS, 0, -by)
     if sys.platform == "linux" and os.getsid(0) == os.getpid():
         with contextlib.suppress(OSError):
             AUTOGROUP.write_text(f"{-by}")
-
-
-def _sliced(seconds: float) -> None:
-    """On Linux from 6.12 on: this thread gives way after so long [s], and so is let in sooner when it wakes.
-
-    sched_setattr(2): `runtime` of a usual thread; elsewhere nothing happens.
-    """
-    number = SETATTR.get(platform.machine())
-    if number is None:
-        return
-    nice, runtime = os.getpriority(os.PRIO_PROCESS, 0), round(1e9 * seconds)
-    data = ATTR.pack(ATTR.size, os.SCHED_OTHER, 0, nice, 0, runtime, 0, 0)
-    ctypes.CDLL(None).syscall(number, 0, data, 0)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.plugins import registry
 from pacinian.serving.guarding import told
+from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
 
 if TYPE_CHECKING:
@@ -194,8 +195,11 @@ class Devices:
 
 
 def _made(choice: Choice | Configured) -> Backend:
-    made = registry.installed().make("backend", choice.name, dict(choice.options))
-    return cast("Backend", made)
+    plugins = registry.installed()
+    if ("backend", choice.name) not in plugins.offers:
+        with LOADING:
+            plugins.find("backend", choice.name)
+    return cast("Backend", plugins.make("backend", choice.name, dict(choice.options)))
 
 
 def _close(backend: Backend) -> None:

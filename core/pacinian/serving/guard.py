@@ -39,15 +39,17 @@ ROUND, IDLE = 0.25e-3, 1e-3  # [s] between two looks, while there may be sound a
 TELL = 0.01  # [s] between two reports
 SWITCH = 1e-4  # [s] in which a thread that opens a device lets the one that sounds go on
 LAST = 1.0  # [s] in which it ends once its parent has gone
+ALONE = 2.0  # times `hung`: control, which can tell slow from hung, kills it before it does itself
 
 
 class Rounds:
     """Joins a guard to the shared memory in `folder`. A context manager: at its end there is silence.
 
-    Raises ServerError if the folder lacks something.
+    backends: that can be selected, None before they are known: as a guard before this one told. Nothing is told before
+    that, and before there is a device or a fault. Raises ServerError if the folder lacks something.
     """
 
-    def __init__(self, folder: Path, settings: Settings, backends: tuple[Plugin, ...]) -> None:
+    def __init__(self, folder: Path, settings: Settings) -> None:
         with contextlib.ExitStack() as stack:
             permit, frame, orders, device = (
                 stack.enter_context(Latest.attach(folder / name))
@@ -58,13 +60,14 @@ class Rounds:
         self._frame = Watched(frame, bytes, b"")
         self._orders = Watched(orders, Decoder(Orders).decode, Orders())
         self._device = device
-        self._backends = backends
+        last = _last(device)
+        self.backends: tuple[Plugin, ...] | None = last.backends if last else None
         array = settings.array.make()
         self.guard = Guard(
             len(array),
             gain=settings.gain,
             stale=settings.safety.stale,
-            generation=_last_generation(self._device),
+            generation=max(last.generation, last.next) if last else 0,
         )
         chosen = settings.backend
         choice = chosen if isinstance(chosen, Choice) else Choice(chosen)
@@ -81,17 +84,20 @@ class Rounds:
         self.devices.poll()
         frame = self._frame.value if self._frame.look() else None
         self._permit.look()  # after the frame: so it is never older than what the frame was made for
-        guard.step(self._permit.value, frame)
+        switched = guard.step(self._permit.value, frame)
         now = time.perf_counter()
-        if (guard.changed or now - self._told >= TELL) and (guard.backend or guard.fault):
+        known = self.backends is not None and (guard.backend or guard.fault)
+        if known and (guard.changed or now - self._told >= TELL):
             self.tell()
             self._told = now
+        if switched:
+            return 0.0
         return ROUND if self._permit.value.armed or guard.loud else IDLE
 
     def tell(self) -> None:
         """Publish how it is."""
         self.guard.changed = False
-        self._device.write(pack(self.guard.device(self.devices.results, self._backends)))
+        self._device.write(pack(self.guard.device(self.devices.results, self.backends or ())))
 
     def __enter__(self) -> Rounds:
         return self
@@ -112,13 +118,10 @@ class Rounds:
                         backend.close()
 
 
-def _last_generation(device: Latest) -> int:
-    """Of a guard before this one: its frames are not for our devices."""
+def _last(device: Latest) -> Device | None:
+    """What a guard before this one told: frames for its devices are not for ours."""
     read = device.read()
-    if read is None:
-        return 0
-    last = Decoder(Device).decode(read[1])
-    return max(last.generation, last.next)
+    return None if read is None else Decoder(Device).decode(read[1])
 
 
 def _alive(seconds: float) -> None:
@@ -143,14 +146,19 @@ def main() -> None:
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, asked)
     sys.setswitchinterval(SWITCH)
-    with Rounds(told.path, told.settings, offers("backend")) as rounds:
+    with Rounds(told.path, told.settings) as rounds:
+        while not (ended.is_set() or rounds.guard.backend or rounds.guard.fault):
+            rounds.turn()  # a device may take its time
+            time.sleep(IDLE)
+        if rounds.backends is None:
+            rounds.backends = offers("backend")  # takes long, and a device that is open is silent
         gc.collect()
         gc.freeze()
         gc.disable()
         child.urgent(first=True)  # from here on it mostly sleeps
         while not ended.is_set():
-            # while none is open yet, one may take its time
-            _alive(told.settings.safety.hung if rounds.guard.backend else 0.0)
+            # not while there is none: one may take its time to open
+            _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
         _alive(LAST)
     if os.getppid() != parent:  # it has gone, and would have removed it

@@ -100,8 +100,11 @@ class Guard:
         """The fault is mended."""
         self.fault, self.changed = "", True
 
-    def step(self, permit: Permit, frame: bytes | None = None) -> None:
-        """One round. permit: the newest. frame: the newest; None if it is that of the last round."""
+    def step(self, permit: Permit, frame: bytes | None = None) -> bool:
+        """One round. permit: the newest. frame: the newest; None if it is that of the last round.
+
+        Whether the next round is to follow at once, with the permit of then: another device has taken over.
+        """
         now = self._clock()
         if permit.epoch != self._epoch:
             self._epoch, self._armed, self._passed, self._gap = permit.epoch, now, math.nan, 0.0
@@ -109,7 +112,7 @@ class Guard:
             self._see(frame, now)
             if self.next and self._head.device == self.next:
                 self.switch()
-                return  # it goes out in the next round, if it still may then
+                return True
         reason = self._reason(permit, now)
         if self.stale != (reason == "stale"):
             self.stale, self.changed = not self.stale, True
@@ -119,6 +122,7 @@ class Guard:
             self._waits = False
             if reason or self._send():
                 self._note()
+        return False
 
     def _see(self, frame: bytes, now: float) -> None:
         try:

@@ -20,6 +20,9 @@ STARTING = 300.0  # [s] until the first sign of life: kernels may be compiled fi
 FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
 WELL = 10.0  # [s] after which one that lives is trusted again
 PATIENCE = 3.0  # [s] in which one that was asked to end must have ended
+LATE = (
+    0.1  # [s] that count at most between two looks: who was late himself cannot tell who is silent
+)
 
 
 class Process(Protocol):
@@ -45,7 +48,11 @@ class Process(Protocol):
 
 @dataclass
 class Child:
-    """One process. started: when [s]. due: when it is to be started again [s]. wait: that long after its end [s]."""
+    """One process.
+
+    started: when [s]. due: when it is to be started again [s]. wait: that long after its end [s]. beat: its last sign
+    of life [s]; heard: how long it had been looked after by then [s].
+    """
 
     name: str
     process: Process
@@ -53,13 +60,18 @@ class Child:
     due: float | None = None
     wait: float = FIRST
     restarts: int = 0
+    beat: float = 0.0
+    heard: float = 0.0
 
 
 class Supervisor:
     """Starts the children and keeps them running.
 
-    start: starts one by name. hung: age of the last sign of life at which one is killed [s]. trusted: they have been
+    start: starts one by name. hung: time without a sign of life after which one is killed [s]. trusted: they have been
     ready once; before, one that ends is an error, as it will most likely end again.
+
+    That time is what was spent looking after it: where the whole machine stood still, or this process did not get a
+    processor, the others' silence proves nothing. (That the array is silent then, the permit's deadline sees to.)
     """
 
     def __init__(
@@ -71,6 +83,8 @@ class Supervisor:
     ) -> None:
         self._start, self._hung, self._clock = start, hung, clock
         self.trusted = False
+        self._last = clock()  # [s] of the last look
+        self._watched = 0.0  # [s]
         self.children: dict[str, Child] = {}
         try:
             for name in names:
@@ -92,6 +106,9 @@ class Supervisor:
     def check(self, beats: dict[str, float]) -> list[tuple[str, str]]:
         """Look after all, given their last signs of life [s]; return who has ended, and why. Raises ServerError."""
         ended: list[tuple[str, str]] = []
+        now = self._clock()
+        self._watched += min(now - self._last, LATE)
+        self._last = now
         for name, child in self.children.items():
             now = self._clock()
             if child.due is not None:
@@ -114,7 +131,7 @@ class Supervisor:
             child.process = self._start(child.name)
         except (OSError, ServerError) as error:
             return f"could not be started: {error}"
-        child.started, child.due = now, None
+        child.started, child.due, child.heard = now, None, self._watched
         child.restarts += 1
         return ""
 
@@ -123,7 +140,9 @@ class Supervisor:
             _closed(child.process)
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = beat >= child.started
-        if now - max(beat, child.started) <= (self._hung if seen else STARTING):
+        if beat != child.beat:
+            child.beat, child.heard = beat, self._watched
+        if self._watched - child.heard <= (self._hung if seen else STARTING):
             return ""
         _killed(child.process)
         return "hung, and was killed" if seen else "did not start, and was killed"

@@ -94,10 +94,10 @@ class Bench:
         levels[0], levels[1] = phase, amplitude
         return head.pack() + levels.tobytes()
 
-    def step(self, frame: bytes | None = None, after: float = ROUND, **permit: Any) -> None:
+    def step(self, frame: bytes | None = None, after: float = ROUND, **permit: Any) -> bool:
         self.clock.advance(after)
         self.permit = self.permit._replace(**permit)
-        self.guard.step(self.permit, frame)
+        return self.guard.step(self.permit, frame)
 
     def sound(self, **changes: Any) -> None:
         self.step(self.frame(**changes))
@@ -346,10 +346,10 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     told = bench.told
     assert (told.generation, told.next) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
-    bench.step(bench.frame())
+    assert not bench.step(bench.frame())
     assert bench.backend.sent == [1, 2]
-    bench.step(bench.frame(device=2))
-    bench.step()  # a quarter of a tick later
+    assert bench.step(bench.frame(device=2)), "and the next round at once"
+    assert not bench.step(after=0.0)
     assert bench.backend.what == ["send", "send", "silence"]
     assert other.log == [(bench.clock.time, "send", 3)]
     assert (bench.told.generation, bench.told.next) == (2, 0)
@@ -535,7 +535,7 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
     clock = ManualClock()
     backends = [Recorded(clock) for _ in range(3)]
     backends[0].raises["close"] = OSError("gone")
-    rounds = Rounds(tmp_path, made, ())
+    rounds = Rounds(tmp_path, made)
 
     def bad() -> None:
         raise RuntimeError("told by a plug-in")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import math
 import os
 import signal
 import socket
@@ -17,7 +18,7 @@ import psutil
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.serving.supervise import FIRST, LONGEST, STARTING, WELL, Supervisor
+from pacinian.serving.supervise import FIRST, LATE, LONGEST, STARTING, WELL, Supervisor
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals")
 NAMES = "guard", "bus", "render"
+LOOK = 0.02  # [s]
 
 CHILD = """
 import sys, time, threading
@@ -112,6 +114,14 @@ class Watch:
         now = self.clock.time
         return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats})
 
+    def look(self, seconds: float, **beats: float) -> list[tuple[str, str]]:
+        """Look on for so long; who has ended."""
+        ended: list[tuple[str, str]] = []
+        for _ in range(round(seconds / LOOK)):
+            self.clock.advance(LOOK)
+            ended += self.check(**beats)
+        return ended
+
     def newest(self, name: str) -> Fake:
         return next(fake for fake in reversed(self.started) if fake.name == name)
 
@@ -169,11 +179,41 @@ def test_one_without_a_sign_of_life_is_killed() -> None:
     watch = Watch()
     watch.check()
     beat = watch.clock.time
-    watch.clock.advance(1.0)
-    assert watch.check(render=beat) == [], "not yet"
-    watch.clock.advance(0.01)
-    assert watch.check(render=beat) == [("render", "hung, and was killed")]
+    assert watch.look(0.98, render=beat) == [], "not yet"
+    assert watch.look(0.04, render=beat) == [("render", "hung, and was killed")]
     assert watch.log == [("kill", "render")], "and nobody waits for that"
+
+
+def test_one_that_is_only_slow_is_left_alone() -> None:
+    watch = Watch()
+    for _ in range(10):
+        beat = watch.clock.time
+        assert watch.look(0.9, bus=beat, guard=beat, render=beat) == []
+
+
+@pytest.mark.parametrize("stood", [1.1, 5.0, 1e4])
+def test_where_nobody_looked_silence_proves_nothing(stood: float) -> None:
+    """The machine stood still, or did not let control run: then neither did it the others."""
+    watch = Watch()
+    watch.look(1.0)
+    beat = watch.clock.time
+    watch.clock.advance(stood)
+    assert watch.check(**dict.fromkeys(NAMES, beat)) == []
+    assert watch.look(0.8, **dict.fromkeys(NAMES, beat)) == [], "they may be woken later"
+    assert watch.look(0.5) == [], "and are well"
+    assert watch.log == []
+
+
+def test_one_that_hangs_is_found_however_late_the_looks_are() -> None:
+    watch = Watch()
+    watch.look(0.1)
+    beat, looks = watch.clock.time, 0
+    while not watch.log:
+        watch.clock.advance(0.7)
+        watch.check(guard=beat)
+        looks += 1
+    assert watch.log == [("kill", "guard")]
+    assert looks <= math.ceil(1.0 / LATE) + 1
 
 
 def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_ends() -> None:
@@ -181,8 +221,7 @@ def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_
     old = watch.newest("bus")
     old.held = True
     beat = watch.clock.time
-    watch.clock.advance(1.1)
-    assert watch.check(bus=beat) == [("bus", "hung, and was killed")]
+    assert watch.look(1.1, bus=beat) == [("bus", "hung, and was killed")]
     watch.clock.advance(LONGEST)
     assert watch.check(bus=beat) == []
     assert watch.newest("bus") is old, "its port is not free"
@@ -219,11 +258,14 @@ def test_one_that_cannot_be_started_again_is_tried_again_less_and_less_often(
 def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() -> None:
     watch = Watch()
     old = watch.clock.time - 1.0
-    watch.clock.advance(STARTING - 1.0)
-    assert watch.check(render=old) == []
+    assert watch.look(STARTING - 1.0, render=old) == []
     assert not watch.supervisor.alive("render", old)
-    watch.clock.advance(1.1)
-    assert watch.check(render=old) == [("render", "did not start, and was killed")]
+    assert watch.look(1.1, render=old) == [("render", "did not start, and was killed")]
+    assert watch.look(FIRST + LOOK) == []
+    new = watch.clock.time
+    assert watch.look(2.0, render=old) == [], "nor that of one before it"
+    watch.look(LOOK, render=new)
+    assert watch.look(1.1, render=new) == [("render", "hung, and was killed")]
 
 
 def test_before_all_were_ready_an_end_is_an_error() -> None:

@@ -74,7 +74,7 @@ def jumped(stage: Stage) -> Times:
     ]
     silence = stage.broken(lambda: stage.tell("freeze", seconds=FREEZE))
     recovery = stage.healed(after=FREEZE)
-    return Times(silence, recovery, max(gaps), "then frozen: the lease is no longer than ever")
+    return Times(silence, recovery, max(gaps), note="then frozen: the lease is no longer than ever")
 
 
 def slow(stage: Stage) -> Times:

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import random
 import signal
 import time
 from functools import partial
 from typing import TYPE_CHECKING
 
+import psutil
+
 from pacinian.bench.faults.device import UNPLUGGED, Other, Probe
 from pacinian.bench.faults.server import memory
 from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
 from pacinian.bench.faults.stage import QUIET, Times, until
+from pacinian.serving.settings import Safety
+from pacinian.serving.supervise import WELL
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.bench.faults.stage import Stage
+
+WINDOW = 0.5  # [s] that is looked at for gaps, with a swap and without
+STILL = 1.3 * Safety().hung  # [s]
+SWAPPING = 0.03  # [s] after a selection, in which something is being swapped
 
 
 def render_killed(stage: Stage) -> Times:
@@ -45,8 +54,15 @@ def guard_stopped(stage: Stage) -> Times:
 
 def _signalled(stage: Stage, part: str, number: int, quiet: float = QUIET) -> Times:
     process = stage.server.parts()[part]
+    if stage.onlooker.ask("status")["restarts"][part]:
+        # one that ends again and again is started later and later, which is not what is measured
+        until(lambda: time.time() - process.create_time() > WELL)
+    stage.sounding()
+    stage.answers.clear()
     silence = stage.broken(lambda: process.send_signal(number), quiet)
-    return Times(silence, stage.healed(after=0.0))
+    recovery = stage.healed(after=0.0)
+    told = {answer["code"] for answer in stage.answers if answer["type"] == "error"}
+    return Times(silence, recovery, note=f"told: {', '.join(sorted(told)) or 'nothing'}")
 
 
 def control_killed(stage: Stage) -> Times:
@@ -62,6 +78,26 @@ def control_stopped(stage: Stage) -> Times:
     """SIGSTOP of the parent: nobody renews the permit; SIGCONT."""
     silence = stage.broken(lambda: stage.server.signal("control", signal.SIGSTOP))
     return Times(silence, stage.healed(lambda: stage.server.signal("control", signal.SIGCONT)))
+
+
+def all_stopped(stage: Stage) -> Times:
+    """SIGSTOP of all, as where the machine stands still, for longer than one may hang; SIGCONT: none is replaced."""
+    before = stage.server.parts()
+    processes = [psutil.Process(stage.server.process.pid), *before.values()]
+
+    def act() -> None:
+        for process in processes:
+            process.suspend()
+        time.sleep(STILL)
+        stage.at = time.perf_counter()
+        for process in processes:
+            process.resume()
+
+    silence = stage.broken(act, quiet=0.0)  # the game may be there again at once
+    recovery = stage.healed(after=0.0)
+    after = stage.server.parts()
+    replaced = [name for name, process in before.items() if after.get(name) != process]
+    return Times(silence, recovery, note=f"replaced: {replaced}" if replaced else "")
 
 
 def solver_hangs(stage: Stage) -> Times:
@@ -95,6 +131,7 @@ def _stuck(stage: Stage, *, hold: bool) -> Times:
 def solver_hangs_warming(stage: Stage) -> Times:
     """A solver that never returns is selected: the one before should sound on."""
     file = stage.server.folder / STUCK
+    undisturbed = stage.gap(lambda: None, 3.0)
     file.touch()
     try:
         gap = stage.gap(lambda: _select(stage, "solver", Stuck.name), 3.0)
@@ -102,19 +139,28 @@ def solver_hangs_warming(stage: Stage) -> Times:
         file.unlink(missing_ok=True)
     until(lambda: bool(stage.answers))
     stage.select(solver={"name": "auto"})
-    return Times(gap=gap)
+    return Times(gap=gap, undisturbed=undisturbed)
 
 
 def solvers_swapped(stage: Stage) -> Times:
     """Another solver, and back, while it sounds."""
-    names = ("lagrange", "auto")
-    return Times(gap=max(stage.gap(partial(_select, stage, "solver", n)) for n in names))
+    return _swapped(stage, "solver", "lagrange", "auto")
 
 
 def devices_swapped(stage: Stage) -> Times:
     """Another device, and back, while it sounds."""
-    names = (Other.name, Probe.name)
-    return Times(gap=max(stage.gap(partial(_select, stage, "backend", n)) for n in names))
+    return _swapped(stage, "backend", Other.name, Probe.name)
+
+
+def _swapped(stage: Stage, kind: str, *names: str) -> Times:
+    """Select each; before each, look on for as long while nothing is done."""
+    undisturbed, gaps = list[float](), list[float]()
+    for name in names:
+        undisturbed.append(stage.gap(lambda: None, WINDOW))
+        gaps.append(stage.gap(partial(stage.select, **{kind: {"name": name}}), WINDOW))
+        if (answer := stage.answers[-1])["type"] != "ok":
+            raise RuntimeError(f"{name} cannot be selected: {answer}")
+    return Times(gap=max(gaps), undisturbed=max(undisturbed))
 
 
 def _select(stage: Stage, kind: str, name: str) -> None:
@@ -129,12 +175,18 @@ def unplugged(stage: Stage) -> Times:
 
 def unplugged_swapping(stage: Stage) -> Times:
     """The device is gone while solvers are swapped."""
-    return _unplugged(stage, lambda: _select(stage, "solver", "lagrange"))
+    return _unplugged(stage, partial(_begin, stage, "solver", "lagrange"))
 
 
 def unplugged_both(stage: Stage) -> Times:
     """Both devices are gone while one takes over from the other."""
-    return _unplugged(stage, lambda: _select(stage, "backend", Other.name))
+    return _unplugged(stage, partial(_begin, stage, "backend", Other.name))
+
+
+def _begin(stage: Stage, kind: str, name: str) -> None:
+    """Select it, and go on somewhere in the middle."""
+    _select(stage, kind, name)
+    time.sleep(random.uniform(0.0, SWAPPING))
 
 
 def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
@@ -142,6 +194,7 @@ def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
 
     def act() -> None:
         before()
+        stage.at = time.perf_counter()
         file.touch()
 
     try:

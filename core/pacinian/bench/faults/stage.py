@@ -35,12 +35,14 @@ class Times(NamedTuple):
     """Of one fault [s].
 
     silence: from it to silence. recovery: to sound again, from the fault, or from when it was undone.
-    gap: the longest between two frames, where it should sound on. note: what else was seen.
+    gap: the longest between two frames, where it should sound on; undisturbed: the same just before, when nothing
+    was done. note: what else was seen.
     """
 
     silence: float = math.nan
     recovery: float = math.nan
     gap: float = math.nan
+    undisturbed: float = math.nan
     note: str = ""
 
 

@@ -16,23 +16,29 @@ if TYPE_CHECKING:
 
 
 def faults(rows: Sequence[Row]) -> Table:
-    """Fault by worst time to silence, worst recovery and worst gap, beside what is stated."""
+    """Fault by worst times, beside what is stated; gaps beside those of the same run undisturbed."""
     head = [
         "",
         "times",
-        "silent\n[ms]",
-        "bound\n[ms]",
-        "sounds again\n[ms]",
-        "gap\n[ms]",
-        "bound is",
+        "silent",
+        "bound",
+        "again",
+        "gap:\nmedian",
+        "\nworst",
+        "undisturbed:\nmedian",
+        "\nworst",
     ]
     table = [
-        [row.fault, str(len(row.times)), str(len(row.failed) or "")]
-        + [milliseconds(row.worst("silence")), milliseconds(row.bound)]
-        + [milliseconds(row.worst(name)) for name in ("recovery", "gap")]
+        [row.fault, str(len(row.times)) + f", {len(row.failed)} failed" * bool(row.failed)]
+        + [milliseconds(s) for s in (row.worst("silence"), row.bound, row.worst("recovery"))]
+        + [
+            milliseconds(f(name))
+            for name in ("gap", "undisturbed")
+            for f in (row.median, row.worst)
+        ]
         for row in rows
     ]
-    return plain_table("Faults: the worst of all times", head, table)
+    return plain_table("Faults: the worst of all times [ms]", head, table)
 
 
 def milliseconds(seconds: float) -> str:
