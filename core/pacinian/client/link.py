@@ -36,7 +36,13 @@ OPTIONS = {
     zmq.CONNECT_TIMEOUT: 2000,
 }
 ONCE = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
-HEARTBEAT = {zmq.HEARTBEAT_IVL: 50, zmq.HEARTBEAT_TTL: 200, zmq.HEARTBEAT_TIMEOUT: 500}
+# no high-water mark: one that is reached while a heartbeat is due makes libzmq 4.3 end the process (`!_io_error`)
+HEARTBEAT = {
+    zmq.HEARTBEAT_IVL: 50,
+    zmq.HEARTBEAT_TTL: 200,
+    zmq.HEARTBEAT_TIMEOUT: 500,
+    zmq.RCVHWM: 0,
+}
 
 
 def made(

@@ -169,7 +169,7 @@ def opened(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generat
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
-        gate.protect(socket, settings.clients.command_bytes, heartbeat=False)
+        gate.protect(socket, settings.clients.command_bytes)
         socket.router_mandatory = False  # whoever has gone gets no reply
         # what waits is old when its turn comes; `rcvbuf` stays the system's: 16 KiB halved what one client can send
         socket.rcvhwm = QUEUE

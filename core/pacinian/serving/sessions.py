@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
 OWN = "own "  # begins the names of scenes that nobody else may join
-LINK = 0.55  # [s] from the last sign of life on a client's connection to silence
+# [s] from the last sign of life on a client's connection to silence, where it sends heartbeats as wire/page.py says:
+# a TTL of 0.2 s, and our look at all connections
+LINK = 0.25
 
 
 class Sessions:

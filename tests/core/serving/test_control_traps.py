@@ -36,6 +36,7 @@ connection = Connection.read(sys.argv[1])
 socket = zmq.Context().socket(zmq.DEALER)
 socket.linger = 0
 socket.plain_username, socket.plain_password = b"pacinian", connection.token.encode()
+socket.heartbeat_ivl, socket.heartbeat_ttl = 50, 200
 socket.connect(connection.control)
 socket.send(encode(Hello(protocol=(MAJOR, MINOR), client="other", lease=float(sys.argv[2]))))
 key = decode_reply(socket.recv()).session
@@ -215,6 +216,7 @@ def test_a_connection_that_died_half_is_noticed(server: Any) -> None:
     """The client's side is gone without a word: a relay keeps the connection open and passes nothing."""
     relay = socket.create_server(("127.0.0.1", 0))
     game = server.socket(zmq.DEALER)
+    game.heartbeat_ivl, game.heartbeat_ttl = 50, 200
     game.connect(f"tcp://127.0.0.1:{relay.getsockname()[1]}")
     with relay, relay.accept()[0] as near, raw(server) as far:
         near.settimeout(0.002)
