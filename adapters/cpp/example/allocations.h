@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdlib>
+#include <new>
+
+namespace example {
+
+/// Whose calls of `operator new` are counted.
+enum Thread { others, game, worker };
+
+inline thread_local Thread thread = others;
+inline long allocations[3] = {};  // each is written by one thread, but for those of `others`
+
+}  // namespace example
+
+// One copy for the whole program: to be included by one source only.
+
+void* operator new(std::size_t size) {
+  if (example::thread != example::others) ++example::allocations[example::thread];
+  void* made = std::malloc(size > 0 ? size : 1);
+  if (!made) std::abort();
+  return made;
+}
+
+void operator delete(void* memory) noexcept { std::free(memory); }
+
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

@@ -1,0 +1,136 @@
+#pragma once
+
+// Meshes, colliders, hand tracking, saved games, drawing, settings.
+
+#include "world.h"
+
+class UDataAsset : public UObject {
+  STUB_BODY(UDataAsset, UObject)
+};
+class UDeveloperSettings : public UObject {
+  STUB_BODY(UDeveloperSettings, UObject)
+  virtual FName GetCategoryName() const { return {}; }
+};
+
+struct FPositionVertexBuffer {
+  uint32 GetNumVertices() const { return static_cast<uint32>(Positions.size()); }
+  const FVector3f& VertexPosition(uint32 i) const { return Positions.at(i); }
+  std::vector<FVector3f> Positions;
+};
+struct FIndexArrayView {
+  int32 Num() const { return static_cast<int32>(Indices->size()); }
+  uint32 operator[](int32 i) const { return Indices->at(i); }
+  const std::vector<uint32>* Indices;
+};
+struct FRawStaticIndexBuffer {
+  FIndexArrayView GetArrayView() const { return {&Indices}; }
+  std::vector<uint32> Indices;
+};
+struct FStaticMeshVertexBuffers {
+  FPositionVertexBuffer PositionVertexBuffer;
+};
+struct FStaticMeshLODResources {
+  FStaticMeshVertexBuffers VertexBuffers;
+  FRawStaticIndexBuffer IndexBuffer;
+};
+struct FStaticMeshRenderData {
+  TArray<FStaticMeshLODResources> LODResources;
+};
+class UStaticMesh : public UObject {
+  STUB_BODY(UStaticMesh, UObject)
+  const FStaticMeshRenderData* GetRenderData() const { return &Data; }
+  FStaticMeshRenderData Data;
+  bool bAllowCPUAccess = false;
+};
+struct FPlatformProperties {
+  static bool RequiresCookedData() { return false; }
+};
+
+struct FKSphereElem {
+  FVector Center;
+  float Radius = 1.0F;
+  FKSphereElem GetFinalScaled(const FVector& Scale, const FTransform&) const {
+    const double Least = std::min({std::abs(Scale.X), std::abs(Scale.Y), std::abs(Scale.Z)});
+    return {Center * Scale, float(Radius * Least)};
+  }
+};
+struct FKBoxElem {
+  FVector Center;
+  FRotator Rotation;
+  float X = 1.0F, Y = 1.0F, Z = 1.0F;
+  FKBoxElem GetFinalScaled(const FVector& Scale, const FTransform&) const {
+    return {Center * Scale, Rotation, float(X * Scale.X), float(Y * Scale.Y), float(Z * Scale.Z)};
+  }
+};
+struct FKSphylElem {
+  FVector Center;
+  FRotator Rotation;
+  float Radius = 1.0F, Length = 1.0F;
+  FKSphylElem GetFinalScaled(const FVector& Scale, const FTransform&) const {
+    return {Center * Scale, Rotation, float(Radius * std::max(Scale.X, Scale.Y)), float(Length * Scale.Z)};
+  }
+};
+struct FKAggregateGeom {
+  TArray<FKSphereElem> SphereElems;
+  TArray<FKBoxElem> BoxElems;
+  TArray<FKSphylElem> SphylElems;
+};
+class UBodySetup : public UObject {
+  STUB_BODY(UBodySetup, UObject)
+  FKAggregateGeom AggGeom;
+};
+class UPrimitiveComponent : public USceneComponent {
+  STUB_BODY(UPrimitiveComponent, USceneComponent)
+  virtual UBodySetup* GetBodySetup() { return &Body; }
+  UBodySetup Body;
+};
+class UStaticMeshComponent : public UPrimitiveComponent {
+  STUB_BODY(UStaticMeshComponent, UPrimitiveComponent)
+  UStaticMesh* GetStaticMesh() const { return Mesh; }
+  UStaticMesh* Mesh = nullptr;
+};
+
+enum class EControllerHand : uint8 { Left, Right };
+enum class EXRSpaceType : uint8 { UnrealWorldSpace, XRTrackingSpace };
+enum class ETrackingStatus : uint8 { NotTracked, InertialOnly, Tracked };
+struct FXRHandTrackingState {
+  bool bValid = false;
+  ETrackingStatus TrackingStatus = ETrackingStatus::NotTracked;
+  TArray<FVector> HandKeyLocations;
+  TArray<float> HandKeyRadii;
+};
+class IXRTrackingSystem {
+ public:
+  virtual ~IXRTrackingSystem() = default;
+  virtual void GetHandTrackingState(UObject*, const EXRSpaceType, const EControllerHand, FXRHandTrackingState&) = 0;
+};
+class UEngine : public UObject {
+  STUB_BODY(UEngine, UObject)
+  TSharedPtr<IXRTrackingSystem> XRSystem;
+};
+extern UEngine* GEngine;
+
+struct FApp {
+  static const TCHAR* GetProjectName() { return TEXT("StubGame"); }
+};
+
+class USaveGame : public UObject {
+  STUB_BODY(USaveGame, UObject)
+};
+/// Keeps objects, not copies of them.
+struct UGameplayStatics {
+  static std::map<FString, USaveGame*>& Slots() {
+    static std::map<FString, USaveGame*> Made;
+    return Made;
+  }
+  static bool SaveGameToSlot(USaveGame* Given, const FString& Slot, int32) { return (Slots()[Slot] = Given) != nullptr; }
+  static bool DoesSaveGameExist(const FString& Slot, int32) { return Slots().count(Slot) > 0; }
+  static USaveGame* LoadGameFromSlot(const FString& Slot, int32) { return Slots()[Slot]; }
+  static bool DeleteGameInSlot(const FString& Slot, int32) { return Slots().erase(Slot) > 0; }
+};
+
+/// How often something was drawn.
+extern int StubDrawn;
+inline void DrawDebugLine(const UWorld*, const FVector&, const FVector&, const FColor&) { ++StubDrawn; }
+inline void DrawDebugPoint(const UWorld*, const FVector&, float, const FColor&) { ++StubDrawn; }
+inline void DrawDebugCoordinateSystem(const UWorld*, const FVector&, const FRotator&, float) { ++StubDrawn; }

@@ -1,0 +1,220 @@
+#include "level.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "ArrayOriginComponent.h"
+#include "Engine/StaticMesh.h"
+#include "HapticEnvelope.h"
+
+namespace {
+
+void tell(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+std::string quoted(const FString& given) { return '"' + stub::utf8(*given) + '"'; }
+
+std::string numbers(const TArray<FVector>& given) {
+  std::ostringstream made;
+  made.precision(9);
+  for (const FVector& each : given) made << (made.tellp() > 0 ? "," : "") << each.X << ',' << each.Y << ',' << each.Z;
+  return '[' + made.str() + ']';
+}
+
+FVector vector(std::istream& from) {
+  FVector made;
+  from >> made.X >> made.Y >> made.Z;
+  return made;
+}
+
+FString word(std::istream& from) {
+  std::string made;
+  from >> made;
+  return UTF8_TO_TCHAR(made.c_str());
+}
+
+}  // namespace
+
+Level::Level(const std::string& connection, const std::string& more) {
+  const auto has = [&](const char* what) { return more.find(what) != std::string::npos; };
+  array = world->spawn<AHapticArray>(TEXT("Array"));
+  server = array->Server;
+  server->ConnectionFile = UTF8_TO_TCHAR(connection.c_str());
+  server->bArmOnConnect = !has("unarmed");
+  server->bArmAgainAfterLoss = has("again");
+  server->OnConnected.Add([] { tell(R"({"event": "connected", "code": ""})"); });
+  server->OnLost.Add([](const FString&) { tell(R"({"event": "lost", "code": ""})"); });
+  server->OnEnded.Add([](const FString& code, const FString&) {
+    tell(R"({"event": "ended", "code": )" + quoted(code) + "}");
+  });
+  server->OnRefused.Add([](const FString& code, const FString& message, const FString&) {
+    tell(R"({"event": "refused", "code": )" + quoted(code) + R"(, "message": )" + quoted(message) + "}");
+  });
+  things = world->spawn<AActor>(TEXT("Things"));
+  ball = things->CreateDefaultSubobject<UPrimitiveComponent>(TEXT("Sphere"));
+  ball->SetupAttachment(array->Origin);
+  ball->Body.AggGeom.SphereElems.Add({FVector::ZeroVector, 3.0F});
+  volume = things->CreateDefaultSubobject<UHapticVolumeComponent>(TEXT("Volume"));
+  volume->SetupAttachment(ball);
+  volume->EffectName = TEXT("ball");
+  volume->Envelope = NewObject<UHapticEnvelope>(things);
+  point = things->CreateDefaultSubobject<UHapticPointComponent>(TEXT("Point"));
+  point->SetupAttachment(array->Origin);
+  point->bAutoActivate = false;
+  plate = things->CreateDefaultSubobject<UHapticSurfaceComponent>(TEXT("Surface"));
+  plate->SetupAttachment(array->Origin);
+  plate->bAutoActivate = false;
+  player = world->spawn<AActor>(TEXT("Player"));
+  if (!has("handless")) {
+    hand = player->CreateDefaultSubobject<UHapticHandComponent>(TEXT("Hand"));
+    hand->Source = EHapticHandSource::Game;
+  }
+  quiet = player->CreateDefaultSubobject<UQuietZoneComponent>(TEXT("Head"));
+  quiet->SetRelativeTransform(FTransform(FQuat(), FVector(0.0, 0.0, 500.0)));
+  // The server's component comes last, as it may in a level.
+  for (AActor* actor : {things, player, static_cast<AActor*>(array)}) world->begin(actor);
+}
+
+void Level::tick(float seconds) {
+  time += seconds;
+  if (rest.Num() > 0) {
+    TArray<FVector> now;
+    for (const FVector& joint : rest) now.Add(joint + FVector(sway * std::sin(6.28318530718 * time), 0.0, 0.0));
+    hand->SetJoints(now);
+  }
+  world->tick(seconds);
+}
+
+void Level::act(const std::string& what, std::istream& from) {
+  if (what == "place") return place(from);
+  if (what == "joints") return joints(from);
+  if (what == "status") return status();
+  if (what == "quiet") return zone(from);
+  if (what == "align") return align(from);
+  if (what == "connect") server->Connect();
+  if (what == "disconnect") server->Disconnect();
+  if (what == "reconnect") server->Reconnect();
+  if (what == "arm") server->Arm();
+  if (what == "disarm") server->Disarm();
+  if (what == "stop") server->EmergencyStop();
+  if (what == "reset") server->ResetOutput();
+  if (what == "solver") server->SetSolver(word(from));
+  if (what == "backend") server->SetBackend(word(from));
+  if (what == "intensity") server->SetIntensity(static_cast<float>(vector(from).X));
+  if (what == "lost") rest.Reset(), hand->SetLost();
+  if (what == "handless") world->destroy(player), player = nullptr;
+  if (what == "sway") from >> sway;
+  effect(what, from);
+  tell(R"({"did": ")" + what + "\"}");
+}
+
+/// Where something is: array, ball or point; place [cm], yaw [deg], scale. The array in the level, others above it.
+void Level::place(std::istream& from) {
+  std::string what;
+  double yaw = 0.0, scale = 1.0;
+  from >> what;
+  const FVector at = vector(from);
+  from >> yaw >> scale;
+  USceneComponent* moved = what == "ball" ? ball : what == "array" ? static_cast<USceneComponent*>(array->Origin) : named(what);
+  moved->SetRelativeTransform(FTransform(FQuat(FRotator{0.0, yaw, 0.0}), at, FVector(scale, scale, scale)));
+  tell(R"({"did": "place"})");
+}
+
+void Level::joints(std::istream& from) {
+  rest.Reset();
+  for (int i = 0; i < 26; ++i) rest.Add(vector(from));
+  tell(R"({"did": "joints"})");
+}
+
+/// Its place in the level [cm], radius [cm] and pressure [Pa].
+void Level::zone(std::istream& from) {
+  quiet->SetRelativeTransform(FTransform(FQuat(), vector(from)));
+  from >> quiet->Radius >> quiet->Pressure;
+  tell(R"({"did": "quiet"})");
+}
+
+UHapticEffectComponent* Level::named(const std::string& name) {
+  if (name == "point") return point;
+  if (name == "plate") return plate;
+  return volume;
+}
+
+/// `play point`, `silence ball`, `press ball 5`, `duration point 0.5`, `tremble ball 80`, `rectangle`, `disc`, `mesh`.
+void Level::effect(const std::string& what, std::istream& from) {
+  std::string name;
+  if (what == "rectangle") plate->Shape = EHapticSurface::Rectangle;
+  if (what == "disc") plate->Shape = EHapticSurface::Disc;
+  if (what == "mesh") plate->Mesh = volume->Mesh = NewObject<UStaticMesh>(things), surface(from);
+  if (what != "play" && what != "silence" && what != "press" && what != "duration" && what != "tremble") return;
+  from >> name;
+  UHapticEffectComponent* found = named(name);
+  if (what == "play") found->Play();
+  if (what == "silence") found->Stop();
+  if (what == "press") found->SetRadiationPressure(static_cast<float>(vector(from).X));
+  if (what == "duration") from >> found->Duration;
+  if (what != "tremble") return;
+  auto* envelope = NewObject<UHapticEnvelope>(things);
+  from >> envelope->Frequency;
+  found->SetEnvelope(envelope);
+}
+
+/// A box of so many centimetres, its faces cut apart as a renderer's are; the volume becomes one.
+void Level::surface(std::istream& from) {
+  const FVector half = 0.5 * vector(from);
+  FStaticMeshLODResources level;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0F, 1.0F}) {
+      const auto first = static_cast<uint32>(level.VertexBuffers.PositionVertexBuffer.Positions.size());
+      for (int corner = 0; corner < 4; ++corner) {
+        float at[3];
+        at[axis] = side;
+        at[(axis + 1) % 3] = corner & 1 ? 1.0F : -1.0F;
+        at[(axis + 2) % 3] = (corner & 2 ? 1.0F : -1.0F) * side;
+        level.VertexBuffers.PositionVertexBuffer.Positions.push_back(
+            {at[0] * float(half.X), at[1] * float(half.Y), at[2] * float(half.Z)});
+      }
+      // cross(1 - 0, 2 - 0) points inwards: seen from outside, counter-clockwise in a left-handed frame
+      for (const uint32 i : {0U, 2U, 1U, 1U, 2U, 3U}) level.IndexBuffer.Indices.push_back(first + i);
+    }
+  volume->Mesh->Data.LODResources.Add(level);
+  plate->Mesh = volume->Mesh;
+  volume->Shape = EHapticVolume::Mesh;
+  volume->Refresh();
+}
+
+/// The array is moved to where its corners, as the server says, were touched: there is a place and yaw.
+void Level::align(std::istream& from) {
+  const FVector at = vector(from);
+  double yaw = 0.0;
+  from >> yaw;
+  const FTransform there(FQuat(FRotator{0.0, yaw, 0.0}), at);
+  FVector next;
+  FString problem;
+  bool done = array->Origin->BeginAlignment();
+  while (array->Origin->GetNextPoint(next)) array->Origin->TouchPoint(there.TransformPosition(next));
+  const int32 touched = array->Origin->GetTouched();
+  done = done && array->Origin->FinishAlignment(problem) && array->Origin->SaveCalibration();
+  array->Origin->SetRelativeTransform(FTransform());
+  done = done && array->Origin->LoadCalibration();
+  const FTransform found = array->Origin->GetComponentTransform();
+  tell(R"({"aligned": )" + std::string(done ? "true" : "false") + R"(, "touched": )" + std::to_string(touched) +
+       R"(, "residual": )" + std::to_string(array->Origin->GetResidual()) + R"(, "at": )" +
+       numbers({found.GetLocation(), found.GetUnitAxis(EAxis::X)}) + "}");
+}
+
+void Level::status() {
+  static const char* const outputs[] = {"unknown", "silent", "sounding", "stale", "stopped", "faulted"};
+  static const char* const states[] = {"stopped", "connecting", "connected", "refused"};
+  TArray<FVector> places;
+  TArray<float> pressures;
+  array->View->GetSamples(places, pressures);
+  std::ostringstream made;
+  made << R"({"status": ")" << states[int(server->GetStatus())] << R"(", "output": ")" << outputs[int(server->GetOutput())]
+       << R"(", "armed": )" << (server->IsArmed() ? "true" : "false") << R"(, "lease": )" << server->GetLease()
+       << R"(, "latency": )" << server->GetLatency() << R"(, "solvers": )" << server->GetSolvers().Num()
+       << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")
+       << R"(, "samples": )" << numbers(places) << R"(, "problem": )" << quoted(server->GetProblem()) << "}";
+  tell(made.str());
+}

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <istream>
+#include <memory>
+#include <string>
+
+#include "Components/PrimitiveComponent.h"
+#include "EmissionViewComponent.h"
+#include "HapticArray.h"
+#include "HapticHandComponent.h"
+#include "HapticPointComponent.h"
+#include "HapticServerComponent.h"
+#include "HapticSurfaceComponent.h"
+#include "HapticVolumeComponent.h"
+#include "QuietZoneComponent.h"
+
+/// A level with an array, a ball, a point and a hand, that does what it is told to.
+class Level {
+ public:
+  /// more: `unarmed`, `again`: settings of the server component; `handless`: nobody is there to feel it.
+  Level(const std::string& connection, const std::string& more);
+  ~Level() { world->end(EEndPlayReason::LevelTransition); }
+
+  void tick(float seconds);
+  /// A word, and what follows it.
+  void act(const std::string& word, std::istream& rest);
+  void end(EEndPlayReason::Type reason) { world->end(reason); }
+
+ private:
+  void place(std::istream& rest);
+  void joints(std::istream& rest);
+  void zone(std::istream& rest);
+  void effect(const std::string& word, std::istream& rest);
+  void surface(std::istream& rest);
+  void align(std::istream& rest);
+  void status();
+
+  UHapticEffectComponent* named(const std::string& name);
+
+  std::unique_ptr<UWorld> world = std::make_unique<UWorld>();
+  AHapticArray* array = nullptr;
+  AActor* things = nullptr;
+  AActor* player = nullptr;
+  UHapticServerComponent* server = nullptr;
+  UPrimitiveComponent* ball = nullptr;
+  UHapticVolumeComponent* volume = nullptr;
+  UHapticPointComponent* point = nullptr;
+  UHapticSurfaceComponent* plate = nullptr;
+  UHapticHandComponent* hand = nullptr;
+  UQuietZoneComponent* quiet = nullptr;
+  TArray<FVector> rest;  ///< the hand's joints [cm]
+  double sway = 0.0;     ///< of the hand, along x [cm]
+  double time = 0.0;     ///< [s]
+};

@@ -1,0 +1,94 @@
+// A game that plays without the engine: 90 frames a second, and does what its standard input says.
+//   play <connection file> [unarmed] [again] [handless]
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <sstream>
+#include <thread>
+
+#include "level.h"
+
+IModuleInterface* StubModulePacinian();
+IModuleInterface* StubModulePacinianCore();
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double frame = 1.0 / 90.0;  // [s]
+
+double seconds(Clock::duration given) { return std::chrono::duration<double>(given).count(); }
+
+/// A line that is there; false if none is. `ended`: there will be none any more.
+bool line(std::string& found, bool& ended) {
+  static std::string buffer;
+  pollfd input{0, POLLIN, 0};
+  while (poll(&input, 1, 0) > 0 && !ended) {
+    char bytes[4096];
+    const ssize_t count = read(0, bytes, sizeof bytes);
+    if (count <= 0) ended = true;
+    if (count > 0) buffer.append(bytes, static_cast<std::size_t>(count));
+  }
+  const std::size_t end = buffer.find('\n');
+  if (end == std::string::npos) return false;
+  found = buffer.substr(0, end);
+  buffer.erase(0, end + 1);
+  return true;
+}
+
+void report(const char* what, Clock::time_point since) {
+  std::printf("{\"did\": \"%s\", \"took\": %.4f}\n", what, seconds(Clock::now() - since));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count < 2) return 2;
+  std::string more;
+  for (int i = 2; i < count; ++i) more += words[i];
+  const std::unique_ptr<IModuleInterface> core(StubModulePacinianCore()), module(StubModulePacinian());
+  core->StartupModule();
+  module->StartupModule();
+  auto level = std::make_unique<Level>(words[1], more);
+  Clock::time_point due = Clock::now(), before = due;
+  double longest = 0.0;  // [s] that a frame took
+  for (bool ended = false; !ended;) {
+    std::string text;
+    while (line(text, ended)) {
+      std::istringstream rest(text);
+      std::string word;
+      rest >> word;
+      const auto began = Clock::now();
+      if (word == "end" || word == "exit" || word == "unload") {
+        if (word == "exit") FCoreDelegates::OnEnginePreExit.Broadcast();
+        if (word == "unload") module->ShutdownModule();
+        level->end(EEndPlayReason::EndPlayInEditor);
+        report(word.c_str(), began);
+        return 0;
+      }
+      if (word == "level") {
+        level = std::make_unique<Level>(words[1], more);
+        report("level", began);
+      } else if (word == "freeze") {
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+        report("freeze", began);
+      } else if (word == "longest") {
+        std::printf("{\"longest\": %.5f}\n", longest);
+        std::fflush(stdout);
+      } else {
+        level->act(word, rest);
+      }
+    }
+    const auto began = Clock::now();
+    level->tick(static_cast<float>(seconds(began - before)));
+    before = began;
+    longest = std::max(longest, seconds(Clock::now() - began));
+    due = std::max(due + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(frame)), Clock::now());
+    std::this_thread::sleep_until(due);
+  }
+  return 0;
+}

@@ -1,0 +1,176 @@
+// A game that does what its standard input says, a command a line, and tells what happens in lines of JSON.
+// Arguments: connection file (-: the default), lease [s] (0: the server's), scene.
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <thread>
+
+#include "client_driver.h"
+#include "client_scene.h"
+
+namespace {
+
+using driver::say;
+using pacinian::Client;
+using pacinian::Refusal;
+namespace wire = pacinian::wire;
+
+constexpr double frame = 1.0 / 90.0;  // [s]
+constexpr const char* statuses[] = {"Stopped", "Connecting", "Connected", "Refused"};
+
+void event(const char* what, const Refusal& why) {
+  say({{"event", what}, {"code", why.code}, {"message", why.message}, {"advice", why.advice},
+       {"path", why.path}});
+}
+
+class Game {
+ public:
+  explicit Game(pacinian::Options options) : client_(std::move(options)) {
+    client_.on.connected = [] { event("connected", {}); };
+    client_.on.lost = [](const std::string& why) { event("lost", {"", why, "", ""}); };
+    client_.on.ended = [](const Refusal& why) { event("ended", why); };
+    client_.on.refused = [](const Refusal& why) { event("refused", why); };
+  }
+
+  /// One frame.
+  void step() {
+    if (!ticks_) return;
+    timed([this] { client_.tick(); });
+    if (!waves_) return;
+    hands_.resize(1);
+    const double phase = 3.14159265358979 * client_.now();
+    scene::place_hand(hands_[0], static_cast<float>(0.02 * std::sin(phase)), 0.0F, 0.2F);
+    timed([this] { client_.hands(hands_); });
+  }
+
+  /// Does what a line says. False at the end.
+  bool obey(const std::string& line) {
+    std::istringstream words(line);
+    std::string what, name;
+    words >> what >> name;
+    double n[4] = {};
+    for (double& number : n) words >> number;
+    const double number = std::atof(name.c_str());
+    if (what == "status") return tell(), true;
+    if (what == "end") return false;
+    bool done = true;
+    if (what == "put") {
+      timed([&] { done = client_.put(name, scene::point(n[0], n[1], n[2], n[3])); });
+    } else if (what == "heavy") {
+      wire::Object object = scene::rain(static_cast<int>(n[0]));
+      timed([&] { done = client_.put(name, std::move(object), n[1] > 0.0 ? n[1] : 1.0); });
+    } else if (what == "move") {
+      timed([&] { done = client_.move(name, scene::pose(n[0], n[1], n[2])); });
+    } else if (what == "envelope") {
+      wire::Sine sine;
+      sine.frequency = n[0];
+      timed([&] { done = client_.envelope(name, sine); });
+    } else if (what == "quiet") {
+      wire::Zone zone;
+      zone.position = {n[0], n[1], n[2]};
+      zone.pressure = n[3];
+      timed([&] { done = client_.quiet({zone}); });
+    } else if (what == "field") {
+      const auto point = scene::floats(n);
+      timed([&] { done = client_.field({point}, felt); });
+    } else if (what == "solver" || what == "backend" || what == "intensity") {
+      wire::Select choice;
+      if (what == "solver") choice.solver.emplace().name = name;
+      if (what == "backend") choice.backend.emplace().name = name;
+      if (what == "intensity") choice.intensity = number;
+      timed([&] { done = client_.select(std::move(choice)); });
+    } else if (what == "freeze") {
+      std::this_thread::sleep_for(std::chrono::duration<double>(number));
+    } else {
+      timed([&] { done = simple(what, name); });
+    }
+    if (what == "warm") longest_ = 0.0;
+    say({{"did", what}, {"done", done}, {"time", client_.now()}});
+    return true;
+  }
+
+ private:
+  bool simple(const std::string& what, const std::string& name) {
+    if (what == "start") client_.start();
+    if (what == "stop") client_.stop();
+    if (what == "dispose") client_.close();
+    if (what == "wave") waves_ = name == "on";
+    if (what == "tick") ticks_ = name == "on";
+    if (what == "remove") return client_.remove(name);
+    if (what == "clear") return client_.clear();
+    if (what == "arm") return client_.arm(name == "take");
+    if (what == "disarm") return client_.disarm();
+    return what != "reset" || client_.reset();
+  }
+
+  static void felt(const std::vector<std::complex<float>>& pressures) {
+    say({{"field", pressures.empty() ? std::int64_t{-1} : static_cast<std::int64_t>(pressures.size())}});
+  }
+
+  template <class Act>
+  void timed(Act act) {
+    const double begin = client_.now();
+    act();
+    longest_ = std::max(longest_, client_.now() - begin);
+  }
+
+  void tell() {
+    static const wire::State none;
+    const bool some = client_.state() != nullptr;
+    const wire::State& state = some ? *client_.state() : none;
+    const auto count = [](bool there, std::size_t n) { return there ? static_cast<std::int64_t>(n) : -1; };
+    const wire::Abilities* abilities = client_.capabilities();
+    const auto output = words(state.output)[static_cast<std::size_t>(state.output)];
+    say({{"status", statuses[static_cast<int>(client_.status())]},
+         {"problem", client_.problem()}, {"armed", client_.armed()}, {"owner", client_.owner()},
+         {"lease", client_.lease()}, {"latency", client_.latency()}, {"scene", client_.scene()},
+         {"server", client_.server()}, {"offset", client_.offset()}, {"longest", longest_},
+         {"time", client_.now()}, {"solvers", count(abilities, abilities ? abilities->solvers.size() : 0)},
+         {"output", some ? std::string(output) : ""}, {"objects", count(some, state.objects.size())},
+         {"solver", state.solver}, {"backend", state.backend}, {"intensity", some ? state.intensity : -1.0},
+         {"points", count(some, state.points.size() / 12)}, {"sequence", some ? state.sequence : -1},
+         {"age", some ? client_.age(state) : -1.0}});
+  }
+
+  Client client_;
+  std::vector<wire::HandFrame> hands_;
+  bool ticks_ = true, waves_ = false;
+  double longest_ = 0.0;
+};
+
+/// Adds what has come on standard input within a time [s]; false at its end.
+bool read(std::string& waiting, double seconds) {
+  pollfd input = {STDIN_FILENO, POLLIN, 0};
+  if (::poll(&input, 1, static_cast<int>(1e3 * seconds)) <= 0) return true;
+  char buffer[4096];
+  const ssize_t got = ::read(STDIN_FILENO, buffer, sizeof buffer);
+  if (got > 0) waiting.append(buffer, static_cast<std::size_t>(got));
+  return got > 0;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  pacinian::Options options;
+  options.name = "driver";
+  if (count > 1 && std::string(arguments[1]) != "-") options.connection = arguments[1];
+  if (count > 2 && std::atof(arguments[2]) > 0.0) options.lease = std::atof(arguments[2]);
+  if (count > 3) options.scene = arguments[3];
+  Game game(std::move(options));
+  std::string waiting;
+  for (double due = pacinian::steady_clock();;) {
+    const double now = pacinian::steady_clock();
+    if (now >= due) game.step();
+    if (now >= due) due = std::max(due + frame, now);
+    if (!read(waiting, std::max(0.0, due - pacinian::steady_clock()))) return 0;
+    for (auto end = waiting.find('\n'); end != std::string::npos; end = waiting.find('\n')) {
+      if (!game.obey(waiting.substr(0, end))) return 0;
+      waiting.erase(0, end + 1);
+    }
+  }
+}

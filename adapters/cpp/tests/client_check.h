@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdio>
+#include <vector>
+
+#include "client/outlet.h"
+#include "pacinian/wire/codec.h"
+
+namespace check {
+
+inline int passed = 0, failed = 0;
+
+inline void expect(bool good, const char* what, int line) {
+  ++(good ? passed : failed);
+  if (!good) std::printf("line %d: not so: %s\n", line, what);
+}
+
+inline int result() {
+  std::printf("%d passed, %d failed\n", passed, failed);
+  return failed == 0 && passed > 0 ? 0 : 1;
+}
+
+/// Keeps what is sent, as long as there is room.
+class Sink : public pacinian::client::Outlet {
+ public:
+  bool control(const pacinian::wire::Writer& message) override {
+    return keep(message, controls, pacinian::wire::decode_control);
+  }
+  bool command(const pacinian::wire::Writer& message) override {
+    return keep(message, commands, pacinian::wire::decode_command);
+  }
+
+  /// Those of one kind.
+  template <class T, class Any>
+  static std::vector<T> of(const std::vector<Any>& all) {
+    std::vector<T> found;
+    for (const Any& any : all)
+      if (const T* message = std::get_if<T>(&any)) found.push_back(*message);
+    return found;
+  }
+
+  std::vector<pacinian::wire::AnyControl> controls;
+  std::vector<pacinian::wire::AnyCommand> commands;
+  bool full = false;
+
+ private:
+  template <class Any, class Decode>
+  bool keep(const pacinian::wire::Writer& message, std::vector<Any>& to, Decode decode) {
+    if (full) return false;
+    pacinian::wire::WireError wrong;
+    to.emplace_back();
+    expect(decode(message.data(), message.size(), to.back(), wrong), wrong.problem.c_str(), __LINE__);
+    return true;
+  }
+};
+
+}  // namespace check
+
+#define EXPECT(what) check::expect((what), #what, __LINE__)

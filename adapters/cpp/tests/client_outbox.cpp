@@ -1,0 +1,192 @@
+// What waits to be sent: of each object only the newest; how often it is tried to connect; round trips.
+
+#include <cmath>
+
+#include "client/attempts.h"
+#include "client/outbox.h"
+#include "client/timing.h"
+#include "client_check.h"
+#include "client_scene.h"
+
+namespace {
+
+using check::Sink;
+using pacinian::Status;
+using pacinian::client::Attempts;
+using pacinian::client::Courier;
+using pacinian::client::Outbox;
+using pacinian::client::Place;
+using pacinian::client::Speed;
+using pacinian::client::Stamp;
+using pacinian::client::Timing;
+namespace wire = pacinian::wire;
+
+struct Box : Outbox {
+  bool flush(double now) {
+    Courier courier{sink, session, sequence, writer};
+    const bool all = Outbox::flush(now, courier);
+    refused = courier.refused;
+    return all;
+  }
+  template <class T>
+  std::vector<T> sent() const {
+    return Sink::of<T>(sink.commands);
+  }
+
+  Sink sink;
+  wire::Bytes session = wire::Bytes(16, 1);
+  std::int64_t sequence = 0;
+  wire::Writer writer;
+  std::vector<pacinian::Refusal> refused;
+};
+
+Stamp at(double time, double ttl = 1.0) { return {time, ttl, true}; }
+
+Place place(float x) { return {x, 0.0F, 0.2F, 0.0F, 0.0F, 0.0F, 1.0F}; }
+
+void newest_wins() {
+  Box box;
+  box.sink.full = true;
+  box.put("a", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  for (int i = 0; i < 200; ++i) {
+    box.move("a", place(0.001F * static_cast<float>(i)), nullptr, at(0.001 * i));
+    box.hands({}, at(0.001 * i));
+    EXPECT(!box.flush(0.001 * i));
+  }
+  EXPECT(box.sink.commands.empty());
+  box.sink.full = false;
+  EXPECT(box.flush(0.2));
+  EXPECT(box.empty());
+  EXPECT(box.sink.commands.size() == 3);  // put, move, hands
+  EXPECT(std::holds_alternative<wire::Put>(box.sink.commands[0]));
+  const auto moves = box.sent<wire::Move>();
+  EXPECT(moves.size() == 1 && moves[0].names == std::vector<std::string>{"a"});
+  EXPECT(std::fabs(wire::float_at(moves[0].poses, 0) - 0.199F) < 1e-6F);
+  EXPECT(moves[0].time == 0.199 && moves[0].velocities.empty());
+  EXPECT(box.sent<wire::Hands>()[0].sequence > moves[0].sequence);
+}
+
+void later_ones_undo_earlier_ones() {
+  Box box;
+  box.put("a", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  box.move("a", place(0.1F), nullptr, at(0.0));
+  box.remove("a", at(0.0));
+  box.put("b", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  box.remove("c", at(0.0));
+  box.put("c", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  EXPECT(box.flush(0.0));
+  EXPECT(box.sent<wire::Move>().empty());
+  EXPECT(box.sent<wire::Remove>()[0].names == std::vector<std::string>{"a"});
+  EXPECT(box.sent<wire::Put>()[0].objects.size() == 2);
+  box.put("a", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  box.quiet({}, at(0.0));
+  box.clear(at(0.0));
+  box.hands({}, at(0.0));
+  box.sink.commands.clear();
+  EXPECT(box.flush(0.0));
+  EXPECT(box.sink.commands.size() == 2);
+  EXPECT(box.sent<wire::Clear>().size() == 1 && box.sent<wire::Hands>().size() == 1);
+}
+
+void too_old_is_dropped() {
+  Box box;
+  box.move("a", place(0.0F), nullptr, at(0.0, 0.1));
+  box.move("b", place(0.0F), nullptr, at(0.0, 0.3));
+  EXPECT(box.flush(0.2));
+  EXPECT(box.sent<wire::Move>().size() == 1);
+  EXPECT(box.sent<wire::Move>()[0].names == std::vector<std::string>{"b"});
+}
+
+void what_is_newer_goes_over() {
+  Box box, newer;
+  const Speed speed = {1.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F};
+  box.put("a", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  box.move("b", place(0.1F), nullptr, at(0.0));
+  newer.move("b", place(0.2F), &speed, at(0.001));
+  newer.move("c", place(0.3F), nullptr, at(0.001));
+  newer.envelope("a", wire::Constant{}, at(0.001));
+  box.take(newer);
+  EXPECT(newer.empty());
+  EXPECT(box.flush(0.002));
+  const auto moves = box.sent<wire::Move>();
+  EXPECT(moves.size() == 1 && moves[0].names.size() == 2);
+  EXPECT(moves[0].velocities.size() == 48 && wire::float_at(moves[0].velocities, 0) == 1.0F);
+  EXPECT(box.sent<wire::Put>().size() == 1 && box.sent<wire::Envelopes>().size() == 1);
+}
+
+void messages_are_small_enough() {
+  Box box;
+  for (int i = 0; i < 600; ++i) box.move(std::to_string(i), place(0.0F), nullptr, at(0.0));
+  EXPECT(box.flush(0.0));
+  EXPECT(box.sent<wire::Move>().size() == 3);
+  wire::Particles large;
+  large.radiation_pressure = 5.0;
+  large.positions.assign(120'000, 0);
+  for (int i = 0; i < 20; ++i) box.put(std::to_string(i), large, at(0.0));
+  EXPECT(box.flush(0.0));
+  EXPECT(box.sent<wire::Put>().size() == 3);  // 2.4 MB
+  wire::Surface huge;
+  wire::HeightMap map;
+  map.heights.assign(4 * 200'000, 0);
+  map.grid = {400, 500};
+  map.width = map.height = 0.1;
+  huge.radiation_pressure = 5.0;
+  huge.shape = map;
+  box.put("huge", huge, at(0.0));
+  EXPECT(box.flush(0.0) && box.refused.empty());
+}
+
+void one_wrong_object_does_not_take_others_with_it() {
+  Box box;
+  box.put("good", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
+  box.put("far", scene::point(0.0, 0.0, 20.0, 5.0), at(0.0));
+  box.put("nan", scene::point(0.0, NAN, 0.2, 5.0), at(0.0));
+  EXPECT(box.flush(0.0));
+  EXPECT(box.sent<wire::Put>()[0].objects.size() == 1);
+  EXPECT(box.refused.size() == 2 && box.refused[0].path == "$.objects[far].position[2]");
+}
+
+void pauses_grow_and_shrink() {
+  Attempts attempts;
+  EXPECT(attempts.status() == Status::connecting && attempts.due() <= 0.0);
+  double now = 5.0, expected = 0.1;
+  for (int i = 0; i < 8; ++i, expected = std::fmin(2.0, 2.0 * expected)) {
+    attempts.failed({"nobody", false}, now);
+    EXPECT(std::fabs(attempts.due() - now - expected) < 1e-9);
+    now = attempts.due();
+  }
+  EXPECT(attempts.status() == Status::connecting && attempts.problem() == "nobody");
+  attempts.succeeded();
+  EXPECT(attempts.status() == Status::connected && attempts.problem().empty());
+  attempts.failed({"has gone", false}, now);
+  EXPECT(std::fabs(attempts.due() - now - 0.1) < 1e-9);
+  attempts.failed({"update the server", true}, now);
+  EXPECT(attempts.status() == Status::refused && attempts.due() > now);
+}
+
+void round_trips() {
+  Timing timing;
+  EXPECT(timing.trips().median == 0.0 && timing.offset() == 0.0);
+  for (int i = 1; i <= 300; ++i) {
+    timing.answered(0.0, i);
+    timing.clocked(i, i + (i % 7 ? 0.01 : 0.001), i + 100.0 + (i % 7 ? 0.009 : 0.0005));
+  }
+  EXPECT(timing.trips().median == 150.0 && timing.trips().longest == 300.0);
+  EXPECT(timing.trips().p99 == 297.0);
+  EXPECT(std::fabs(timing.offset() - 100.0) < 1e-9);
+  EXPECT(std::fabs(timing.age(400.0, 301.0) - 1.0) < 1e-9);
+}
+
+}  // namespace
+
+int main() {
+  newest_wins();
+  later_ones_undo_earlier_ones();
+  too_old_is_dropped();
+  what_is_newer_goes_over();
+  messages_are_small_enough();
+  one_wrong_object_does_not_take_others_with_it();
+  pauses_grow_and_shrink();
+  round_trips();
+  return check::result();
+}

@@ -1,0 +1,73 @@
+using System;
+using System.Threading;
+
+namespace Pacinian.Example
+{
+    /// <summary>A transport that tells how much memory its thread takes.</summary>
+    public sealed class MeteredTransport : ITransport
+    {
+        private readonly ITransport _inner = new ZmqTransport();
+        private long _bytes;
+
+        /// <summary>What its thread has allocated until it waited last [bytes].</summary>
+        public long Bytes
+        {
+            get { return Interlocked.Read(ref _bytes); }
+        }
+
+        /// <inheritdoc/>
+        public string Open(Connection connection, bool all)
+        {
+            return _inner.Open(connection, all);
+        }
+
+        /// <inheritdoc/>
+        public Ending Ended()
+        {
+            return _inner.Ended();
+        }
+
+        /// <inheritdoc/>
+        public bool Room(Channel channel)
+        {
+            return _inner.Room(channel);
+        }
+
+        /// <inheritdoc/>
+        public bool Send(Channel channel, byte[] data, int count)
+        {
+            return _inner.Send(channel, data, count);
+        }
+
+        /// <inheritdoc/>
+        public int Receive(Channel channel, byte[] into)
+        {
+            return _inner.Receive(channel, into);
+        }
+
+        /// <inheritdoc/>
+        public void Wait(double seconds)
+        {
+            Interlocked.Exchange(ref _bytes, GC.GetAllocatedBytesForCurrentThread());
+            _inner.Wait(seconds);
+        }
+
+        /// <inheritdoc/>
+        public void Wake()
+        {
+            _inner.Wake();
+        }
+
+        /// <inheritdoc/>
+        public void Close()
+        {
+            _inner.Close();
+        }
+
+        /// <inheritdoc/>
+        public void Dispose()
+        {
+            _inner.Dispose();
+        }
+    }
+}

@@ -1,0 +1,177 @@
+using System;
+using System.Collections.Concurrent;
+using System.Globalization;
+using System.Reflection;
+using System.Threading;
+using Pacinian.Haptics;
+using UnityEditor;
+using UnityEngine;
+
+namespace Pacinian.Tests
+{
+    /// <summary>
+    /// Plays a level at 90 Hz as its standard input says, a command a line, and tells what happens, a JSON object a line.
+    /// Argument: the connection file.
+    /// </summary>
+    internal sealed class Player
+    {
+        private const double Frame = 1.0 / 90.0; // [s]
+
+        private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
+        private readonly string _file;
+        private Level _level;
+        private double _longest;
+        private long _bytes, _frames, _worst;
+        private bool _ends, _still, _waves = true;
+
+        private Player(string file)
+        {
+            _file = file;
+        }
+
+        private static void Main(string[] arguments)
+        {
+            EditorApplication.Load(Assembly.Load("Pacinian.Haptics.Editor"));
+            new Player(arguments[0]).Run();
+        }
+
+        private static double Now
+        {
+            get { return Time.realtimeSinceStartupAsDouble; }
+        }
+
+        private void Run()
+        {
+            new Thread(Read) { IsBackground = true }.Start();
+            double due = Now;
+            while (!_ends)
+            {
+                string line;
+                while (!_ends && _lines.TryDequeue(out line))
+                {
+                    Do(line.Split(' '));
+                }
+                if (_level != null && !_still && !_ends)
+                {
+                    Step();
+                }
+                due = Math.Max(due + Frame, Now);
+                Thread.Sleep((int)Math.Max(0.0, 1e3 * (due - Now)));
+            }
+        }
+
+        private void Step()
+        {
+            if (_waves)
+            {
+                _level.Wave(Now);
+            }
+            long bytes = GC.GetAllocatedBytesForCurrentThread();
+            double begin = Now;
+            Engine.Frame();
+            _longest = Math.Max(_longest, Now - begin);
+            long made = GC.GetAllocatedBytesForCurrentThread() - bytes;
+            _bytes += made;
+            _worst = Math.Max(_worst, made);
+            _frames++;
+        }
+
+        private void Do(string[] words)
+        {
+            string name = words.Length > 1 ? words[1] : "";
+            double begin = Now;
+            bool done = true;
+            switch (words[0])
+            {
+                case "play": Play(); break;
+                case "again": _level.Server.ArmAgainAfterLoss = true; break;
+                case "quit": Engine.Quit(); _level = null; break;
+                case "exit": EditorApplication.Raise(PlayModeStateChange.ExitingPlayMode); break;
+                case "reload": AssemblyReloadEvents.Raise(); break;
+                case "disable": _level.Server.enabled = false; break;
+                case "enable": _level.Server.enabled = true; break;
+                case "arm": done = _level.Server.Arm(); break;
+                case "disarm": done = _level.Server.Disarm(); break;
+                case "stop": _level.Server.EmergencyStop(); break;
+                case "reset": done = _level.Server.ResetOutput(); break;
+                case "solver": _level.Server.Solver = name; break;
+                case "intensity": _level.Server.Intensity = Number(name); break;
+                case "wave": _waves = name == "on"; break;
+                case "ball": _level.Ball.enabled = name == "on"; break;
+                case "point": _level.Point.Play(); break;
+                case "both": _level.Point.Play(); _level.Ball.Strength = Number(name); break;
+                case "strength": _level.Ball.Strength = Number(name); break;
+                case "hum": _level.Hum.Frequency = Number(name); break;
+                case "hand": _level.Hand.GetComponent<OpenHand>().enabled = name == "on"; break;
+                case "hands": _level.Hand.GetComponent<HapticHand>().enabled = name == "on"; break;
+                case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
+                case "still": _still = true; break;
+                case "gizmos": Gizmos.Spheres.Clear(); _level.Server.SendMessage("OnDrawGizmos"); break;
+                case "warm": _longest = 0.0; _bytes = _frames = _worst = 0; break;
+                case "status": Tell(); return;
+                case "end": _ends = true; break;
+                default: throw new ArgumentException(words[0]);
+            }
+            ClientJson.Say("did", words[0], "done", done, "took", Now - begin);
+        }
+
+        private void Play()
+        {
+            Engine.Play(typeof(HapticServer).Assembly);
+            _level = new Level(_file);
+            _level.Server.Connected += () => Event("connected", "");
+            _level.Server.Lost += why => Event("lost", why);
+            _level.Server.Ended += why => Event("ended", why.Code);
+            _level.Server.Refused += why => Event("refused", why.ToString());
+        }
+
+        private void Tell()
+        {
+            HapticServer server = _level == null ? null : _level.Server;
+            Wire.State state = server == null ? null : server.State;
+            ClientJson.Say(
+                "status", server == null ? "" : server.Status.ToString(), "problem", server == null ? "" : server.Problem,
+                "armed", server != null && server.Armed, "longest", _longest,
+                "bytes", _frames == 0 ? 0.0 : (double)_bytes / _frames, "worst", _worst, "frames", _frames,
+                "output", state == null ? "" : state.Output.ToString().ToLowerInvariant(),
+                "solver", state == null ? "" : state.Solver, "intensity", state == null ? -1.0 : state.Intensity,
+                "objects", state == null ? -1 : state.Objects.Count, "hands", state == null ? -1 : state.Hands.Numbers / 78,
+                "emitted", _level == null ? 0.0 : _level.Ball.Emitted, "playing", _level != null && _level.Point.Playing,
+                "wrong", _level == null ? "" : _level.Ball.Problem, "flash", _level == null ? 0.0 : _level.Point.Emitted, "drawn", Gizmos.Spheres.Count,
+                "apart", _level == null ? 0.0 : Apart(), "said", string.Join("|", Debug.Said.ToArray()),
+                "behaviours", Engine.Count, "current", HapticServer.Current != null);
+        }
+
+        /// <summary>Of what was drawn, the farthest from the ball's skin [m].</summary>
+        private double Apart()
+        {
+            double farthest = 0.0;
+            foreach (Vector3 place in Gizmos.Spheres)
+            {
+                double far = (place - _level.Ball.transform.position).magnitude - 0.03;
+                farthest = Math.Max(farthest, Math.Abs(far));
+            }
+            return farthest;
+        }
+
+        private void Read()
+        {
+            string line;
+            while ((line = Console.In.ReadLine()) != null)
+            {
+                _lines.Enqueue(line);
+            }
+            _lines.Enqueue("end");
+        }
+
+        private static void Event(string what, string why)
+        {
+            ClientJson.Say("event", what, "code", why);
+        }
+
+        private static float Number(string word)
+        {
+            return float.Parse(word, CultureInfo.InvariantCulture);
+        }
+    }
+}

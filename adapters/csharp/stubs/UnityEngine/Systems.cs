@@ -1,0 +1,98 @@
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+
+namespace UnityEngine
+{
+    public static class Time
+    {
+        public static double realtimeSinceStartupAsDouble
+        {
+            get { return Stopwatch.GetTimestamp() / (double)Stopwatch.Frequency; }
+        }
+
+        public static float time
+        {
+            get { return (float)realtimeSinceStartupAsDouble; }
+        }
+    }
+
+    public static class Application
+    {
+        public static string productName { get; set; } = "game";
+
+        public static string version { get; set; } = "1.0";
+
+        public static string persistentDataPath { get; set; } = ".";
+
+        public static string dataPath { get; set; } = ".";
+    }
+
+    public static class Debug
+    {
+        /// <summary>What has been logged. Not in Unity.</summary>
+        public static readonly List<string> Said = new List<string>();
+
+        public static void Log(object message)
+        {
+            Said.Add(message.ToString());
+        }
+
+        public static void LogWarning(object message, Object context = null)
+        {
+            Said.Add(message.ToString());
+        }
+    }
+
+    public static class Gizmos
+    {
+        /// <summary>Where spheres were drawn. Not in Unity.</summary>
+        public static readonly List<Vector3> Spheres = new List<Vector3>();
+
+        public static Color color { get; set; }
+
+        public static Matrix4x4 matrix { get; set; }
+
+        public static void DrawSphere(Vector3 centre, float radius)
+        {
+            Spheres.Add(centre);
+        }
+
+        public static void DrawWireSphere(Vector3 centre, float radius)
+        {
+        }
+
+        public static void DrawWireCube(Vector3 centre, Vector3 size)
+        {
+        }
+
+        public static void DrawLine(Vector3 from, Vector3 to)
+        {
+        }
+    }
+
+    public static class SubsystemManager
+    {
+        public static void GetSubsystems<T>(List<T> found)
+        {
+            found.Clear();
+        }
+    }
+
+    public static class Input
+    {
+        public static Vector3 mousePosition { get; set; }
+
+        public static bool GetMouseButton(int button)
+        {
+            return false;
+        }
+    }
+
+    public static class Screen
+    {
+        public static int width { get; set; } = 1920;
+
+        public static int height { get; set; } = 1080;
+    }
+}

@@ -1,0 +1,209 @@
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Threading;
+using Pacinian.Example;
+using Pacinian.Wire;
+
+namespace Pacinian.Tests
+{
+    /// <summary>
+    /// A game that does what its standard input says, a command a line, and tells what happens on its standard output,
+    /// a JSON object a line. Arguments: connection file (-: the default), lease [s] (0: the server's), scene.
+    /// </summary>
+    internal sealed class ClientDriver
+    {
+        private const double Frame = 1.0 / 90.0; // [s]
+
+        private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
+        private HapticClient _client;
+        private readonly List<HandFrame> _hands = new List<HandFrame>();
+        private readonly OpenHand _hand = new OpenHand();
+        private double _longest;
+        private bool _ends, _still, _waves;
+
+        private ClientDriver(Options options)
+        {
+            _client = new HapticClient(options);
+            _client.Connected += () => Event("connected", "", "", "");
+            _client.Lost += why => Event("lost", "", why, "");
+            _client.Ended += why => Event("ended", why.Code, why.Message, why.Advice);
+            _client.Refused += why => Event("refused", why.Code, why.Message, why.Advice, why.Path);
+        }
+
+        private static int Main(string[] arguments)
+        {
+            new ClientDriver(new Options
+            {
+                ConnectionPath = arguments[0] == "-" ? "" : arguments[0],
+                Lease = Number(arguments[1]),
+                Scene = arguments.Length > 2 ? arguments[2] : "",
+                Name = "driver",
+            }).Run();
+            return 0;
+        }
+
+        private void Run()
+        {
+            new Thread(Read) { IsBackground = true }.Start();
+            double due = _client.Now;
+            while (!_ends)
+            {
+                string line;
+                while (!_ends && _lines.TryDequeue(out line))
+                {
+                    Do(line.Split(' '));
+                }
+                if (!_still && !_ends)
+                {
+                    Step();
+                }
+                due = Math.Max(due + Frame, _client.Now);
+                Thread.Sleep((int)Math.Max(0.0, 1e3 * (due - _client.Now)));
+            }
+        }
+
+        private void Step()
+        {
+            Timed(_client.Tick);
+            if (_waves)
+            {
+                double now = _client.Now;
+                _hands.Clear();
+                _hands.Add(_hand.At(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * now), 0.0, 0.2));
+                Timed(() => _client.Hands(_hands));
+            }
+        }
+
+        private void Do(string[] words)
+        {
+            string name = words.Length > 1 ? words[1] : "";
+            bool done = true;
+            switch (words[0])
+            {
+                case "start": Timed(_client.Start); break;
+                case "put": Timed(() => done = _client.Put(name, Point(words))); break;
+                case "heavy": Timed(() => done = _client.Put(name, Rain((int)Number(words[2])))); break;
+                case "move": Timed(() => done = _client.Move(name, To(words))); break;
+                case "remove": Timed(() => done = _client.Remove(name)); break;
+                case "clear": Timed(() => done = _client.Clear()); break;
+                case "envelope": Timed(() => done = _client.Envelope(name, new Sine { Frequency = Number(words[2]) })); break;
+                case "quiet": Timed(() => done = _client.Quiet(Zones(words))); break;
+                case "wave": _waves = name == "on"; break;
+                case "lose": _waves = false; _hands.Clear(); Timed(() => done = _client.Hands(_hands)); break;
+                case "arm": Timed(() => done = _client.Arm(name == "take")); break;
+                case "disarm": Timed(() => done = _client.Disarm()); break;
+                case "stop": Timed(_client.Stop); break;
+                case "reset": Timed(() => done = _client.Reset()); break;
+                case "solver": Timed(() => done = _client.Select(new Choice { Name = name })); break;
+                case "backend": Timed(() => done = _client.Select(backend: new Choice { Name = name })); break;
+                case "intensity": Timed(() => done = _client.Select(intensity: Number(name))); break;
+                case "field": Timed(() => done = _client.Field(Points(words), Felt)); break;
+                case "tick": _still = name == "off"; break;
+                case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
+                case "dispose": Timed(_client.Dispose); break;
+                case "status": Tell(); return;
+                case "warm": _longest = 0.0; break;
+                case "forget": Forget(); break;
+                case "end": _ends = true; break;
+                default: throw new ArgumentException(words[0]);
+            }
+            ClientJson.Say("did", words[0], "done", done, "time", _client.Now);
+        }
+
+        private void Tell()
+        {
+            bool seen = _client.State != null;
+            State state = _client.State ?? new State();
+            Abilities abilities = _client.Capabilities;
+            ClientJson.Say(
+                "status", _client.Status, "problem", _client.Problem, "armed", _client.Armed, "owner", _client.Owner,
+                "lease", _client.Lease, "latency", _client.Latency, "scene", _client.Scene, "server", _client.Server,
+                "offset", _client.Offset, "longest", _longest, "time", _client.Now,
+                "solvers", abilities == null ? -1 : abilities.Solvers.Count, "age", seen ? _client.Age(state) : -1.0,
+                "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
+                "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
+                "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
+        }
+
+        private void Felt(Pressures answer)
+        {
+            ClientJson.Say("field", answer == null ? -1 : answer.Values.Count / 8, "time", _client.Now);
+        }
+
+        private void Forget()
+        {
+            _still = true;
+            _client = new HapticClient(new Options());
+            Thread.Sleep(20);
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+        }
+
+        private void Timed(Action call)
+        {
+            double begin = _client.Now;
+            call();
+            _longest = Math.Max(_longest, _client.Now - begin);
+        }
+
+        private void Read()
+        {
+            string line;
+            while ((line = Console.In.ReadLine()) != null)
+            {
+                _lines.Enqueue(line);
+            }
+            _lines.Enqueue("end");
+        }
+
+        private void Event(string what, string code, string message, string advice, string path = "")
+        {
+            ClientJson.Say(
+                "event", what, "code", code, "message", message, "advice", advice, "path", path, "time", _client.Now);
+        }
+
+        private static double Number(string word)
+        {
+            return double.Parse(word, CultureInfo.InvariantCulture);
+        }
+
+        private static Vec3 At(string[] words)
+        {
+            return new Vec3(Number(words[2]), Number(words[3]), Number(words[4]));
+        }
+
+        private static Point Point(string[] words)
+        {
+            return new Point { Position = At(words), RadiationPressure = Number(words[5]) };
+        }
+
+        private static Movement To(string[] words)
+        {
+            return new Movement(At(words), Quat.Identity);
+        }
+
+        private static Bulk Points(string[] words)
+        {
+            Bulk points = new Bulk();
+            points.Add(At(words));
+            return points;
+        }
+
+        private static List<Zone> Zones(string[] words)
+        {
+            return new List<Zone> { new Zone { Position = At(words), Pressure = Number(words[5]) } };
+        }
+
+        private static Particles Rain(int count)
+        {
+            Particles rain = new Particles { RadiationPressure = 5.0 };
+            for (int i = 0; i < count; i++)
+            {
+                rain.Positions.Add(new Vec3(0.0, 0.0, 1e-5 * i));
+            }
+            return rain;
+        }
+    }
+}

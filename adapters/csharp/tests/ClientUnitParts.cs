@@ -1,0 +1,175 @@
+using System;
+using Pacinian.Wire;
+
+namespace Pacinian.Tests
+{
+    /// <summary>Round trips, clocks, what is asked, and what is told.</summary>
+    internal sealed class ClientUnitParts
+    {
+        public void TripsAndTheServersClock()
+        {
+            Timing timing = new Timing();
+            ClientUnit.Equal(0.0, timing.Offset);
+            ClientUnit.Equal(0.0, timing.Trips.Median);
+            for (int i = 1; i <= 100; i++)
+            {
+                timing.Answered(i, i + 0.001 * i, i + 5.0 + 0.0005 * i);
+            }
+            ClientUnit.Near(0.051, timing.Trips.Median, 1e-9);
+            ClientUnit.Near(0.099, timing.Trips.P99, 1e-9);
+            ClientUnit.Near(0.100, timing.Trips.Longest, 1e-9);
+            ClientUnit.Near(5.0, timing.Offset, 1e-9);
+            timing.Clocked(200.0, 200.0001, 300.0);
+            ClientUnit.Near(99.99995, timing.Offset, 1e-9); // the shortest of late
+            for (int i = 0; i < 2000; i++)
+            {
+                timing.Answered(i, i + 0.5, i);
+            }
+            ClientUnit.Near(0.5, timing.Trips.Median, 1e-9); // older ones are forgotten
+            ClientUnit.Near(-0.25, timing.Offset, 1e-9);
+        }
+
+        public void TheLastNumbersAreSorted()
+        {
+            Sorted sorted = new Sorted(50);
+            double[] last = new double[50];
+            Random random = new Random(1);
+            for (int i = 0; i < 1000; i++)
+            {
+                last[i % 50] = random.Next(20);
+                sorted.Add(last[i % 50]);
+                double[] wanted = new double[Math.Min(i + 1, 50)];
+                Array.Copy(last, wanted, wanted.Length);
+                Array.Sort(wanted);
+                ClientUnit.Equal(wanted.Length, sorted.Count);
+                for (int j = 0; j <= 10; j++)
+                {
+                    ClientUnit.Equal(wanted[(int)Math.Round(0.1 * j * (wanted.Length - 1))], sorted.Quantile(0.1 * j));
+                }
+            }
+        }
+
+        public void WhatIsAskedIsAnsweredInTimeOrLate()
+        {
+            Asking asking = new Asking();
+            Writer writer = new Writer();
+            long sequence = 0;
+            ClientUnit.Equal("", asking.Late(1e9, 2.0));
+            Asked arm = new Asked("arm", new Arm(), 2.0);
+            long id = asking.Number();
+            arm.Write(writer, new Bulk(), id, ref sequence, 10.0);
+            asking.Add(id, arm);
+            ClientUnit.Equal("", asking.Late(12.0, 2.0));
+            ClientUnit.Equal("arm", asking.Late(12.1, 2.0));
+            ClientUnit.Holds(asking.Take(id) == arm);
+            ClientUnit.Holds(asking.Take(id) == null);
+            long first = asking.Number(), second = asking.Number();
+            asking.Renew(first, 20.0);
+            asking.Renew(second, 21.0);
+            ClientUnit.Equal("renew", asking.Late(22.1, 2.0));
+            ClientUnit.Equal(20.0, asking.Renewed(first));
+            ClientUnit.Equal("", asking.Late(1e9, 2.0));
+            ClientUnit.Holds(double.IsNaN(asking.Renewed(12345)));
+        }
+
+        public void NumbersGoRoundWithoutZero()
+        {
+            Asking asking = new Asking();
+            long last = 0;
+            for (int i = 0; i < 1000; i++)
+            {
+                long number = asking.Number();
+                ClientUnit.Holds(number == last + 1);
+                last = number;
+            }
+        }
+
+        public void RequestsWaitForTheirSessionOnly()
+        {
+            News news = new News();
+            Requests requests = new Requests();
+            Asked asked = new Asked("field", new Field(), 2.0, answer => { });
+            ClientUnit.Holds(!requests.Add(0, asked));
+            requests.Open(1, news);
+            ClientUnit.Holds(!requests.Add(2, asked));
+            ClientUnit.Holds(requests.Add(1, asked));
+            ClientUnit.Holds(requests.Next == asked && requests.Next == asked);
+            requests.Open(2, news);
+            ClientUnit.Holds(requests.Next == null);
+            Notice notice;
+            Standing standing = new Standing();
+            ClientUnit.Holds(news.Take(out notice, ref standing)); // who asked is told
+            ClientUnit.Equal(Happening.Answered, notice.What);
+            ClientUnit.Holds(notice.Answer == null);
+        }
+
+        public void TheNewestStateIsReadUntilTheNextLook()
+        {
+            News news = new News();
+            Standing standing;
+            Trips trips;
+            double offset;
+            ClientUnit.Holds(news.Read == null);
+            for (int i = 1; i <= 9; i++)
+            {
+                news.Back.Sequence = i;
+                news.Publish();
+                bool looks = i % 3 == 0;
+                if (looks)
+                {
+                    ClientUnit.Holds(news.Look(out standing, out trips, out offset));
+                    ClientUnit.Holds(!news.Look(out standing, out trips, out offset));
+                }
+                ClientUnit.Equal(i / 3 * 3, news.Read == null ? 0 : (int)news.Read.Sequence);
+                ClientUnit.Holds(news.Read != news.Back);
+            }
+            news.Publish();
+            news.Stand(new Standing { Session = 2 });
+            ClientUnit.Holds(news.Read != null); // until the next look
+            ClientUnit.Holds(!news.Look(out standing, out trips, out offset));
+            ClientUnit.Holds(news.Read == null); // what was published in another session is not read
+        }
+
+        public void OfTooManyNoticesTheNewestStay()
+        {
+            News news = new News();
+            for (int i = 0; i < 3000; i++)
+            {
+                news.Refuse(new Refusal { Message = i.ToString() });
+            }
+            Notice notice;
+            Standing standing = new Standing();
+            int count = 0;
+            string last = "";
+            while (news.Take(out notice, ref standing))
+            {
+                last = notice.Why.Message;
+                count++;
+            }
+            ClientUnit.Equal(1000, count);
+            ClientUnit.Equal("2999", last);
+        }
+
+        public void KeysAreReadAsTheStandardHasThem()
+        {
+            byte[] key;
+            ClientUnit.Holds(Z85.Read("rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7", out key)); // of ZeroMQ's RFC 26
+            ClientUnit.Equal(
+                "54FCBA24E93249969316FB617C872BB0C1D1FF14800427C594CBFACF1BC2D652",
+                BitConverter.ToString(key).Replace("-", ""));
+            foreach (string wrong in new[] { "", "short", new string('~', 40), new string('#', 40) })
+            {
+                ClientUnit.Holds(!Z85.Read(wrong, out key));
+            }
+        }
+
+        public void ProblemsSayWhatToDo()
+        {
+            ClientUnit.Holds(Problems.Version(2).EndsWith("update the client", StringComparison.Ordinal));
+            ClientUnit.Holds(Problems.Version(0).EndsWith("update the server", StringComparison.Ordinal));
+            Refusal why = Problems.Of(new Error { Code = Code.Version, Message = "no" });
+            ClientUnit.Equal("version: no; update the older of the two: this client speaks 1.0", why.ToString());
+            ClientUnit.Holds(Problems.Of(new DllNotFoundException("libzmq")).Contains("not installed"));
+        }
+    }
+}

@@ -1,0 +1,199 @@
+using System;
+using System.Collections.Generic;
+using Pacinian.Wire;
+
+namespace Pacinian.Tests
+{
+    /// <summary>One session after another, with a transport that does as it is told and a clock that stands still.</summary>
+    internal sealed class ClientUnitSessions
+    {
+        private readonly Scripted _wire = new Scripted();
+        private readonly Shared _shared = new Shared(new Options());
+        private readonly Sessions _sessions;
+        private string _problem = "";
+        private double _now = 100.0;
+
+        public ClientUnitSessions()
+        {
+            _sessions = new Sessions(_shared, _wire, path => new Opening
+            {
+                Connection = new Connection { Control = "here" }, Problem = _problem,
+            });
+        }
+
+        public void ItTriesAgainWithGrowingPauses()
+        {
+            _problem = "no file";
+            Pauses(0.1, 0.2, 0.4, 0.5, 0.5);
+            _problem = "";
+            _wire.End = Ending.Nobody;
+            Pauses(1.0, 2.0, 2.0);
+            ClientUnit.Equal(ClientStatus.Connecting, _shared.News.Standing.Status);
+            _wire.End = Ending.Denied;
+            Pauses(2.0);
+            ClientUnit.Equal(ClientStatus.Refused, _shared.News.Standing.Status);
+            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("token or key"));
+            ClientUnit.Equal("", Told());
+        }
+
+        public void ItIsConnectedWhenTheServerHasSaidWhatItCan()
+        {
+            Connect();
+            Standing standing = _shared.News.Standing;
+            ClientUnit.Equal("hall", standing.Scene);
+            ClientUnit.Equal(1, standing.Session);
+            ClientUnit.Holds(!standing.Armed && standing.Abilities != null && standing.Problem == "");
+            ClientUnit.Equal("Connected", Told());
+            ClientUnit.Equal("Hello Capabilities", _wire.Said());
+        }
+
+        public void NoAnswerToHelloIsTold()
+        {
+            Step(0.0);
+            Step(2.01);
+            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("no answer to `hello` within 2 s"));
+            ClientUnit.Equal("", Told());
+        }
+
+        public void ItRenewsOnlyWhenTheGameHasTicked()
+        {
+            Connect();
+            _wire.Said();
+            Step(0.01);
+            ClientUnit.Equal("", _wire.Said());
+            double ticked = _now;
+            _shared.Beat.Ticked = ticked;
+            Step(0.005);
+            ClientUnit.Near(ticked, ((Renew)_wire.Last).Time); // not when it was sent
+            Answer(new Renewed { Id = 3, Owner = true, Armed = true, ServerTime = _now });
+            Step(0.001);
+            ClientUnit.Holds(_shared.News.Standing.Armed);
+            _shared.Beat.Ticked = ticked + 0.01; // soon after
+            Step(0.01);
+            _shared.Beat.Ticked = ticked + 0.04;
+            Step(0.03);
+            ClientUnit.Equal("Renew Renew", _wire.Said());
+            for (int i = 0; i < 100; i++)
+            {
+                Step(0.01);
+            }
+            ClientUnit.Equal("", _wire.Said());
+        }
+
+        public void AfterALossNothingResumes()
+        {
+            Connect();
+            Movement movement = new Movement();
+            _shared.Requests.Add(1, new Asked("arm", new Arm(), 2.0));
+            Step(0.001);
+            Answer(new Ok { Id = 3 });
+            Step(0.001);
+            ClientUnit.Holds(_shared.News.Standing.Armed);
+            _wire.Full = true;
+            _shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now);
+            _shared.Requests.Add(1, new Asked("field", new Field(), 2.0, answer => { }));
+            _wire.End = Ending.Gone;
+            Step(0.001);
+            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("has gone; nothing of this session goes on"));
+            ClientUnit.Holds(!_shared.News.Standing.Armed && _shared.News.Standing.Session == 0);
+            ClientUnit.Equal("Connected Answered Lost", Told());
+            ClientUnit.Holds(!_shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now));
+            _wire.End = Ending.None;
+            _wire.Full = false;
+            _wire.Said();
+            _now += 0.11;
+            Connect();
+            Step(0.001);
+            ClientUnit.Equal("Hello Capabilities", _wire.Said());
+            ClientUnit.Equal(2, _shared.News.Standing.Session);
+            ClientUnit.Holds(!_shared.News.Standing.Armed);
+        }
+
+        public void WhatCameBeforeTheEndIsHeard()
+        {
+            Connect();
+            Told();
+            Answer(new Error { Code = Code.Expired, Message = "late" });
+            _wire.End = Ending.Gone;
+            Step(0.001);
+            ClientUnit.Equal("Ended", Told());
+            Step(0.001);
+            ClientUnit.Equal("Lost", Told());
+        }
+
+        public void AResetWaitsForAStop()
+        {
+            Connect();
+            _wire.Said();
+            _shared.Beat.BeginStop();
+            _shared.Requests.Add(1, new Asked("reset", new Reset(), 2.0));
+            Step(0.001);
+            ClientUnit.Equal("", _wire.Said());
+            _shared.Beat.EndStop();
+            Step(0.001);
+            ClientUnit.Equal("Reset", _wire.Said());
+        }
+
+        public void ItSaysGoodbye()
+        {
+            ClientUnit.Holds(!_sessions.Leave(_now) && _sessions.Left);
+            Connect();
+            _wire.Said();
+            ClientUnit.Holds(_sessions.Leave(_now) && !_sessions.Left);
+            _shared.Beat.Ticked = _now;
+            Step(0.001);
+            ClientUnit.Equal("Bye", _wire.Said());
+            Answer(new Ok { Id = 3 });
+            Step(0.001);
+            ClientUnit.Holds(_sessions.Left);
+        }
+
+        private void Connect()
+        {
+            Step(0.0);
+            Welcome welcome = new Welcome { Id = 1, Protocol = new Int2(1, 7), Server = "s", Scene = "hall", Lease = 0.25 };
+            welcome.Session.Set(new byte[Protocol.Session], 0, Protocol.Session);
+            Answer(welcome);
+            Step(0.001);
+            Answer(new Abilities { Id = 2 });
+            Step(0.001);
+            ClientUnit.Equal(ClientStatus.Connected, _shared.News.Standing.Status);
+        }
+
+        private void Pauses(params double[] wanted)
+        {
+            foreach (double pause in wanted)
+            {
+                int opened = _wire.Opened;
+                Step(0.0);
+                ClientUnit.Equal(_problem.Length > 0 ? opened : opened + 1, _wire.Opened);
+                Step(pause - 0.001);
+                ClientUnit.Near(Math.Min(0.05, 0.001), _sessions.Patience(_now), 1e-6);
+                _now += 0.0011;
+            }
+        }
+
+        private void Step(double seconds)
+        {
+            _now += seconds;
+            _sessions.Step(_now, _shared.Beat.Ticked);
+        }
+
+        private void Answer(IMessage message)
+        {
+            _wire.Answers.Enqueue(message);
+        }
+
+        private string Told()
+        {
+            List<string> all = new List<string>();
+            Notice notice;
+            Standing standing = new Standing();
+            while (_shared.News.Take(out notice, ref standing))
+            {
+                all.Add(notice.What.ToString());
+            }
+            return string.Join(" ", all.ToArray());
+        }
+    }
+}

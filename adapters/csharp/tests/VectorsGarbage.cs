@@ -1,0 +1,68 @@
+using System;
+using System.IO;
+using Pacinian.Wire;
+
+/// <summary>
+/// Reads the lines of Vectors, and decodes and encodes each valid message again and again into the same objects: that
+/// must allocate nothing. What is refused must allocate little more than its length.
+/// </summary>
+internal static class VectorsGarbage
+{
+    private const int Times = 300;
+
+    private static int Main(string[] arguments)
+    {
+        string[] lines = File.ReadAllLines(arguments[0]);
+        int wrong = 0;
+        Refused("control", new byte[0]);
+        foreach (string line in lines)
+        {
+            string[] parts = line.Split('\t');
+            byte[] data = VectorsDecoder.Bytes(parts[1]);
+            bool valid = parts[2] == "valid";
+            long bytes = valid ? Allocated(parts[0], data) : Refused(parts[0], data);
+            if (bytes > (valid ? 0 : 20000 + 20 * data.Length))
+            {
+                wrong++;
+                Console.WriteLine(bytes + " bytes: " + line);
+            }
+        }
+        Console.WriteLine(lines.Length + " messages, " + wrong + " with garbage");
+        return wrong == 0 && Allocates() ? 0 : 1;
+    }
+
+    /// <summary>What is allocated for a message that is not valid, once, with all that is needed for that.</summary>
+    private static long Refused(string socket, byte[] data)
+    {
+        long before = GC.GetAllocatedBytesForCurrentThread();
+        new VectorsDecoder().Read(socket, data);
+        return GC.GetAllocatedBytesForCurrentThread() - before;
+    }
+
+    private static long Allocated(string socket, byte[] data)
+    {
+        VectorsDecoder decoder = new VectorsDecoder();
+        Writer writer = new Writer();
+        long before = 0;
+        for (int i = 0; i < Times + 10; i++)
+        {
+            before = i == 10 ? GC.GetAllocatedBytesForCurrentThread() : before;
+            IMessage message = decoder.Read(socket, data);
+            writer.Clear();
+            message.Write(writer);
+        }
+        return GC.GetAllocatedBytesForCurrentThread() - before;
+    }
+
+    /// <summary>Whether that is measured at all.</summary>
+    private static bool Allocates()
+    {
+        long before = GC.GetAllocatedBytesForCurrentThread();
+        int length = 0;
+        for (int i = 0; i < Times; i++)
+        {
+            length += new byte[100].Length;
+        }
+        return GC.GetAllocatedBytesForCurrentThread() - before >= length;
+    }
+}

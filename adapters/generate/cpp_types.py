@@ -1,0 +1,150 @@
+"""C++ of the types: how a field is declared, read, and set to its default."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from model import (
+    Anything,
+    Array,
+    Bin,
+    Bool,
+    Fixed,
+    Float,
+    Int,
+    Map,
+    Maybe,
+    Part,
+    Scalar,
+    Text,
+    Union,
+    Words,
+)
+
+if TYPE_CHECKING:
+    from model import Field, Type
+
+STARTS: dict[type, str] = {Bool: "false", Int: "0", Float: "0.0", Words: "{}", Fixed: "{}"}
+CLEARED = Text, Bin, Array, Map  # empty by default, and so with their memory kept
+
+
+def declared(t: Type) -> str:
+    """The type in C++."""
+    match t:
+        case Bool():
+            return "bool"
+        case Int():
+            return "std::int64_t"
+        case Float():
+            return "double"
+        case Text():
+            return "std::string"
+        case Bin():
+            return "Bytes"
+        case Scalar() | Anything():
+            return type(t).__name__
+        case Words() | Part() | Union():
+            return t.name
+        case Fixed():
+            return f"std::array<{declared(t.item)}, {t.count}>"
+        case Array():
+            return f"std::vector<{declared(t.item)}>"
+        case Map():
+            return f"Map<{declared(t.item)}>"
+        case Maybe():
+            return f"std::optional<{declared(t.item)}>"
+
+
+def read(t: Type, into: str) -> str:
+    """An expression that reads a value; false if it is none."""
+    match t:
+        case Words():
+            return f"in.choice({into})"
+        case Part():
+            return f"in.part({into})"
+        case Union():
+            return f"in.one_of({into})"
+        case Fixed():
+            return f"in.tuple({into}, {_reader(t.item)})"
+        case Array():
+            return f"in.items({into}, {_lengths(t)}, {_reader(t.item)})"
+        case Map():
+            most = _lengths(Array(t.item, 0, t.most))
+            return f"in.entries({into}, {_lengths(t.key)}, {most}, {_reader(t.item)})"
+        case Maybe():
+            return f"in.maybe({into}, {_reader(t.item)})"
+        case Int():
+            bounds = [] if t.low is None else [str(t.low), str(t.high)]
+        case Float():
+            bounds = [_range(t)]
+        case Scalar():
+            bounds = [_range(t.real), _lengths(t.text)]
+        case Text() | Bin():
+            bounds = [_lengths(t)]
+        case Bool() | Anything():
+            bounds = []
+    return f"in.get({', '.join([into, *(b for b in bounds if b != '{}')])})"
+
+
+def initial(field: Field) -> str:
+    """What a field is in a new message, as an initialiser; "" where its type's own will do."""
+    if not field.needed:
+        return default(field.type, field.default)
+    return STARTS.get(type(field.type), "")
+
+
+def default(t: Type, value: Any) -> str:
+    """A default in C++; "" where it is what the type has by itself."""
+    if isinstance(value, Part):
+        return f"{value.name}{{}}" if isinstance(t, Union) else ""
+    if isinstance(value, str):
+        words = t.words if isinstance(t, Union) else t
+        return f"{words.name}::{identifier(value)}" if isinstance(words, Words) else ""
+    if isinstance(value, tuple):
+        return f"{{{', '.join(map(repr, value))}}}" if value else ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "" if value is None or isinstance(value, bytes) else repr(value)
+
+
+def reset(field: Field) -> str:
+    """A statement that sets a field to its default, without memory where that can be."""
+    if isinstance(field.type, CLEARED):
+        return f"{field.name}.clear();"
+    if isinstance(field.type, Maybe):
+        return f"{field.name}.reset();"
+    return f"{field.name} = {default(field.type, field.default) or declared(field.type) + '{}'};"
+
+
+def named(t: Type) -> list[str]:
+    """The names of messages, unions and words that a type needs."""
+    match t:
+        case Words() | Part():
+            return [t.name]
+        case Union():
+            return [t.name, *t.kinds, *([t.words.name] if t.words else [])]
+        case Array() | Map() | Maybe():
+            return named(t.item)
+        case _:
+            return []
+
+
+def identifier(word: str) -> str:
+    """A word of the wire as a name."""
+    return word.replace("-", "_")
+
+
+def _reader(item: Type) -> str:
+    return f"[&]({declared(item)}& item) {{ return {read(item, 'item')}; }}"
+
+
+def _range(t: Float) -> str:
+    if t.low is None:
+        return "{}"
+    return f"{{{t.low!r}, {t.high!r}{', true' if t.above else ''}}}"
+
+
+def _lengths(t: Text | Bin | Array) -> str:
+    if t.most is None:
+        return f"{{{t.least}}}" if t.least else "{}"
+    return f"{{{t.least}, {t.most}}}"

@@ -1,0 +1,91 @@
+"""Writes the .meta file of each file and folder of the Unity package: `python adapters/generate/meta.py [--check]`.
+
+Unity finds an asset by the GUID in its .meta file. Here that comes from its path, so it is always the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[1] / "unity"
+NAME = "com.pacinian.haptics"
+COMMON = "  userData: \n  assetBundleName: \n  assetBundleVariant: \n"
+PLAIN = "  externalObjects: {}\n" + COMMON
+SCRIPT = """  externalObjects: {}
+  serializedVersion: 2
+  defaultReferences: []
+  executionOrder: 0
+  icon: {instanceID: 0}
+"""
+IMPORTERS = {
+    ".asmdef": "AssemblyDefinitionImporter:\n" + PLAIN,
+    ".asset": "NativeFormatImporter:\n  externalObjects: {}\n  mainObjectFileID: 11400000\n"
+    + COMMON,
+    ".cs": "MonoImporter:\n" + SCRIPT + COMMON,
+    ".json": "PackageManifestImporter:\n" + PLAIN,
+    ".md": "TextScriptImporter:\n" + PLAIN,
+    ".prefab": "PrefabImporter:\n" + PLAIN,
+    ".unity": "DefaultImporter:\n" + PLAIN,
+}
+
+
+def assets(package: Path) -> list[Path]:
+    """Files and folders that Unity imports, now or with a sample: those in `Documentation~` are not."""
+    found = []
+    for path in sorted(package.rglob("*")):
+        parts = path.relative_to(package).parts
+        hidden = any(part.startswith(".") for part in parts) or parts[0] == "Documentation~"
+        if path.suffix != ".meta" and not hidden and parts[-1] != "Samples~":
+            found.append(path)
+    return found
+
+
+def guid(path: str) -> str:
+    """Of a path inside the package, as 32 hexadecimal digits."""
+    return hashlib.md5(f"{NAME}/{path}".encode(), usedforsecurity=False).hexdigest()
+
+
+def text(package: Path, path: Path) -> str:
+    """What the .meta file of an asset contains. Raises KeyError for a kind of file that is not known here."""
+    head = f"fileFormatVersion: 2\nguid: {guid(path.relative_to(package).as_posix())}\n"
+    if path.is_dir():
+        return head + "folderAsset: yes\nDefaultImporter:\n" + PLAIN
+    return head + IMPORTERS[path.suffix]
+
+
+def wanted(package: Path) -> dict[Path, str]:
+    """All .meta files and their contents."""
+    return {path.with_name(path.name + ".meta"): text(package, path) for path in assets(package)}
+
+
+def differing(package: Path) -> list[Path]:
+    """.meta files that are missing, different, or of nothing."""
+    metas = wanted(package)
+    orphans = [path for path in package.rglob("*.meta") if path not in metas]
+    return orphans + [p for p, t in metas.items() if not p.is_file() or p.read_text() != t]
+
+
+def write(package: Path) -> None:
+    """Write them all, and remove those of nothing."""
+    metas = wanted(package)
+    for path in differing(package):
+        if path in metas:
+            path.write_text(metas[path], encoding="utf-8", newline="\n")
+        else:
+            path.unlink()
+
+
+def main(check: bool) -> int:
+    """Write, or only check; 1 if something differs."""
+    if not check:
+        write(PACKAGE)
+    differ = differing(PACKAGE)
+    for path in differ:
+        print(f"{path}: run `python adapters/generate/meta.py`", file=sys.stderr)  # noqa: T201
+    return 1 if differ else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main("--check" in sys.argv[1:]))

@@ -1,0 +1,201 @@
+"""The messages of `pacinian.wire`, without a word of Python: what the generators of other languages read.
+
+`wire.read()` makes the Model. A type is one of:
+
+    Bool Int Float Text Words Bin      single values, with their bounds
+    Fixed                              an array of always so many numbers: `Fixed(Float, 3)` is a position
+    Array Map                          arrays of one type; maps from text to one type
+    Part                               another message, by its name
+    Union                              one of several messages, told apart by `type`, or one of some words
+    Scalar Anything                    a bool, int, float or text; anything that MessagePack has
+    Maybe                              one of these, or nil
+
+Rules for `bin` fields (`Message.bulk`) are those of `pacinian.wire.bulk`: Rows, Grid, Indices. A reader checks them
+in their order when all fields are there and valid by themselves. Lengths of text are in code points, of `bin` in
+bytes. None as a bound: there is none. An Int without bounds is taken for 64 bits, signed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pacinian.wire.bulk import Grid, Indices, Rows
+
+
+@dataclass(frozen=True)
+class Bool:
+    """True or false."""
+
+
+@dataclass(frozen=True)
+class Int:
+    """A whole number in low..high."""
+
+    low: int | None = None
+    high: int | None = None
+
+
+@dataclass(frozen=True)
+class Float:
+    """A number in low..high, without NaN; any number, NaN too, without bounds. above: low itself is too low."""
+
+    low: float | None = None
+    high: float | None = None
+    above: bool = False
+
+
+@dataclass(frozen=True)
+class Text:
+    """Text of `least` to `most` code points."""
+
+    least: int = 0
+    most: int | None = None
+
+
+@dataclass(frozen=True)
+class Words:
+    """One of some texts. name: of all of them, as for an enumeration."""
+
+    name: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Bin:
+    """`least` to `most` bytes."""
+
+    least: int = 0
+    most: int | None = None
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """An array of `count` numbers."""
+
+    item: Int | Float
+    count: int
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array of `least` to `most` items."""
+
+    item: Type
+    least: int = 0
+    most: int | None = None
+
+
+@dataclass(frozen=True)
+class Map:
+    """A map of at most `most` keys. Of a key that comes twice the last counts."""
+
+    key: Text
+    item: Type
+    most: int | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """A message, by its name."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Union:
+    """One of some messages, by their names, or one of some words. base: what all these messages derive from, or ""."""
+
+    name: str
+    kinds: tuple[str, ...]
+    words: Words | None = None
+    base: str = ""
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A bool, an int, a float or a text, each in its bounds."""
+
+    whole: Int
+    real: Float
+    text: Text
+
+
+@dataclass(frozen=True)
+class Anything:
+    """Anything that MessagePack has."""
+
+
+@dataclass(frozen=True)
+class Maybe:
+    """An item or nil."""
+
+    item: Type
+
+
+Type = (
+    Bool
+    | Int
+    | Float
+    | Text
+    | Words
+    | Bin
+    | Fixed
+    | Array
+    | Map
+    | Part
+    | Union
+    | Scalar
+    | Anything
+    | Maybe
+)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a message.
+
+    needed: it has no default. default: None, bool, int, float, text, bytes, a tuple of numbers; () for an empty array
+    or map; a Part for that message with all its own defaults. text: what it means. bounds: in words, with the unit.
+    """
+
+    name: str
+    type: Type
+    needed: bool
+    default: Any
+    text: str
+    bounds: str
+
+
+@dataclass(frozen=True)
+class Message:
+    """A message, or a part of one.
+
+    tag: its `type`, the first key on the wire, or "" for a part without. base: the message that its first fields are
+    from, or "". fields: all of them, in their order. bulk: rules for its `bin` fields. module: of `pacinian.wire`.
+    """
+
+    name: str
+    tag: str
+    base: str
+    module: str
+    text: str
+    fields: tuple[Field, ...]
+    bulk: tuple[Rows | Grid | Indices, ...]
+
+
+@dataclass(frozen=True)
+class Model:
+    """All of the wire.
+
+    messages: each after those that it holds. bases: what some derive from; never on the wire themselves. words,
+    unions: by name. sockets: what may come there, and the most bytes. constants: numbers of the protocol.
+    """
+
+    messages: tuple[Message, ...]
+    bases: tuple[Message, ...]
+    words: tuple[Words, ...]
+    unions: tuple[Union, ...]
+    sockets: dict[str, tuple[Union, int]]
+    constants: dict[str, int]

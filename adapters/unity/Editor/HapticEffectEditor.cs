@@ -1,0 +1,32 @@
+using System.Globalization;
+using UnityEditor;
+
+namespace Pacinian.Haptics.Editing
+{
+    /// <summary>An effect, and what is emitted for it.</summary>
+    [CustomEditor(typeof(HapticEffect), true)]
+    internal sealed class HapticEffectEditor : Editor
+    {
+        /// <inheritdoc/>
+        public override bool RequiresConstantRepaint()
+        {
+            return EditorApplication.isPlaying;
+        }
+
+        /// <inheritdoc/>
+        public override void OnInspectorGUI()
+        {
+            DrawDefaultInspector();
+            HapticEffect effect = (HapticEffect)target;
+            if (EditorApplication.isPlaying)
+            {
+                EditorGUILayout.LabelField("Known to the server as", effect.WireName);
+                EditorGUILayout.LabelField("Emitted", effect.Emitted.ToString("F1", CultureInfo.InvariantCulture) + " Pa");
+            }
+            if (effect.Problem.Length > 0)
+            {
+                EditorGUILayout.HelpBox(effect.Problem, MessageType.Warning);
+            }
+        }
+    }
+}

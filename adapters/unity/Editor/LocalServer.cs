@@ -1,0 +1,134 @@
+using System;
+using System.ComponentModel;
+using System.Diagnostics;
+using System.Globalization;
+using System.IO;
+using UnityEditor;
+
+namespace Pacinian.Haptics.Editing
+{
+    /// <summary>
+    /// A server that the editor has started. It goes on while scripts are loaded anew, and writes its log to a file, so
+    /// that nothing is lost then; it ends with the editor.
+    /// </summary>
+    internal static class LocalServer
+    {
+        private const string Key = "Pacinian.LocalServer";
+        private const int Shown = 8000; // [bytes] of the log's end
+
+        private static Process s_process;
+
+        /// <summary>Where it logs to.</summary>
+        public static string LogFile
+        {
+            get { return Path.Combine(Path.GetTempPath(), "pacinian-serve-" + Environment.UserName + ".log"); }
+        }
+
+        /// <summary>Whether it runs.</summary>
+        public static bool Running
+        {
+            get
+            {
+                Process process = Found();
+                return process != null && !process.HasExited;
+            }
+        }
+
+        /// <summary>Starts it; "", or why that cannot be. arguments: of `serve`, without spaces inside of one.</summary>
+        public static string Start(string executable, string arguments)
+        {
+            if (Running)
+            {
+                return "";
+            }
+            ProcessStartInfo how = new ProcessStartInfo { UseShellExecute = false, CreateNoWindow = true };
+            how.FileName = Executable.Windows ? "cmd.exe" : "/bin/sh";
+            how.Arguments = Executable.Windows
+                ? "/d /s /c \"\"%PACINIAN_PROGRAM%\" serve %PACINIAN_ARGUMENTS% > \"%PACINIAN_LOG%\" 2>&1\""
+                : "-fc \"exec \\\"$PACINIAN_PROGRAM\\\" serve $PACINIAN_ARGUMENTS >\\\"$PACINIAN_LOG\\\" 2>&1\"";
+            how.EnvironmentVariables["PACINIAN_PROGRAM"] = executable;
+            how.EnvironmentVariables["PACINIAN_ARGUMENTS"] = arguments;
+            how.EnvironmentVariables["PACINIAN_LOG"] = LogFile;
+            how.EnvironmentVariables["PYTHONUNBUFFERED"] = "1";
+            try
+            {
+                s_process = Process.Start(how);
+                SessionState.SetString(Key, Mark(s_process));
+                return "";
+            }
+            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException)
+            {
+                return executable + ": cannot be started: " + error.Message;
+            }
+        }
+
+        /// <summary>Tells it to end: the array is silent first. Does not wait.</summary>
+        public static void Stop()
+        {
+            Process process = Found();
+            if (process != null && !process.HasExited)
+            {
+                string id = process.Id.ToString(CultureInfo.InvariantCulture);
+                ProcessStartInfo how = Executable.Windows
+                    ? new ProcessStartInfo("cmd.exe", "/d /s /c \"\"%PACINIAN_PROGRAM%\" stop & taskkill /T /F /PID " + id + "\"")
+                    : new ProcessStartInfo("/bin/sh", "-c \"kill -TERM " + id + "\"");
+                how.UseShellExecute = false;
+                how.CreateNoWindow = true;
+                how.EnvironmentVariables["PACINIAN_PROGRAM"] = Executable.Find();
+                Process.Start(how).Dispose();
+            }
+            SessionState.SetString(Key, "");
+        }
+
+        /// <summary>The end of its log.</summary>
+        public static string Log()
+        {
+            try
+            {
+                using (FileStream file = new FileStream(LogFile, FileMode.Open, FileAccess.Read, FileShare.ReadWrite | FileShare.Delete))
+                {
+                    file.Seek(-Math.Min(Shown, file.Length), SeekOrigin.End);
+                    return new StreamReader(file).ReadToEnd();
+                }
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)
+            {
+                return "";
+            }
+        }
+
+        /// <summary>Ours, also after scripts were loaded anew; null if there is none.</summary>
+        private static Process Found()
+        {
+            string mark = SessionState.GetString(Key, "");
+            int id;
+            if (s_process == null && int.TryParse(mark.Split(' ')[0], out id))
+            {
+                try
+                {
+                    Process found = Process.GetProcessById(id);
+                    s_process = Mark(found) == mark ? found : null;
+                }
+                catch (ArgumentException)
+                {
+                    SessionState.SetString(Key, "");
+                }
+            }
+            return s_process;
+        }
+
+        /// <summary>What a process is known by: its number alone may be another's later.</summary>
+        private static string Mark(Process process)
+        {
+            string id = process.Id.ToString(CultureInfo.InvariantCulture);
+            try
+            {
+                return id + " " + process.StartTime.Ticks.ToString(CultureInfo.InvariantCulture);
+            }
+            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException)
+            {
+                return id + " ended";
+            }
+        }
+    }
+}

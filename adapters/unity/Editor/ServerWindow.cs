@@ -1,0 +1,115 @@
+using UnityEditor;
+using UnityEngine;
+
+namespace Pacinian.Haptics.Editing
+{
+    /// <summary>Window > Pacinian > Server: starts and stops a server on this machine, and shows its log.</summary>
+    internal sealed class ServerWindow : EditorWindow
+    {
+        private const double Period = 0.5; // [s] between two looks at the log
+
+        private string _arguments = "--backend simulated", _problem = "", _log = "";
+        private Vector2 _at;
+        private double _next;
+
+        [MenuItem("Window/Pacinian/Server")]
+        private static void Open()
+        {
+            GetWindow<ServerWindow>("Pacinian Server");
+        }
+
+        [MenuItem("Window/Pacinian/Emergency stop")]
+        private static void StopNow()
+        {
+            if (HapticServer.Current != null)
+            {
+                HapticServer.Current.EmergencyStop();
+                return;
+            }
+            new HapticClient(new Options()).Stop();
+        }
+
+        private void OnEnable()
+        {
+            EditorApplication.update += Look;
+        }
+
+        private void OnDisable()
+        {
+            EditorApplication.update -= Look;
+        }
+
+        private void Look()
+        {
+            if (EditorApplication.timeSinceStartup >= _next)
+            {
+                _next = EditorApplication.timeSinceStartup + Period;
+                _log = LocalServer.Log();
+                Repaint();
+            }
+        }
+
+        private void OnGUI()
+        {
+            string executable = Executable.Find();
+            EditorGUILayout.LabelField("Program", executable.Length > 0 ? executable : "not found");
+            if (executable.Length == 0)
+            {
+                EditorGUILayout.HelpBox(Executable.Advice, MessageType.Warning);
+            }
+            if (GUILayout.Button("Choose the program..."))
+            {
+                string chosen = EditorUtility.OpenFilePanel("pacinian", "", "");
+                Executable.Chosen = chosen.Length > 0 ? chosen : Executable.Chosen;
+            }
+            Library();
+            _arguments = EditorGUILayout.TextField("pacinian serve", _arguments);
+            EditorGUILayout.BeginHorizontal();
+            GUI.enabled = executable.Length > 0 && !LocalServer.Running;
+            if (GUILayout.Button("Start"))
+            {
+                _problem = LocalServer.Start(executable, _arguments);
+            }
+            GUI.enabled = LocalServer.Running;
+            if (GUILayout.Button("Stop"))
+            {
+                LocalServer.Stop();
+            }
+            GUI.enabled = true;
+            EditorGUILayout.EndHorizontal();
+            if (_problem.Length > 0)
+            {
+                EditorGUILayout.HelpBox(_problem, MessageType.Error);
+            }
+            EditorGUILayout.LabelField("State", LocalServer.Running ? "running" : "not started here");
+            _at = EditorGUILayout.BeginScrollView(_at);
+            float height = EditorStyles.wordWrappedLabel.CalcHeight(new GUIContent(_log), 600f);
+            EditorGUILayout.SelectableLabel(_log, EditorStyles.wordWrappedLabel, GUILayout.MinHeight(height));
+            EditorGUILayout.EndScrollView();
+        }
+
+        private void Library()
+        {
+            if (NativeLibrary.There)
+            {
+                return;
+            }
+            EditorGUILayout.HelpBox(NativeLibrary.Advice, MessageType.Warning);
+            string found = NativeLibrary.Find();
+            string path = "";
+            if (found.Length > 0 && GUILayout.Button("Copy " + found))
+            {
+                path = found;
+            }
+            if (GUILayout.Button("Choose libzmq..."))
+            {
+                path = EditorUtility.OpenFilePanel("libzmq", "", "");
+            }
+            if (path.Length > 0)
+            {
+                _problem = NativeLibrary.Install(path);
+                AssetDatabase.Refresh();
+            }
+        }
+    }
+}

@@ -1,0 +1,55 @@
+using System;
+using Pacinian.Wire;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>An audio clip as an envelope: mono, at a rate that skin can follow.</summary>
+    internal static class AudioWave
+    {
+        private const int Fast = 8000; // [Hz] is enough: skin feels nothing above 1 kHz
+
+        /// <summary>Null, and why, if there are no samples; a clip that is too long is cut, which is told, too.</summary>
+        public static Wave Of(AudioClip clip, bool loop, bool loudness, out string problem)
+        {
+            problem = clip == null ? "has no clip" : "";
+            float[] data = clip == null ? null : new float[clip.samples * clip.channels];
+            if (clip != null && !clip.GetData(data, 0))
+            {
+                problem = "its clip cannot be read: set Load Type to Decompress On Load";
+            }
+            if (problem.Length > 0 || data.Length == 0)
+            {
+                return null;
+            }
+            int group = Math.Max(1, clip.frequency / Fast), step = group * clip.channels;
+            int count = Math.Max(1, data.Length / step);
+            if (count > Protocol.MostValues)
+            {
+                count = Protocol.MostValues;
+                problem = "its clip is cut after " + count * group / clip.frequency + " s";
+            }
+            Wave made = new Wave
+            {
+                Rate = (double)clip.frequency / group, Loop = loop, Mode = loudness ? WaveMode.Loudness : WaveMode.Waveform,
+            };
+            made.Samples.Reserve(4 * count);
+            for (int i = 0; i < count; i++)
+            {
+                made.Samples.Add(Mean(data, i * step, step));
+            }
+            return made;
+        }
+
+        private static double Mean(float[] data, int start, int count)
+        {
+            double sum = 0.0;
+            int end = Math.Min(start + count, data.Length);
+            for (int i = start; i < end; i++)
+            {
+                sum += data[i];
+            }
+            return Math.Max(-1.0, Math.Min(1.0, sum / (end - start)));
+        }
+    }
+}

@@ -1,0 +1,100 @@
+using System;
+using System.Threading;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// A stop by a connection of its own, which needs no session and no worker: silence at once, whoever owns the
+    /// output. It is tried again and again until the server has confirmed it, or the time is over.
+    /// </summary>
+    internal sealed class EmergencyStop
+    {
+        private const double Pause = 0.05; // [s] between two attempts
+
+        private readonly Options _options;
+        private readonly Action<string> _done;
+        private readonly byte[] _data = new byte[1 << 16];
+
+        private EmergencyStop(Options options, Action<string> done)
+        {
+            _options = options;
+            _done = done;
+        }
+
+        /// <summary>Begins it, and does not wait. done: is told, by another thread, "" or why it was not confirmed.</summary>
+        public static Thread Begin(Options options, Action<string> done)
+        {
+            Thread thread = new Thread(new EmergencyStop(options, done).Run)
+            {
+                IsBackground = true,
+                Name = "Pacinian stop",
+                Priority = ThreadPriority.AboveNormal,
+            };
+            thread.Start();
+            return thread;
+        }
+
+        private void Run()
+        {
+            string problem;
+            try
+            {
+                using (ITransport transport = _options.Transport())
+                {
+                    double end = _options.Clock() + _options.Timeout;
+                    do
+                    {
+                        problem = Try(transport, end);
+                        if (problem.Length > 0)
+                        {
+                            transport.Close();
+                            transport.Wait(Pause);
+                        }
+                    }
+                    while (problem.Length > 0 && _options.Clock() < end);
+                }
+            }
+            catch (Exception error)
+            {
+                problem = Problems.Of(error);
+            }
+            _done(problem);
+        }
+
+        private string Try(ITransport transport, double end)
+        {
+            string problem;
+            Connection connection = Connection.Read(_options.ConnectionPath, out problem);
+            if (connection == null || (problem = transport.Open(connection, false)).Length > 0)
+            {
+                return problem;
+            }
+            Writer writer = new Writer();
+            new Stop { Id = 1 }.Write(writer);
+            bool sent = false;
+            while (_options.Clock() < end)
+            {
+                sent = sent || transport.Send(Channel.Control, writer.Data, writer.Count);
+                int count = transport.Receive(Channel.Control, _data);
+                if (count >= 0)
+                {
+                    return Confirmed(count) ? "" : "the server would not stop";
+                }
+                Ending ending = transport.Ended();
+                if (ending != Ending.None)
+                {
+                    return Problems.Of(ending, connection.Control);
+                }
+                transport.Wait(end - _options.Clock());
+            }
+            return Problems.Hangs("stop", _options.Timeout);
+        }
+
+        private bool Confirmed(int count)
+        {
+            IReply reply = null;
+            return Protocol.ReadReply(new Reader(), _data, 0, count, ref reply) && reply is Ok;
+        }
+    }
+}

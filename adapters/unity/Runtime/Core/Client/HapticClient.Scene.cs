@@ -1,0 +1,110 @@
+using System.Collections.Generic;
+using System.Threading;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>What is to be felt. Of what waits to be sent about one object only the newest is sent.</summary>
+    public sealed partial class HapticClient
+    {
+        private const int Largest = Protocol.LongestCommand - 1024; // [bytes] of one object: the rest is for other fields
+
+        /// <summary>An object: new, or in place of the one of that name. It is read now, and can be changed after.</summary>
+        public bool Put(string name, Felt item)
+        {
+            Writer part = _shared.Parts.Take();
+            item.Write(part);
+            return Fits(part, "$.objects[" + name + "]") && Write(Kind.Put, name, part, new Movement());
+        }
+
+        /// <summary>A new pose of an object that is there.</summary>
+        public bool Move(string name, Movement movement)
+        {
+            return Write(Kind.Move, name, null, movement);
+        }
+
+        /// <summary>Takes an object away; a name that nothing has is no error.</summary>
+        public bool Remove(string name)
+        {
+            return Write(Kind.Remove, name, null, new Movement());
+        }
+
+        /// <summary>Takes away all objects, hands and quiet zones of this client.</summary>
+        public bool Clear()
+        {
+            return Woken(_shared.Outbox.Clear(_standing.Session, Now));
+        }
+
+        /// <summary>How strong an object that is there is over time, from now on.</summary>
+        public bool Envelope(string name, IEnvelope envelope)
+        {
+            Writer part = _shared.Parts.Take();
+            envelope.Write(part);
+            return Fits(part, "$.envelope") && Write(Kind.Envelope, name, part, new Movement());
+        }
+
+        /// <summary>
+        /// All hands that are tracked, in place of those before; from then on only hands feel the scene: with none, or
+        /// only lost ones, which have no joints, nothing is felt.
+        /// </summary>
+        public bool Hands(IList<HandFrame> hands)
+        {
+            return Hands(hands, Now);
+        }
+
+        /// <summary>The same, as they were at a time of our clock [s].</summary>
+        public bool Hands(IList<HandFrame> hands, double time)
+        {
+            Writer part = _shared.Parts.Take();
+            part.Array(hands.Count);
+            for (int i = 0; i < hands.Count; i++)
+            {
+                hands[i].Write(part);
+            }
+            return Woken(_shared.Outbox.Write(_standing.Session, Kind.Hands, part, time));
+        }
+
+        /// <summary>All quiet zones of this client, in place of those before.</summary>
+        public bool Quiet(IList<Zone> zones)
+        {
+            Writer part = _shared.Parts.Take();
+            part.Array(zones.Count);
+            for (int i = 0; i < zones.Count; i++)
+            {
+                zones[i].Write(part);
+            }
+            return Woken(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now));
+        }
+
+        private bool Write(Kind kind, string name, Writer part, Movement movement)
+        {
+            return Woken(_shared.Outbox.Write(_standing.Session, kind, name, part, ref movement, Now));
+        }
+
+        private bool Woken(bool done)
+        {
+            if (done)
+            {
+                _worker.Wake();
+            }
+            return done;
+        }
+
+        private bool Fits(Writer part, string path)
+        {
+            if (part.Count <= Largest)
+            {
+                return true;
+            }
+            _shared.News.Refuse(new Refusal
+            {
+                Code = "limit",
+                Message = "is " + part.Count + " bytes: keep to " + Largest,
+                Path = path,
+                Advice = "use fewer points, faces or values",
+            });
+            _shared.Parts.GiveBack(part);
+            return false;
+        }
+    }
+}

@@ -1,0 +1,124 @@
+using System;
+using System.Collections.Generic;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>What waits to be sent about objects, by name. Pure; belongs to who holds the outbox's lock.</summary>
+    internal sealed class Latest
+    {
+        private const int Full = 900000; // [bytes] of objects in one message
+        private const double Together = 0.001; // [s] between parts that are sent with one time
+
+        private static readonly Kind[] Kinds = { Kind.Remove, Kind.Put, Kind.Envelope, Kind.Move };
+
+        private readonly Dictionary<string, Waiting> _waiting = new Dictionary<string, Waiting>();
+        private readonly Stack<Waiting> _spare = new Stack<Waiting>();
+        private readonly List<string> _done = new List<string>();
+        private readonly Parts _parts;
+        private readonly double _life;
+
+        /// <summary>parts: where bytes come from. life: how long a command may live [s].</summary>
+        public Latest(Parts parts, double life)
+        {
+            _parts = parts;
+            _life = life;
+        }
+
+        /// <summary>Keeps something about an object, in place of what it outdoes. part: its bytes, which are taken.</summary>
+        public void Write(Kind kind, string name, Writer part, ref Movement movement, double now)
+        {
+            Waiting waiting;
+            if (!_waiting.TryGetValue(name, out waiting))
+            {
+                waiting = _spare.Count > 0 ? _spare.Pop() : new Waiting();
+                _waiting.Add(name, waiting);
+            }
+            bool all = kind == Kind.Put || kind == Kind.Remove;
+            foreach (Kind old in Kinds)
+            {
+                if (all || old == kind)
+                {
+                    _parts.GiveBack(waiting.Part(old));
+                    waiting.Drop(old);
+                }
+            }
+            waiting.Keep(kind, part, ref movement, now);
+        }
+
+        /// <summary>The next of it, if the batch is empty yet; what has waited too long is dropped.</summary>
+        public void Take(Batch batch, double now)
+        {
+            for (int i = 0; i < Kinds.Length && batch.Kind == Kind.None && _waiting.Count > 0; i++)
+            {
+                Take(batch, Kinds[i], now);
+                Tidy();
+            }
+        }
+
+        /// <summary>Nothing waits any more.</summary>
+        public void Forget()
+        {
+            foreach (KeyValuePair<string, Waiting> pair in _waiting)
+            {
+                foreach (Kind kind in Kinds)
+                {
+                    _parts.GiveBack(pair.Value.Part(kind));
+                    pair.Value.Drop(kind);
+                }
+                _done.Add(pair.Key);
+            }
+            Tidy();
+        }
+
+        private void Take(Batch batch, Kind kind, double now)
+        {
+            int size = 0;
+            foreach (KeyValuePair<string, Waiting> pair in _waiting)
+            {
+                Waiting waiting = pair.Value;
+                if (!waiting.Has(kind))
+                {
+                    continue;
+                }
+                Writer part = waiting.Part(kind);
+                double time = waiting.Time(kind);
+                if (now - time > _life)
+                {
+                    _parts.GiveBack(part);
+                }
+                else if (Fits(batch, kind, time, size + (part == null ? 0 : part.Count)))
+                {
+                    size += part == null ? 0 : part.Count;
+                    batch.Begin(kind, batch.Kind == Kind.None ? time : Math.Min(time, batch.Time));
+                    batch.Add(pair.Key, part, waiting.Movement);
+                }
+                else
+                {
+                    continue;
+                }
+                waiting.Drop(kind);
+                if (waiting.Empty)
+                {
+                    _done.Add(pair.Key);
+                }
+            }
+        }
+
+        private static bool Fits(Batch batch, Kind kind, double time, int size)
+        {
+            return batch.Kind == Kind.None || (kind != Kind.Envelope && size <= Full
+                && Math.Abs(time - batch.Time) <= Together && batch.Names.Count < Protocol.MostObjects);
+        }
+
+        private void Tidy()
+        {
+            foreach (string name in _done)
+            {
+                _spare.Push(_waiting[name]);
+                _waiting.Remove(name);
+            }
+            _done.Clear();
+        }
+    }
+}

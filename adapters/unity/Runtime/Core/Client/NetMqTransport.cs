@@ -1,0 +1,193 @@
+#if PACINIAN_NETMQ
+using System;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// By NetMQ 4.0.1 or newer, where no native library can be used: over TCP, with CURVE keys only, as it has no PLAIN. It
+    /// does not tell why a server refuses, and takes memory for each message. On Windows AsyncIO.ForceDotNet.Force() is
+    /// to be called before.
+    /// </summary>
+    public sealed class NetMqTransport : ITransport
+    {
+        private static readonly TimeSpan Never = TimeSpan.FromDays(1);
+
+        private readonly NetMQSocket[] _sockets = new NetMQSocket[3];
+        private readonly NetMQSelector _selector = new NetMQSelector();
+        private readonly NetMQSelector.Item[] _items = new NetMQSelector.Item[4];
+        private readonly bool[] _full = new bool[3];
+        private readonly object _waking = new object();
+        private readonly byte[] _bell = new byte[1];
+        private PairSocket _wakes, _woken;
+        private bool _stood;
+        private int _rung;
+
+        /// <summary>Not connected.</summary>
+        public NetMqTransport()
+        {
+            PairSocket.CreateSocketPair(out _wakes, out _woken);
+        }
+
+        /// <inheritdoc/>
+        public string Open(Connection connection, bool all)
+        {
+            Close();
+            byte[] server, ours, secret;
+            if (!Z85.Read(connection.ServerKey, out server) || !Z85.Read(connection.PublicKey, out ours)
+                || !Z85.Read(connection.SecretKey, out secret))
+            {
+                return "NetMQ knows no tokens (PLAIN), only CURVE keys: start the server with those (`pacinian keys`), "
+                    + "or use libzmq";
+            }
+            try
+            {
+                for (int i = 0; i < (all ? 3 : 1); i++)
+                {
+                    SubscriberSocket states = i == (int)Channel.State ? new SubscriberSocket() : null;
+                    NetMQSocket socket = (NetMQSocket)states ?? new DealerSocket();
+                    _sockets[i] = socket;
+                    socket.Options.Linger = TimeSpan.Zero;
+                    socket.Options.MaxMsgSize = Wire.Protocol.LongestReply;
+                    socket.Options.CurveServerKey = server;
+                    socket.Options.CurveCertificate = new NetMQCertificate(secret, ours);
+                    if (states != null)
+                    {
+                        states.Subscribe("state");
+                    }
+                    else
+                    {
+                        socket.Options.SendHighWatermark = 16;
+                        socket.Options.DelayAttachOnConnect = true;
+                        socket.Options.ReconnectInterval = Never;
+                        socket.Options.HeartbeatInterval = TimeSpan.FromMilliseconds(i == 0 ? 50.0 : 0.0);
+                        socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(500.0);
+                    }
+                    socket.Connect(connection.At((Channel)i));
+                }
+            }
+            catch (Exception error) when (error is NetMQException || error is ArgumentException)
+            {
+                Close();
+                return "cannot connect to " + connection.Control + ": " + error.Message;
+            }
+            return "";
+        }
+
+        /// <summary>A connection that stood has gone when there is no room on its control socket any more.</summary>
+        public Ending Ended()
+        {
+            NetMQSocket control = _sockets[0];
+            bool room = control != null && control.HasOut;
+            _stood |= room;
+            return _stood && !room ? Ending.Gone : Ending.None;
+        }
+
+        /// <inheritdoc/>
+        public bool Room(Channel channel)
+        {
+            NetMQSocket socket = _sockets[(int)channel];
+            bool room = socket != null && socket.HasOut;
+            _full[(int)channel] = !room;
+            return room;
+        }
+
+        /// <inheritdoc/>
+        public bool Send(Channel channel, byte[] data, int count)
+        {
+            NetMQSocket socket = _sockets[(int)channel];
+            bool sent = socket != null && socket.TrySendFrame(TimeSpan.Zero, data, count);
+            _full[(int)channel] = !sent;
+            return sent;
+        }
+
+        /// <inheritdoc/>
+        public int Receive(Channel channel, byte[] into)
+        {
+            NetMQSocket socket = _sockets[(int)channel];
+            byte[] part;
+            bool more;
+            if (socket == null || !socket.TryReceiveFrameBytes(out part, out more))
+            {
+                return -1;
+            }
+            while (more)
+            {
+                socket.TryReceiveFrameBytes(Never, out part, out more); // all parts of a message come together
+            }
+            int count = Math.Min(part.Length, into.Length);
+            Buffer.BlockCopy(part, 0, into, 0, count);
+            return count;
+        }
+
+        /// <inheritdoc/>
+        public void Wait(double seconds)
+        {
+            int count = 0;
+            _items[count++] = new NetMQSelector.Item(_woken, PollEvents.PollIn);
+            for (int i = 0; i < 3; i++)
+            {
+                if (_sockets[i] != null)
+                {
+                    PollEvents wanted = _full[i] ? PollEvents.PollIn | PollEvents.PollOut : PollEvents.PollIn;
+                    _items[count++] = new NetMQSelector.Item(_sockets[i], wanted);
+                    _full[i] = false;
+                }
+            }
+            _selector.Select(_items, count, (long)Math.Ceiling(1e3 * Math.Max(0.0, Math.Min(seconds, 0.05))));
+            byte[] bell;
+            bool more;
+            while (_woken.TryReceiveFrameBytes(out bell, out more))
+            {
+            }
+            Interlocked.Exchange(ref _rung, 0);
+        }
+
+        /// <inheritdoc/>
+        public void Wake()
+        {
+            if (Interlocked.Exchange(ref _rung, 1) == 0)
+            {
+                lock (_waking)
+                {
+                    if (_wakes != null)
+                    {
+                        _wakes.TrySendFrame(TimeSpan.Zero, _bell, 1);
+                    }
+                }
+            }
+        }
+
+        /// <inheritdoc/>
+        public void Close()
+        {
+            _stood = false;
+            for (int i = 0; i < 3; i++)
+            {
+                if (_sockets[i] != null)
+                {
+                    _sockets[i].Dispose();
+                    _sockets[i] = null;
+                }
+            }
+        }
+
+        /// <inheritdoc/>
+        public void Dispose()
+        {
+            Close();
+            lock (_waking)
+            {
+                if (_wakes != null)
+                {
+                    _wakes.Dispose();
+                    _woken.Dispose();
+                    _wakes = null;
+                }
+            }
+        }
+    }
+}
+#endif

@@ -1,0 +1,148 @@
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// Commands that wait to be sent: the game writes, the worker takes. Of each object only the newest is kept, for
+    /// as long as a command may live. What is written for another session than the one there is, is not kept.
+    /// </summary>
+    internal sealed class Outbox
+    {
+        private readonly object _lock = new object();
+        private readonly Parts _parts;
+        private readonly Latest _latest;
+        private readonly double _life;
+        private Writer _hands, _quiet;
+        private double _handsTime, _quietTime, _clearTime;
+        private bool _clear;
+        private int _session;
+
+        /// <summary>parts: where the bytes that are given come from. life: how long a command may live [s].</summary>
+        public Outbox(Parts parts, double life)
+        {
+            _parts = parts;
+            _life = life;
+            _latest = new Latest(parts, life);
+        }
+
+        /// <summary>Begins a session, with nothing that waits; 0: there is none.</summary>
+        public void Open(int session)
+        {
+            lock (_lock)
+            {
+                Forget();
+                _session = session;
+            }
+        }
+
+        /// <summary>Keeps something about an object, in place of what it outdoes. part: its bytes, which are taken.</summary>
+        public bool Write(int session, Kind kind, string name, Writer part, ref Movement movement, double now)
+        {
+            lock (_lock)
+            {
+                bool current = Current(session, part);
+                if (current)
+                {
+                    _latest.Write(kind, name, part, ref movement, now);
+                }
+                return current;
+            }
+        }
+
+        /// <summary>Keeps all hands, or all quiet zones. part: their bytes, which are taken.</summary>
+        public bool Write(int session, Kind kind, Writer part, double time)
+        {
+            lock (_lock)
+            {
+                if (!Current(session, part))
+                {
+                    return false;
+                }
+                if (kind == Kind.Hands)
+                {
+                    _parts.GiveBack(_hands);
+                    _hands = part;
+                    _handsTime = time;
+                }
+                else
+                {
+                    _parts.GiveBack(_quiet);
+                    _quiet = part;
+                    _quietTime = time;
+                }
+                return true;
+            }
+        }
+
+        /// <summary>Keeps that all is to be cleared, and nothing else.</summary>
+        public bool Clear(int session, double now)
+        {
+            lock (_lock)
+            {
+                bool current = Current(session, null);
+                if (current)
+                {
+                    Forget();
+                    _clear = true;
+                    _clearTime = now;
+                }
+                return current;
+            }
+        }
+
+        /// <summary>The next command to be sent, whose parts are to be given back; false if nothing waits.</summary>
+        public bool Take(Batch batch, double now)
+        {
+            batch.Clear();
+            lock (_lock)
+            {
+                if (_clear && now - _clearTime <= _life)
+                {
+                    batch.Begin(Kind.Clear, _clearTime);
+                }
+                _clear = false;
+                Take(batch, Kind.Quiet, ref _quiet, _quietTime, now);
+                _latest.Take(batch, now);
+                Take(batch, Kind.Hands, ref _hands, _handsTime, now);
+            }
+            return batch.Kind != Kind.None;
+        }
+
+        private void Take(Batch batch, Kind kind, ref Writer part, double time, double now)
+        {
+            if (batch.Kind != Kind.None || part == null)
+            {
+                return;
+            }
+            if (now - time <= _life)
+            {
+                batch.Begin(kind, time);
+                batch.Parts.Add(part);
+            }
+            else
+            {
+                _parts.GiveBack(part);
+            }
+            part = null;
+        }
+
+        private bool Current(int session, Writer part)
+        {
+            if (session == 0 || session != _session)
+            {
+                _parts.GiveBack(part);
+                return false;
+            }
+            return true;
+        }
+
+        private void Forget()
+        {
+            _latest.Forget();
+            _parts.GiveBack(_hands);
+            _parts.GiveBack(_quiet);
+            _hands = _quiet = null;
+            _clear = false;
+        }
+    }
+}

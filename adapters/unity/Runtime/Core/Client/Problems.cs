@@ -1,0 +1,101 @@
+using System;
+using System.Globalization;
+using System.Text;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>What is told to people when there is no connection, and what they can do.</summary>
+    internal static class Problems
+    {
+        public const string Nothing = "; nothing of this session goes on";
+
+        /// <summary>Why a connection to an address has ended.</summary>
+        public static string Of(Ending ending, string at)
+        {
+            switch (ending)
+            {
+                case Ending.Nobody:
+                    return "the server at " + at + " does not answer: is `pacinian serve` running?";
+                case Ending.Denied:
+                    return "the server at " + at + " refuses the token or key: another server may have been started since";
+                case Ending.Foreign:
+                    return "the server at " + at + " is no Pacinian server, or wants other security: CURVE keys or a token";
+                default:
+                    return "the server at " + at + " has gone";
+            }
+        }
+
+        /// <summary>What the server would not do.</summary>
+        public static Refusal Of(Error error)
+        {
+            string advice = error.Advice;
+            if (error.Code == Code.Version && advice.Length == 0)
+            {
+                advice = "update the older of the two: this client speaks " + Protocol.Major + "." + Protocol.Minor;
+            }
+            string code = Encoding.ASCII.GetString(Words.Code[(int)error.Code]);
+            return new Refusal { Code = code, Message = error.Message, Path = error.Path, Advice = advice };
+        }
+
+        /// <summary>Whether that ends the sound of an owner, unasked.</summary>
+        public static bool Ends(Code code)
+        {
+            return code == Code.Expired || code == Code.Owner || code == Code.Fault || code == Code.Stopped;
+        }
+
+        /// <summary>Whether it is the server that will not have us.</summary>
+        public static bool Refuses(Ending ending)
+        {
+            return ending == Ending.Denied || ending == Ending.Foreign;
+        }
+
+        /// <summary>No answer in time [s].</summary>
+        public static string Hangs(string what, double seconds)
+        {
+            string time = seconds.ToString(CultureInfo.InvariantCulture);
+            return "no answer to `" + what + "` within " + time + " s: the server hangs";
+        }
+
+        /// <summary>Why a thread of ours has ended.</summary>
+        public static string Of(Exception error)
+        {
+            if (error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException)
+            {
+                return "the library libzmq (4.3 or newer) is not installed for this program: " + error.Message;
+            }
+            return "the client has failed: " + error;
+        }
+
+        /// <summary>Of two major versions the older is to be updated.</summary>
+        public static string Version(long theirs)
+        {
+            string older = theirs < Protocol.Major ? "server" : "client";
+            return "the server speaks protocol " + theirs + ", this client " + Protocol.Major + ": update the " + older;
+        }
+
+        /// <summary>What a reader here cannot read.</summary>
+        public static Refusal Unreadable(string problem, string path)
+        {
+            return new Refusal
+            {
+                Code = "malformed",
+                Message = "the server's answer cannot be read: " + problem,
+                Path = path,
+                Advice = "update the older of client and server",
+            };
+        }
+
+        /// <summary>A stop that was not confirmed.</summary>
+        public static Refusal Unstopped(string problem)
+        {
+            return new Refusal
+            {
+                Code = "stop",
+                Message = "the stop was not confirmed: " + problem,
+                Path = "",
+                Advice = "`pacinian stop`, or switch the array off",
+            };
+        }
+    }
+}

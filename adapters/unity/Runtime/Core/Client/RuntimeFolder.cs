@@ -1,0 +1,53 @@
+using System;
+using System.Collections.Generic;
+using System.IO;
+
+namespace Pacinian
+{
+    /// <summary>Where the server writes its connection file: the user's folder for what lives as long as programs do.</summary>
+    internal static class RuntimeFolder
+    {
+        private const string Name = "pacinian";
+        private const string Connection = "connection.json";
+
+        /// <summary>The connection file that is there, or the first place where it might be.</summary>
+        public static string File()
+        {
+            string first = null;
+            foreach (string folder in Folders())
+            {
+                string path = Path.Combine(folder, Connection);
+                first = first ?? path;
+                if (System.IO.File.Exists(path))
+                {
+                    return path;
+                }
+            }
+            return first;
+        }
+
+        private static IEnumerable<string> Folders()
+        {
+            if (Environment.OSVersion.Platform == PlatformID.Win32NT)
+            {
+                string local = Environment.GetFolderPath(Environment.SpecialFolder.LocalApplicationData);
+                yield return Path.Combine(Path.Combine(Path.Combine(local, "Temp"), Name), Name);
+                yield break;
+            }
+            string given = Environment.GetEnvironmentVariable("XDG_RUNTIME_DIR");
+            if (!string.IsNullOrEmpty(given) && given[0] == '/')
+            {
+                yield return Path.Combine(given, Name);
+            }
+            string home = Environment.GetEnvironmentVariable("HOME");
+            if (!string.IsNullOrEmpty(home) && Directory.Exists("/System/Library")) // macOS
+            {
+                yield return Path.Combine(home, "Library/Caches/TemporaryItems/" + Name);
+                yield break;
+            }
+            uint user = Unix.User();
+            yield return "/run/user/" + user + "/" + Name;
+            yield return Path.Combine(Path.GetTempPath(), "runtime-" + user + "/" + Name);
+        }
+    }
+}

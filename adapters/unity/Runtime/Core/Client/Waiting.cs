@@ -1,0 +1,75 @@
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>What waits to be sent about one object: of each kind the newest, and when it was asked for [s].</summary>
+    internal sealed class Waiting
+    {
+        private Writer _put, _envelope;
+        private bool _removed, _moved;
+        private double _removeTime, _putTime, _envelopeTime, _moveTime;
+
+        public Movement Movement { get; private set; }
+
+        /// <summary>Something of that kind waits now.</summary>
+        public void Keep(Kind kind, Writer part, ref Movement movement, double now)
+        {
+            switch (kind)
+            {
+                case Kind.Remove: _removed = true; _removeTime = now; break;
+                case Kind.Put: _put = part; _putTime = now; break;
+                case Kind.Envelope: _envelope = part; _envelopeTime = now; break;
+                case Kind.Move: _moved = true; Movement = movement; _moveTime = now; break;
+            }
+        }
+
+        /// <summary>Whether nothing waits.</summary>
+        public bool Empty
+        {
+            get { return !_removed && !_moved && _put == null && _envelope == null; }
+        }
+
+        /// <summary>Whether something of that kind waits.</summary>
+        public bool Has(Kind kind)
+        {
+            switch (kind)
+            {
+                case Kind.Remove: return _removed;
+                case Kind.Put: return _put != null;
+                case Kind.Envelope: return _envelope != null;
+                case Kind.Move: return _moved;
+                default: return false;
+            }
+        }
+
+        /// <summary>When what waits of that kind was asked for [s].</summary>
+        public double Time(Kind kind)
+        {
+            switch (kind)
+            {
+                case Kind.Remove: return _removeTime;
+                case Kind.Put: return _putTime;
+                case Kind.Envelope: return _envelopeTime;
+                default: return _moveTime;
+            }
+        }
+
+        /// <summary>The bytes of what waits of that kind; null for kinds that have none.</summary>
+        public Writer Part(Kind kind)
+        {
+            return kind == Kind.Put ? _put : kind == Kind.Envelope ? _envelope : null;
+        }
+
+        /// <summary>Nothing of that kind waits any more.</summary>
+        public void Drop(Kind kind)
+        {
+            switch (kind)
+            {
+                case Kind.Remove: _removed = false; break;
+                case Kind.Put: _put = null; break;
+                case Kind.Envelope: _envelope = null; break;
+                case Kind.Move: _moved = false; break;
+            }
+        }
+    }
+}

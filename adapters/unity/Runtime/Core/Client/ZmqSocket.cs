@@ -1,0 +1,180 @@
+using System;
+using System.Text;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// A socket of libzmq that never waits. Belongs to one thread; to be closed before its context is.
+    /// </summary>
+    internal sealed class ZmqSocket
+    {
+        private const int Most = 1000; // messages that wait to be read
+        private const int Waiting = 16; // messages that wait to be sent
+        private const string User = "pacinian";
+
+        private readonly byte[] _event = new byte[6];
+        private readonly byte[] _skipped = new byte[256];
+        private IntPtr _monitor;
+
+        public ZmqSocket(IntPtr context, int type)
+        {
+            Handle = LibZmq.zmq_socket(context, type);
+            Set(LibZmq.Linger, 0);
+        }
+
+        public IntPtr Handle { get; private set; }
+
+        /// <summary>Whether room to send is waited for.</summary>
+        public bool Full { get; set; }
+
+        public IntPtr Monitor
+        {
+            get { return _monitor; }
+        }
+
+        public bool Valid
+        {
+            get { return Handle != IntPtr.Zero; }
+        }
+
+        /// <summary>What all sockets to a server have; false if the connection has no token or keys that will do.</summary>
+        public bool Secure(Connection connection)
+        {
+            Set(LibZmq.SendRoom, Waiting);
+            Set(LibZmq.ReceiveRoom, Most);
+            Set(LibZmq.HandshakeTimeout, 1000); // [ms], as all below
+            Set(LibZmq.ConnectTimeout, 2000);
+            long longest = Protocol.LongestReply;
+            LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
+            if (connection.ServerKey.Length > 0)
+            {
+                return Set(LibZmq.CurveServerKey, connection.ServerKey)
+                    && Set(LibZmq.CurvePublicKey, connection.PublicKey)
+                    && Set(LibZmq.CurveSecretKey, connection.SecretKey);
+            }
+            return connection.Token.Length > 0
+                && Set(LibZmq.PlainUser, User)
+                && Set(LibZmq.PlainPassword, connection.Token);
+        }
+
+        /// <summary>It takes messages only while it is connected, and is connected only once; its end is told.</summary>
+        public void Once(IntPtr context, string monitor, bool heartbeat)
+        {
+            Set(LibZmq.Immediate, 1);
+            Set(LibZmq.ReconnectInterval, -1);
+            if (heartbeat)
+            {
+                Set(LibZmq.HeartbeatInterval, 50); // [ms], as all below
+                Set(LibZmq.HeartbeatTtl, 200);
+                Set(LibZmq.HeartbeatTimeout, 500);
+                Set(LibZmq.ReceiveRoom, 0); // no limit: libzmq 4.3 ends the process if a heartbeat is due at one
+            }
+            const int events = LibZmq.Connected | LibZmq.Closed | LibZmq.Disconnected
+                | LibZmq.FailedNoDetail | LibZmq.FailedProtocol | LibZmq.FailedAuth;
+            byte[] at = LibZmq.Text(monitor);
+            LibZmq.zmq_socket_monitor(Handle, at, events);
+            _monitor = LibZmq.zmq_socket(context, LibZmq.Pair);
+            int none = 0;
+            LibZmq.zmq_setsockopt(_monitor, LibZmq.Linger, ref none, (UIntPtr)4);
+            LibZmq.zmq_connect(_monitor, at);
+        }
+
+        /// <summary>Connects to an address; false if it is none.</summary>
+        public bool Connect(string address)
+        {
+            Set(LibZmq.Ipv6, address.IndexOf('[') >= 0 ? 1 : 0);
+            return LibZmq.zmq_connect(Handle, LibZmq.Text(address)) == 0;
+        }
+
+        public bool Set(int option, int value)
+        {
+            return LibZmq.zmq_setsockopt(Handle, option, ref value, (UIntPtr)4) == 0;
+        }
+
+        public bool Set(int option, string value)
+        {
+            byte[] data = Encoding.UTF8.GetBytes(value);
+            return LibZmq.zmq_setsockopt(Handle, option, data, (UIntPtr)data.Length) == 0;
+        }
+
+        /// <summary>An option that is a whole number; 0 if it cannot be told.</summary>
+        public int Get(int option)
+        {
+            int value = 0;
+            UIntPtr count = (UIntPtr)4;
+            return LibZmq.zmq_getsockopt(Handle, option, ref value, ref count) == 0 ? value : 0;
+        }
+
+        public bool Room()
+        {
+            Full = (Get(LibZmq.Events) & LibZmq.Out) == 0;
+            return !Full;
+        }
+
+        public bool Send(byte[] data, int count)
+        {
+            Full = LibZmq.zmq_send(Handle, data, (UIntPtr)count, LibZmq.DontWait) != count;
+            return !Full;
+        }
+
+        /// <summary>The last part of the next message: its bytes, -1 if there is none.</summary>
+        public int Receive(byte[] into)
+        {
+            int count;
+            do
+            {
+                count = LibZmq.zmq_recv(Handle, into, (UIntPtr)into.Length, LibZmq.DontWait);
+            }
+            while (count >= 0 && Get(LibZmq.More) != 0);
+            return Math.Min(count, into.Length);
+        }
+
+        /// <summary>How the connection has ended, as the monitor told.</summary>
+        public Ending Ended()
+        {
+            for (int told = Told(); told != 0; told = Told())
+            {
+                if ((told & LibZmq.FailedAuth) != 0)
+                {
+                    return Ending.Denied;
+                }
+                if ((told & (LibZmq.FailedProtocol | LibZmq.FailedNoDetail)) != 0)
+                {
+                    return Ending.Foreign;
+                }
+                if ((told & (LibZmq.Closed | LibZmq.Disconnected)) != 0)
+                {
+                    return (told & LibZmq.Closed) != 0 ? Ending.Nobody : Ending.Gone;
+                }
+            }
+            return Ending.None;
+        }
+
+        public void Close()
+        {
+            if (_monitor != IntPtr.Zero)
+            {
+                LibZmq.zmq_socket_monitor(Handle, null, 0);
+                LibZmq.zmq_close(_monitor);
+                _monitor = IntPtr.Zero;
+            }
+            if (Valid)
+            {
+                LibZmq.zmq_close(Handle);
+                Handle = IntPtr.Zero;
+            }
+        }
+
+        private int Told()
+        {
+            if (_monitor == IntPtr.Zero
+                || LibZmq.zmq_recv(_monitor, _event, (UIntPtr)_event.Length, LibZmq.DontWait) < 2)
+            {
+                return 0;
+            }
+            LibZmq.zmq_recv(_monitor, _skipped, (UIntPtr)_skipped.Length, LibZmq.DontWait);
+            return _event[0] | _event[1] << 8;
+        }
+    }
+}

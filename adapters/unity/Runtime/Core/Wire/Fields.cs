@@ -1,0 +1,153 @@
+using System.Text;
+
+namespace Pacinian.Wire
+{
+    /// <summary>Messages as maps: their keys, their kinds, and where in them something is wrong.</summary>
+    public sealed partial class Reader
+    {
+        /// <summary>What <see cref="Key"/> gives for a key that is not known.</summary>
+        internal const int Other = -1;
+
+        /// <summary>What is given where something is wrong.</summary>
+        internal const int Failed = -2;
+
+        private const string NoValue = "is cut short, or has a byte that MessagePack never uses";
+        private const int Longest = 200; // characters of a path that are told
+        private static readonly byte[][] Type = Utf8.Of("type");
+
+        /// <summary>The index of the next key; Other; or Failed. likely: where to look first.</summary>
+        internal int Key(byte[][] keys, int likely)
+        {
+            Head head;
+            if (!TextNext() || !Take(out head))
+            {
+                return Failed;
+            }
+            if (likely < keys.Length && Utf8.Same(_data, head.Start, head.Count, keys[likely]))
+            {
+                return likely;
+            }
+            for (int i = 0; i < keys.Length; i++)
+            {
+                if (Utf8.Same(_data, head.Start, head.Count, keys[i]))
+                {
+                    return i;
+                }
+            }
+            return Other;
+        }
+
+        /// <summary>Which of these is the `type` of the message that begins here, all of which is left; or Failed.</summary>
+        internal int Tag(byte[][] tags)
+        {
+            int start = _at, count, index;
+            if (!Map(out count))
+            {
+                return Failed;
+            }
+            for (; count > 0; count--)
+            {
+                int key = Key(Type, 0);
+                if (key == 0)
+                {
+                    bool known = Tag(tags, out index);
+                    _at = start;
+                    return known || Within(".type") ? index : Failed;
+                }
+                if (key == Failed || !Skip())
+                {
+                    return Failed;
+                }
+            }
+            Fail("is missing");
+            Within(".type");
+            return Failed;
+        }
+
+        /// <summary>The `type` must be this one.</summary>
+        internal bool Expect(byte[][] tag)
+        {
+            int index;
+            return Tag(tag, out index);
+        }
+
+        private bool Tag(byte[][] tags, out int index)
+        {
+            index = 0;
+            return TextNext() && Word(tags, out index);
+        }
+
+        private bool TextNext()
+        {
+            return _at >= _end || IsText() || Fail("must be str");
+        }
+
+        /// <summary>Whether text comes next.</summary>
+        internal bool IsText()
+        {
+            int code = _at < _end ? _data[_at] : 0;
+            return (code >= 0xA0 && code < 0xC0) || (code >= 0xD9 && code <= 0xDB);
+        }
+
+        /// <summary>The first of these fields is missing.</summary>
+        internal bool Missing(byte[][] keys, ulong fields)
+        {
+            int first = 0;
+            while ((fields >> first & 1) == 0)
+            {
+                first++;
+            }
+            Fail("is missing");
+            return Within(keys, first);
+        }
+
+        /// <summary>What is wrong is in the field of that index.</summary>
+        internal bool Within(byte[][] keys, int key)
+        {
+            return key < 0 ? false : Within("." + Encoding.UTF8.GetString(keys[key]));
+        }
+
+        /// <summary>What is wrong is in the item of that index.</summary>
+        internal bool Within(int index)
+        {
+            return Within("[" + index + "]");
+        }
+
+        /// <summary>What is wrong is in that part. False.</summary>
+        internal bool Within(string part)
+        {
+            if (!_whole)
+            {
+                string path = "$" + part + Path.Substring(1);
+                Path = path.Length > Longest ? path.Substring(0, Longest) : path;
+            }
+            return false;
+        }
+
+        /// <summary>Something is wrong here. False.</summary>
+        internal bool Fail(string problem)
+        {
+            Problem = Problem.Length == 0 ? problem : Problem;
+            return false;
+        }
+
+        private bool Wrong(string problem, Head head)
+        {
+            bool broken = head.Kind == Kind.Never || head.Cut;
+            return broken ? Broken(NoValue) : Fail(problem);
+        }
+
+        private bool Unknown(Head head)
+        {
+            bool text = Utf8.Points(_data, head.Start, head.Count) >= 0;
+            return text ? Fail("must be a word that is known here") : Broken("has text that is not UTF-8");
+        }
+
+        /// <summary>The bytes are no MessagePack: whatever it was, the whole message is wrong. False.</summary>
+        private bool Broken(string problem)
+        {
+            _whole = true;
+            return Fail(problem);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+using Pacinian.Wire;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>What the server is told about an effect: whole when it is new or changed, else where it is.</summary>
+    public abstract partial class HapticEffect
+    {
+        private const string Objects = "$.objects["; // how the path of an object begins
+
+        private string _name = "";
+        private int _known, _there; // sessions in which it was looked at, and in which the server has it
+        private bool _changed;
+        private double _begin;
+        private Velocity _velocity;
+        private HapticEnvelope _told;
+        private int _version;
+
+        /// <summary>Each frame, with the session's number and the way from the world to the array. now: [s].</summary>
+        internal void Send(HapticClient client, int session, Rigid toArray, double now)
+        {
+            Playing = Playing && !(duration > 0f && now - _begin >= duration);
+            Rigid pose = toArray * Frames.Of(transform);
+            bool near = Frames.InReach(pose.Position);
+            if (_there != session)
+            {
+                _there = 0;
+            }
+            if (!Playing || !near)
+            {
+                Withdraw(client);
+                _known = 0;
+                return;
+            }
+            if (_known != session || _changed || Reshaped())
+            {
+                Put(client, session, pose, now);
+            }
+            else if (_there == session)
+            {
+                Follow(client, pose, now);
+            }
+        }
+
+        /// <summary>
+        /// The server would not take an object, nor what came with it in one message: that one is not told again until it
+        /// changes, all others are.
+        /// </summary>
+        internal static void Refuse(HapticClient client, Refusal why)
+        {
+            if (why.Path == null || !why.Path.StartsWith(Objects, System.StringComparison.Ordinal))
+            {
+                return;
+            }
+            foreach (HapticEffect effect in All)
+            {
+                string own = Objects + effect._name + "]";
+                if (why.Path.StartsWith(own, System.StringComparison.Ordinal))
+                {
+                    effect.Problem = why.Message;
+                    effect.Withdraw(client);
+                    continue;
+                }
+                effect._changed = true;
+            }
+        }
+
+        private void Withdraw(HapticClient client)
+        {
+            if (_there != 0)
+            {
+                client.Remove(_name);
+            }
+            _there = 0;
+            _velocity.Forget();
+        }
+
+        private void Put(HapticClient client, int session, Rigid pose, double now)
+        {
+            string problem;
+            Felt felt = Shaped(out problem);
+            if (felt != null)
+            {
+                Describe(felt, now);
+                Place(felt, pose);
+                problem = Checking.Problem(felt, Blank());
+            }
+            Tell(problem);
+            _changed = false;
+            _known = session;
+            if (problem.Length > 0)
+            {
+                Withdraw(client);
+                return;
+            }
+            Movement movement;
+            _velocity.Next(pose, now, out movement);
+            _there = client.Put(_name, felt) ? session : 0;
+        }
+
+        private void Follow(HapticClient client, Rigid pose, double now)
+        {
+            int version = envelope == null ? 0 : envelope.Version;
+            if (envelope != _told || version != _version)
+            {
+                client.Envelope(_name, Shape());
+            }
+            Movement movement;
+            if (_velocity.Next(pose, now, out movement))
+            {
+                movement.Moving = movement.Moving && tellVelocity;
+                client.Move(_name, movement);
+            }
+        }
+
+        private void Describe(Felt felt, double now)
+        {
+            felt.RadiationPressure = unit == HapticUnit.Pascal ? (double?)strength : null;
+            felt.Force = unit == HapticUnit.Newton ? (double?)strength : null;
+            felt.Envelope = Shape();
+            felt.Technique = technique.Message;
+            felt.Material.Stiffness = stiffness > 0f ? (double?)stiffness : null;
+            felt.Material.Reach = reach;
+            felt.Priority = priority;
+            felt.Duration = duration > 0f ? (double?)(duration - (now - _begin)) : null;
+        }
+
+        private IEnvelope Shape()
+        {
+            _told = envelope;
+            _version = envelope == null ? 0 : envelope.Version;
+            return envelope == null ? HapticEnvelope.Steady : envelope.Message;
+        }
+
+        private void Tell(string problem)
+        {
+            if (problem.Length > 0 && problem != Problem)
+            {
+                Debug.LogWarning("Pacinian: " + name + " cannot be felt: " + problem, this);
+            }
+            Problem = problem;
+        }
+    }
+}

@@ -1,0 +1,102 @@
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>
+    /// Each frame: the lease is renewed by Update, which a frozen game does not reach; after all others' LateUpdate what
+    /// has moved is told.
+    /// </summary>
+    public sealed partial class HapticServer
+    {
+        private readonly List<Wire.HandFrame> _hands = new List<Wire.HandFrame>();
+        private readonly List<Wire.Zone> _zones = new List<Wire.Zone>();
+        private readonly Changing _changing = new Changing();
+        private int _emptySession, _zonesSession; // in which the server was told that there are no hands; all zones
+        private bool _arms, _handed;
+
+        private void Update()
+        {
+            if (Client != null)
+            {
+                Client.Tick();
+            }
+        }
+
+        private void LateUpdate()
+        {
+            if (Client == null || Client.Status != ClientStatus.Connected || _session == 0)
+            {
+                return;
+            }
+            double now = Time.realtimeSinceStartupAsDouble;
+            Rigid toArray = ArrayOrigin.ToArray;
+            _changing.Send(Client, solver, backend, intensity, now);
+            SendZones(toArray);
+            for (int i = 0; i < HapticEffect.All.Count; i++)
+            {
+                HapticEffect.All[i].Send(Client, _session, toArray, now);
+            }
+            SendHands(toArray, now);
+            if (_arms)
+            {
+                _arms = false;
+                Arm();
+            }
+        }
+
+        /// <summary>
+        /// Every frame while there are hands; once, and once in each new session, when there are none any more: or else
+        /// objects would be rendered whole.
+        /// </summary>
+        private void SendHands(Rigid toArray, double now)
+        {
+            _hands.Clear();
+            for (int i = 0; i < HapticHand.All.Count && _hands.Count < Wire.Protocol.MostHands; i++)
+            {
+                _hands.Add(HapticHand.All[i].Frame(toArray, now));
+            }
+            bool any = _hands.Count > 0;
+            _handed = _handed || any;
+            if (any || (_handed && _emptySession != _session))
+            {
+                Client.Hands(_hands);
+                _emptySession = any ? 0 : _session;
+            }
+        }
+
+        /// <summary>When one has moved, come or gone.</summary>
+        private void SendZones(Rigid toArray)
+        {
+            bool changed = _zones.Count > 0 && _zonesSession != _session;
+            int count = 0;
+            for (int i = 0; i < QuietZone.All.Count && count < Wire.Protocol.MostZones; i++)
+            {
+                if (count == _zones.Count)
+                {
+                    _zones.Add(new Wire.Zone());
+                    changed = true;
+                }
+                QuietZone.All[i].Write(toArray, _zones[count++], ref changed);
+            }
+            if (count < _zones.Count)
+            {
+                _zones.RemoveRange(count, _zones.Count - count);
+                changed = true;
+            }
+            if (changed)
+            {
+                _zonesSession = _session;
+                Client.Quiet(_zones);
+            }
+        }
+
+        private void OnDrawGizmos()
+        {
+            if (drawEmitted && State != null)
+            {
+                EmittedGizmos.Draw(State, ArrayOrigin.InWorld);
+            }
+        }
+    }
+}

@@ -1,0 +1,190 @@
+using System;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>
+    /// The connection to `pacinian serve`. One in a scene; all other components find it. It connects by itself, again
+    /// and again, and nothing here waits for the server.
+    /// </summary>
+    [DisallowMultipleComponent]
+    [DefaultExecutionOrder(1000)]
+    [AddComponentMenu("Pacinian/Haptic Server")]
+    public sealed partial class HapticServer : MonoBehaviour
+    {
+        [SerializeField, Tooltip("Connection file of the server; empty: where a server on this machine writes it.")]
+        private string connectionFile = "";
+        [SerializeField, Tooltip("Who this is, for people; empty: the product's name.")]
+        private string clientName = "";
+        [SerializeField, Tooltip("Clients that give the same name share a scene; empty: one of its own.")]
+        private string sharedScene = "";
+        [SerializeField, Tooltip("Silence if no frame comes for so long [s]; 0: the server's, which is the most.")]
+        [Range(0f, 1f)]
+        private float lease;
+        [SerializeField, Tooltip("The first connection makes the scene felt.")]
+        private bool armOnConnect = true;
+        [SerializeField, Tooltip("Also after the connection was lost, or the game froze, if it was armed before.")]
+        private bool armAgainAfterLoss;
+        [SerializeField, Tooltip("Arming takes the output from another program.")]
+        private bool takeOver;
+        [SerializeField, Tooltip("Factor on all radiation pressures."), Range(0f, 1f)]
+        private float intensity = 1f;
+        [SerializeField, Tooltip("Empty: the server's.")]
+        private string solver = "";
+        [SerializeField, Tooltip("Empty: the server's.")]
+        private string backend = "";
+        [SerializeField, Tooltip("Draws what the server says that it emits, not what was asked for.")]
+        private bool drawEmitted = true;
+
+        private bool _wanted;
+
+        /// <summary>The one that is enabled; null if there is none.</summary>
+        public static HapticServer Current { get; private set; }
+
+        /// <summary>There is a session. Objects are put by themselves.</summary>
+        public event Action Connected;
+
+        /// <summary>The session is over, and why.</summary>
+        public event Action<string> Lost;
+
+        /// <summary>It does not sound any more, unasked: expired, owner, stopped or fault.</summary>
+        public event Action<Refusal> Ended;
+
+        /// <summary>What the server would not do.</summary>
+        public event Action<Refusal> Refused;
+
+        /// <summary>The newest state has come; it is good until the next frame.</summary>
+        public event Action<Wire.State> StateChanged;
+
+        /// <summary>The engine-free client, for what is not here; null while this is disabled.</summary>
+        public HapticClient Client { get; private set; }
+
+        /// <summary>How it stands with the server.</summary>
+        public ClientStatus Status
+        {
+            get { return Client == null ? ClientStatus.Stopped : Client.Status; }
+        }
+
+        /// <summary>Why there is no session and what to do, or what the server last refused; "" if all is well.</summary>
+        public string Problem
+        {
+            get { return Status == ClientStatus.Connected ? _refused : Client == null ? "" : Client.Problem; }
+        }
+
+        /// <summary>Whether this game's scene may be felt.</summary>
+        public bool Armed
+        {
+            get { return Client != null && Client.Armed; }
+        }
+
+        /// <summary>Median round trip to the server [s].</summary>
+        public double Latency
+        {
+            get { return Client == null ? 0.0 : Client.Latency; }
+        }
+
+        /// <summary>What the server says that it emits; null before the first, good until the next frame.</summary>
+        public Wire.State State
+        {
+            get { return Client == null ? null : Client.State; }
+        }
+
+        /// <summary>What the server can do; null until it has told.</summary>
+        public Wire.Abilities Capabilities
+        {
+            get { return Client == null ? null : Client.Capabilities; }
+        }
+
+        /// <summary>Factor on all radiation pressures, 0..1; told to the server at most ten times a second.</summary>
+        public float Intensity
+        {
+            get { return intensity; }
+            set { intensity = Mathf.Clamp01(value); }
+        }
+
+        /// <summary>Solver and backend by their names in the capabilities; "": as it is.</summary>
+        public string Solver
+        {
+            get { return solver; }
+            set { solver = value ?? ""; }
+        }
+
+        /// <inheritdoc cref="Solver"/>
+        public string Backend
+        {
+            get { return backend; }
+            set { backend = value ?? ""; }
+        }
+
+        /// <summary>Whether the first connection makes the scene felt. Before this is enabled.</summary>
+        public bool ArmOnConnect
+        {
+            get { return armOnConnect; }
+            set { armOnConnect = value; }
+        }
+
+        /// <summary>Whether it sounds again after a loss or a freeze, if it was armed before.</summary>
+        public bool ArmAgainAfterLoss
+        {
+            get { return armAgainAfterLoss; }
+            set { armAgainAfterLoss = value; }
+        }
+
+        /// <summary>Connection file; "": where a server on this machine writes it. Before this is enabled.</summary>
+        public string ConnectionFile
+        {
+            get { return connectionFile; }
+            set { connectionFile = value ?? ""; }
+        }
+
+        /// <summary>This scene is to be felt. False: there is no session.</summary>
+        public bool Arm()
+        {
+            bool asked = Client != null && Client.Arm(takeOver);
+            _wanted = _wanted || asked;
+            return asked;
+        }
+
+        /// <summary>Silence, softly; the output is let go.</summary>
+        public bool Disarm()
+        {
+            _wanted = false;
+            return Client != null && Client.Disarm();
+        }
+
+        /// <summary>Silence at once, whoever owns the output, until <see cref="ResetOutput"/>. Also while disabled.</summary>
+        public void EmergencyStop()
+        {
+            _wanted = false;
+            (Client ?? new HapticClient(Choices())).Stop();
+        }
+
+        /// <summary>After an emergency stop or a fault: it may be armed again.</summary>
+        public bool ResetOutput()
+        {
+            return Client != null && Client.Reset();
+        }
+
+        /// <summary>Ends the connection of whatever instance has one: silence. It waits for half a second at most.</summary>
+        public static void ShutDown()
+        {
+            if (Current is object)
+            {
+                Current.Close();
+            }
+        }
+
+        internal Options Choices()
+        {
+            string name = string.IsNullOrEmpty(clientName) ? Application.productName : clientName;
+            return new Options
+            {
+                ConnectionPath = connectionFile,
+                Name = string.IsNullOrEmpty(name) ? "Unity" : name.Length > 64 ? name.Substring(0, 64) : name,
+                Version = Application.version.Length > 64 ? "" : Application.version,
+                Scene = sharedScene,
+                Lease = lease,
+            };
+        }
+    }
+}

@@ -1,0 +1,68 @@
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>A mesh as the wire has it.</summary>
+    internal static class MeshShape
+    {
+        /// <summary>
+        /// The triangles of a mesh, scaled, in the wire's axes. Vertices at one place become one: Unity parts them at
+        /// seams of texture and at edges, where a volume has to be closed. Null, and why, if that cannot be.
+        /// </summary>
+        public static Wire.Mesh Of(Mesh mesh, Vector3 scale, out string problem)
+        {
+            problem = mesh == null ? "has no mesh"
+                : !mesh.isReadable ? "its mesh cannot be read: switch on Read/Write in its import settings"
+                : "";
+            if (problem.Length > 0)
+            {
+                return null;
+            }
+            Wire.Mesh made = new Wire.Mesh();
+            int[] index = Weld(mesh.vertices, scale, made);
+            bool mirrored = scale.x * scale.y * scale.z < 0f;
+            int faces = Faces(mesh.triangles, index, mirrored, made);
+            problem = faces == 0 ? "its mesh has no triangles"
+                : faces > Wire.Protocol.MostFaces ? "its mesh has " + faces + " triangles: keep to " + Wire.Protocol.MostFaces
+                : "";
+            return problem.Length > 0 ? null : made;
+        }
+
+        private static int[] Weld(Vector3[] vertices, Vector3 scale, Wire.Mesh made)
+        {
+            Dictionary<Vector3, int> known = new Dictionary<Vector3, int>();
+            int[] index = new int[vertices.Length];
+            for (int i = 0; i < vertices.Length; i++)
+            {
+                Vector3 vertex = Vector3.Scale(vertices[i], scale);
+                if (!known.TryGetValue(vertex, out index[i]))
+                {
+                    index[i] = known.Count;
+                    known.Add(vertex, index[i]);
+                    made.Vertices.Add(Frames.Of(vertex));
+                }
+            }
+            return index;
+        }
+
+        /// <summary>Unity sees a face clockwise from its front, the wire counter-clockwise; a mirror turns that round.</summary>
+        private static int Faces(int[] triangles, int[] index, bool mirrored, Wire.Mesh made)
+        {
+            int faces = 0;
+            for (int i = 0; i + 2 < triangles.Length; i += 3)
+            {
+                int a = index[triangles[i]], b = index[triangles[i + 1]], c = index[triangles[i + 2]];
+                if (a == b || b == c || c == a)
+                {
+                    continue;
+                }
+                made.Faces.Add((uint)a);
+                made.Faces.Add((uint)(mirrored ? b : c));
+                made.Faces.Add((uint)(mirrored ? c : b));
+                faces++;
+            }
+            return faces;
+        }
+    }
+}

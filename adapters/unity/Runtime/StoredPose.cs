@@ -1,0 +1,76 @@
+using System;
+using System.IO;
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>Where the array was found to stand, in its parent's frame: a file that people can read.</summary>
+    [Serializable]
+    internal sealed class StoredPose
+    {
+        public float x, y, z, qx, qy, qz, qw;
+        public float residual;
+
+        public Vector3 Position
+        {
+            get { return new Vector3(x, y, z); }
+        }
+
+        public Quaternion Rotation
+        {
+            get { return new Quaternion(qx, qy, qz, qw); }
+        }
+
+        /// <summary>Of a transform. residual: of the alignment [m].</summary>
+        public static StoredPose Of(Transform transform, float residual)
+        {
+            Vector3 p = transform.localPosition;
+            Quaternion q = transform.localRotation;
+            return new StoredPose { x = p.x, y = p.y, z = p.z, qx = q.x, qy = q.y, qz = q.z, qw = q.w, residual = residual };
+        }
+
+        /// <summary>Writes it, whole or not at all; "", or why that cannot be.</summary>
+        public string Save(string path)
+        {
+            try
+            {
+                string half = path + ".new";
+                File.WriteAllText(half, JsonUtility.ToJson(this, true));
+                if (File.Exists(path))
+                {
+                    File.Replace(half, path, null);
+                }
+                else
+                {
+                    File.Move(half, path);
+                }
+                return "";
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)
+            {
+                return path + ": cannot be written: " + error.Message;
+            }
+        }
+
+        /// <summary>Reads it; null, and why, if there is none that is whole.</summary>
+        public static StoredPose Load(string path, out string problem)
+        {
+            problem = "";
+            try
+            {
+                StoredPose read = JsonUtility.FromJson<StoredPose>(File.ReadAllText(path));
+                float length = read == null ? 0f : read.qx * read.qx + read.qy * read.qy + read.qz * read.qz + read.qw * read.qw;
+                if (length > 0.99f && length < 1.01f && Frames.InReach(Frames.Of(0.01f * read.Position)))
+                {
+                    return read;
+                }
+                problem = path + ": is no stored pose: align the array again";
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException || error is ArgumentException)
+            {
+                problem = path + ": cannot be read: " + error.Message;
+            }
+            return null;
+        }
+    }
+}

@@ -1,0 +1,106 @@
+using System;
+using System.IO;
+using System.Reflection;
+using NUnit.Framework;
+using Pacinian.Haptics.Editing;
+using UnityEditor;
+using UnityEngine;
+
+namespace Pacinian.Haptics.Tests
+{
+    public sealed class EditorTests
+    {
+        [Test]
+        public void TheMenuMakesWhatASceneNeeds()
+        {
+            Creating.Rig(new MenuCommand(null));
+            GameObject rig = Made();
+            Assert.IsNotNull(rig.GetComponent<HapticServer>());
+            Creating.Hand(new MenuCommand(rig));
+            Assert.IsTrue(Made().GetComponent<HapticHand>().Provider == Made().GetComponent<OpenHand>());
+            Assert.IsTrue(Made().transform.parent == rig.transform);
+            Creating.Ball(new MenuCommand(rig));
+            Assert.IsNotNull(Made().GetComponent<HapticVolume>());
+            Assert.AreEqual(0.03, Made().GetComponent<SphereCollider>().radius, 1e-6);
+            Creating.Point(new MenuCommand(rig));
+            Assert.IsNotNull(Made().GetComponent<HapticPoint>());
+            Creating.Quiet(new MenuCommand(rig));
+            Assert.IsNotNull(Made().GetComponent<QuietZone>());
+            UnityEngine.Object.DestroyImmediate(rig);
+        }
+
+        [Test]
+        public void ADropDownHasTheServersNamesAndTheOneThatIsChosen()
+        {
+            Wire.Abilities told = new Wire.Abilities();
+            told.Solvers.Add(new Wire.Plugin { Name = "gs" });
+            string[] names = Choices.Of(told.Solvers, "mine");
+            Assert.AreEqual("(the server's),gs,mine", string.Join(",", names));
+            Assert.AreEqual(0, Choices.Index(names, ""));
+            Assert.AreEqual(1, Choices.Index(names, "gs"));
+        }
+
+        [Test]
+        public void TheProgramIsTheChosenOneOrThatInThePath()
+        {
+            string before = Executable.Chosen;
+            string file = Path.GetTempFileName();
+            Executable.Chosen = file;
+            Assert.AreEqual(file, Executable.Find());
+            File.Delete(file);
+            Assert.IsTrue(Executable.Find() != file);
+            Executable.Chosen = before;
+        }
+
+        /// <summary>Does nothing where `pacinian` is not installed.</summary>
+        [Test]
+        public void AServerIsStartedAndStopped()
+        {
+            string file = Path.Combine(Path.GetTempPath(), "pacinian-test-" + Guid.NewGuid().ToString("N") + ".json");
+            string program = Executable.Find();
+            if (program.Length == 0 || file.Contains(" "))
+            {
+                return;
+            }
+            Assert.AreEqual("", LocalServer.Start(program, "--control 0 --command 0 --state 0 --connection " + file));
+            Assert.IsTrue(LocalServer.Running);
+            Until(() => File.Exists(file) || !LocalServer.Running, 60.0);
+            Assert.IsTrue(File.Exists(file), LocalServer.Log());
+            Forget();
+            Assert.IsTrue(LocalServer.Running, "also after scripts were loaded anew");
+            LocalServer.Stop();
+            Until(() => !LocalServer.Running, 20.0);
+            Assert.IsFalse(File.Exists(file), "the server takes its connection file with it");
+        }
+
+        [Test]
+        public void AProgramThatIsMissingIsToldInTheLog()
+        {
+            string missing = Path.Combine(Path.GetTempPath(), "no such pacinian");
+            Assert.AreEqual("", LocalServer.Start(missing, ""));
+            Until(() => !LocalServer.Running, 10.0);
+            Assert.IsTrue(LocalServer.Log().Length > 0);
+        }
+
+        private static void Forget()
+        {
+            const BindingFlags Own = BindingFlags.Static | BindingFlags.NonPublic;
+            typeof(LocalServer).GetField("s_process", Own).SetValue(null, null);
+        }
+
+        private static GameObject Made()
+        {
+            return (GameObject)Selection.activeObject;
+        }
+
+        private static void Until(Func<bool> done, double limit)
+        {
+            DateTime end = DateTime.UtcNow.AddSeconds(limit);
+            while (!done())
+            {
+                Assert.IsTrue(DateTime.UtcNow < end, LocalServer.Log());
+                System.Threading.Thread.Sleep(10);
+            }
+        }
+    }
+}

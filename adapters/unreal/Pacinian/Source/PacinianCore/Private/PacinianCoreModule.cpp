@@ -1,0 +1,31 @@
+#include "CoreMinimal.h"
+#include "HAL/PlatformProcess.h"
+#include "Interfaces/IPluginManager.h"
+#include "Misc/Paths.h"
+#include "Modules/ModuleManager.h"
+
+/**
+ * The core knows nothing of the engine; this makes a module of it. With it the core's memory comes from the engine's
+ * allocator, as that of the modules which hand strings and arrays to it.
+ */
+class FPacinianCoreModule : public IModuleInterface {
+ public:
+  virtual void StartupModule() override {
+#if PLATFORM_WINDOWS  // elsewhere the loader finds it
+    const TSharedPtr<IPlugin> Plugin = IPluginManager::Get().FindPlugin(TEXT("Pacinian"));
+    if (Plugin)
+      Library = FPlatformProcess::GetDllHandle(
+          *FPaths::Combine(Plugin->GetBaseDir(), TEXT("Binaries/ThirdParty/ZeroMQ/Win64/libzmq.dll")));
+#endif
+  }
+
+  virtual void ShutdownModule() override {
+    if (Library) FPlatformProcess::FreeDllHandle(Library);
+    Library = nullptr;
+  }
+
+ private:
+  void* Library = nullptr;
+};
+
+IMPLEMENT_MODULE(FPacinianCoreModule, PacinianCore)

@@ -1,0 +1,119 @@
+#include "pacinian/client.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "inside.h"
+#include "pacinian/wire/bulk.h"
+
+namespace pacinian {
+
+using client::Outbox;
+using client::Request;
+using client::Stamp;
+
+namespace {
+
+using Requests = std::vector<Request>;
+
+constexpr double farthest = 10.0, fastest = 100.0;  // [m]; [m/s] or [rad/s]
+
+float limited(double value, double most) {
+  return static_cast<float>(std::max(-most, std::min(value, most)));
+}
+
+template <std::size_t N>
+bool finite(const std::array<double, N>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+double steady_clock() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+template <class Act>
+bool Client::Inside::tell(Act act) {
+  return worker && worker->mailbox().tell(session, act);
+}
+
+template <class Act>
+bool Client::Inside::command(double ttl, Act act) {
+  const Stamp stamp{options.clock(), ttl, true};
+  return tell([&](Outbox& box, Requests&) { act(box, stamp); });
+}
+
+bool Client::Inside::ask(Request request) {
+  return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
+}
+
+bool Client::put(std::string_view name, wire::Object object, double ttl) {
+  return in_->command(
+      ttl, [&](Outbox& box, Stamp stamp) { box.put(name, std::move(object), stamp); });
+}
+
+bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion,
+                  double ttl) {
+  if (!finite(pose.position) || !finite(pose.rotation)) return false;
+  if (motion && !(finite(motion->velocity) && finite(motion->angular_velocity))) return false;
+  client::Place place{};
+  client::Speed speed{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    place[i] = limited(pose.position[i], farthest);
+    if (!motion) continue;
+    speed[i] = limited(motion->velocity[i], fastest);
+    speed[i + 3] = limited(motion->angular_velocity[i], fastest);
+  }
+  for (std::size_t i = 0; i < 4; ++i) place[i + 3] = static_cast<float>(pose.rotation[i]);
+  return in_->command(ttl, [&](Outbox& box, Stamp stamp) {
+    box.move(name, place, motion ? &speed : nullptr, stamp);
+  });
+}
+
+bool Client::remove(std::string_view name, double ttl) {
+  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.remove(name, stamp); });
+}
+
+bool Client::clear(double ttl) {
+  return in_->command(ttl, [](Outbox& box, Stamp stamp) { box.clear(stamp); });
+}
+
+bool Client::envelope(std::string_view name, const wire::Envelope& envelope, double ttl) {
+  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.envelope(name, envelope, stamp); });
+}
+
+bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen,
+                   double ttl) {
+  return in_->command(ttl, [&](Outbox& box, Stamp stamp) {
+    stamp.time = std::min(seen.value_or(stamp.time), stamp.time);
+    box.hands(hands, stamp);
+  });
+}
+
+bool Client::quiet(const std::vector<wire::Zone>& zones, double ttl) {
+  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); });
+}
+
+bool Client::arm(bool take) { return in_->ask({Request::Kind::arm, take}); }
+
+bool Client::disarm() { return in_->ask({Request::Kind::disarm}); }
+
+bool Client::reset() { return in_->ask({Request::Kind::reset}); }
+
+bool Client::select(wire::Select choice) {
+  return in_->ask({Request::Kind::select, false, std::move(choice)});
+}
+
+bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallback told) {
+  Request request{Request::Kind::field};
+  for (const auto& point : points)
+    for (const float value : point) wire::append(request.field.points, value);
+  request.told = std::move(told);
+  return in_->ask(std::move(request));
+}
+
+}  // namespace pacinian

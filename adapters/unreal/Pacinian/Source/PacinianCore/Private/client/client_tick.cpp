@@ -1,0 +1,117 @@
+#include <complex>
+#include <utility>
+
+#include "inside.h"
+#include "pacinian/wire/bulk.h"
+
+namespace pacinian {
+
+using client::Event;
+
+Client::Inside::Inside(Options given)
+    : options(std::move(given)), stopper(options, [this](const std::string& why) { stopped(why); }) {}
+
+Client::Client(Options options) : in_(std::make_unique<Inside>(std::move(options))) {}
+
+Client::~Client() { close(); }
+
+void Client::start() {
+  if (in_->worker) return;
+  auto worker = std::make_unique<client::Worker>(in_->options, in_->stopper);
+  const std::lock_guard<std::mutex> guard(in_->lock);
+  in_->worker = std::move(worker);
+  in_->view.status = Status::connecting;
+}
+
+void Client::close() {
+  std::unique_ptr<client::Worker> ended;
+  {
+    const std::lock_guard<std::mutex> guard(in_->lock);
+    ended = std::move(in_->worker);
+  }
+  in_->view = {};
+  in_->session = 0;
+  in_->has_state = false;
+  ++in_->closed;
+}
+
+void Client::stop() {
+  in_->stopper.stop();
+}
+
+void Client::Inside::stopped(const std::string& problem) {
+  const std::lock_guard<std::mutex> guard(lock);
+  if (worker) worker->mailbox().wake.signal();
+  stop_problem = problem;
+}
+
+void Client::tick() {
+  Inside& in = *in_;
+  if (in.ticks) return;  // called by one of the events
+  in.ticks = true;
+  const int closed = in.closed;
+  bool newer = false;
+  std::string problem;
+  if (in.worker) {
+    in.worker->mailbox().tick(in.options.clock());
+    newer = in.worker->mailbox().collect(in.view, in.events, in.state);
+  }
+  {
+    const std::lock_guard<std::mutex> guard(in.lock);
+    std::swap(problem, in.stop_problem);
+  }
+  if (!problem.empty() && on.refused) on.refused({"stop", problem, "", "try again"});
+  for (Event& event : in.events)
+    if (in.closed == closed) in.dispatch(event, on);
+  in.events.clear();
+  in.has_state = (in.has_state || newer) && in.closed == closed;
+  if (newer && in.has_state && on.state_changed) on.state_changed(in.state);
+  in.ticks = false;
+}
+
+void Client::Inside::dispatch(Event& event, const Events& on) {
+  const Refusal& told = event.refusal;
+  switch (event.kind) {
+    case Event::Kind::connected:
+      session = event.session;
+      has_state = false;
+      if (on.connected) on.connected();
+      break;
+    case Event::Kind::lost:
+      session = 0;
+      has_state = false;
+      if (on.lost) on.lost(told.message);
+      break;
+    case Event::Kind::ended:
+      if (on.ended) on.ended(told);
+      break;
+    case Event::Kind::refused:
+      if (on.refused) on.refused(told);
+      break;
+    case Event::Kind::field: {
+      std::vector<std::complex<float>> pressures(event.pressures.size() / 8);
+      for (std::size_t i = 0; i < pressures.size(); ++i)
+        pressures[i] = {wire::float_at(event.pressures, 2 * i),
+                        wire::float_at(event.pressures, 2 * i + 1)};
+      if (event.told) event.told(pressures);
+      break;
+    }
+  }
+}
+
+Status Client::status() const { return in_->view.status; }
+const std::string& Client::problem() const { return in_->view.problem; }
+bool Client::armed() const { return in_->view.armed; }
+bool Client::owner() const { return in_->view.owner; }
+double Client::lease() const { return in_->view.lease; }
+double Client::latency() const { return in_->view.trips.median; }
+Trips Client::trips() const { return in_->view.trips; }
+double Client::offset() const { return in_->view.offset; }
+double Client::now() const { return in_->options.clock(); }
+double Client::age(const wire::State& state) const { return now() + offset() - state.time; }
+const std::string& Client::scene() const { return in_->view.scene; }
+const std::string& Client::server() const { return in_->view.server; }
+const wire::Abilities* Client::capabilities() const { return in_->view.abilities.get(); }
+const wire::State* Client::state() const { return in_->has_state ? &in_->state : nullptr; }
+
+}  // namespace pacinian

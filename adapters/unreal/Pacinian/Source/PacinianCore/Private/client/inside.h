@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "pacinian/client.h"
+#include "stopper.h"
+#include "worker.h"
+
+namespace pacinian {
+
+/// The game's side of a client.
+struct Client::Inside {
+  explicit Inside(Options given);
+
+  template <class Act>
+  bool tell(Act act);
+  template <class Act>
+  bool command(double ttl, Act act);
+  bool ask(client::Request request);
+  void dispatch(client::Event& event, const Events& on);
+  void stopped(const std::string& problem);
+
+  const Options options;
+  client::View view;
+  std::vector<client::Event> events;
+  wire::State state;
+  bool has_state = false, ticks = false;
+  std::uint64_t session = 0;  ///< that the game knows of; 0: none
+  int closed = 0;             ///< how often it was
+
+  std::mutex lock;  ///< of what stops from other threads need
+  std::unique_ptr<client::Worker> worker;
+  std::string stop_problem;
+  client::Stopper stopper;  ///< destroyed first: it uses the others
+};
+
+}  // namespace pacinian

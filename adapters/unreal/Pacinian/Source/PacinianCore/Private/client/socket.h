@@ -1,0 +1,82 @@
+#pragma once
+
+#include <zmq.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace pacinian::client {
+
+/// A ZeroMQ context: all its sockets must be closed before it.
+class Context {
+ public:
+  Context();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  void* get() const { return context_; }
+
+ private:
+  void* context_;
+};
+
+/// A message that was received; its memory is the library's.
+class Message {
+ public:
+  Message() { zmq_msg_init(&message_); }
+  ~Message() { zmq_msg_close(&message_); }
+  Message(const Message&) = delete;
+  Message& operator=(const Message&) = delete;
+  zmq_msg_t* get() { return &message_; }
+  const std::uint8_t* data() { return static_cast<const std::uint8_t*>(zmq_msg_data(&message_)); }
+  std::size_t size() const { return zmq_msg_size(&message_); }
+
+ private:
+  zmq_msg_t message_;
+};
+
+/// A ZeroMQ socket, which is closed at once: what was not sent is not sent any more. Belongs to one thread.
+class Socket {
+ public:
+  Socket() = default;
+  Socket(Context& context, int kind);
+  ~Socket() { close(); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void open(Context& context, int kind);
+  void close();
+  bool is_open() const { return socket_ != nullptr; }
+  void* get() const { return socket_; }
+  bool set(int option, int value);
+  bool set(int option, std::string_view value);
+  bool bind(const std::string& at) { return zmq_bind(socket_, at.c_str()) == 0; }
+  bool connect(const std::string& at) { return zmq_connect(socket_, at.c_str()) == 0; }
+
+  /// False if there was no room.
+  bool send(const std::uint8_t* data, std::size_t size);
+
+  /// The last part of the next message. False if there is none.
+  bool receive(Message& out);
+
+ private:
+  void* socket_ = nullptr;
+};
+
+/// Ends the wait of a thread that polls `socket`. `signal` may be called from any thread.
+class Wake {
+ public:
+  explicit Wake(Context& context);
+  void signal();
+  void clear();
+  void* socket() const { return inside_.get(); }
+
+ private:
+  std::mutex lock_;
+  Socket inside_, outside_;
+};
+
+}  // namespace pacinian::client

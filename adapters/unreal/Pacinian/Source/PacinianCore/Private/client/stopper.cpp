@@ -1,0 +1,106 @@
+#include "stopper.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "link.h"
+#include "pacinian/wire/codec.h"
+
+namespace pacinian::client {
+
+namespace {
+
+constexpr double pause = 0.05;  // [s] between two attempts, and two looks at whether to hurry
+constexpr double hurry = 0.25;  // [s] that one may still take then
+
+}  // namespace
+
+Stopper::~Stopper() {
+  hurries_.store(true);
+  {
+    const std::lock_guard<std::mutex> guard(lock_);
+    quits_ = true;
+  }
+  changed_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Stopper::stop() {
+  const std::lock_guard<std::mutex> guard(lock_);
+  ++wanted_;
+  busy_.store(true);
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  changed_.notify_one();
+}
+
+void Stopper::run() {
+  std::unique_lock<std::mutex> guard(lock_);
+  while (true) {
+    changed_.wait(guard, [this] { return wanted_ > 0 || quits_; });
+    if (wanted_ == 0) return;
+    wanted_ = 0;
+    guard.unlock();
+    const std::string problem = send();
+    guard.lock();
+    if (wanted_ > 0) continue;
+    busy_.store(false);
+    done_(problem);
+  }
+}
+
+void Stopper::remember(const Connection& connection) {
+  const std::lock_guard<std::mutex> guard(lock_);
+  remembered_ = connection;
+}
+
+bool Stopper::find(Connection& found, std::string& problem) {
+  if (found.read(options_.connection, problem)) return true;
+  const std::lock_guard<std::mutex> guard(lock_);
+  found = remembered_;
+  return !found.control.empty();
+}
+
+std::string Stopper::send() {
+  const double end = options_.clock() + options_.timeout;
+  while (true) {
+    std::string problem = attempt(end);
+    const bool over = hurries_.load() || options_.clock() + pause >= end;
+    if (problem.empty() || over) return problem;
+    std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+  }
+}
+
+std::string Stopper::attempt(double end) {
+  Context context;
+  Link link;
+  Connection connection;
+  Loss loss;
+  if (!find(connection, loss.why) ||
+      !link.open(context, connection, connection.control, true, loss))
+    return loss.why;
+  wire::Stop stop;
+  stop.id = 1;
+  wire::Writer writer;
+  writer.put(stop);
+  wire::AnyReply reply;
+  wire::WireError wrong;
+  Message message;
+  bool sent = false;
+  for (double left = end - options_.clock(); left > 0.0; left = end - options_.clock()) {
+    const short events = sent ? ZMQ_POLLIN : ZMQ_POLLIN | ZMQ_POLLOUT;
+    zmq_pollitem_t items[] = {{link.socket(), 0, events, 0}, {link.monitor(), 0, ZMQ_POLLIN, 0}};
+    zmq_poll(items, 2, static_cast<long>(std::ceil(1e3 * std::min(left, pause))));
+    sent = sent || link.send(writer.data(), writer.size());
+    while (link.receive(message)) {
+      if (!wire::decode_reply(message.data(), message.size(), reply, wrong)) continue;
+      if (const auto* done = std::get_if<wire::Ok>(&reply); done && done->id == stop.id) return "";
+      if (const auto* error = std::get_if<wire::Error>(&reply)) return error->message;
+    }
+    if (link.lost(loss)) return loss.why;
+    if (hurries_.load()) end = std::min(end, options_.clock() + hurry);
+  }
+  return "the server at " + connection.control + " has not confirmed the stop in time";
+}
+
+}  // namespace pacinian::client

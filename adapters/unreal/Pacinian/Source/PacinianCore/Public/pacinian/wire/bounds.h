@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+namespace pacinian::wire {
+
+/// What a number must be in; open: without `low` itself. NaN is in none but the default.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool open = false;
+  bool any = true;
+
+  constexpr Range() = default;
+  constexpr Range(double least, double most, bool without = false)
+      : low(least), high(most), open(without), any(false) {}
+  constexpr bool has(double value) const {
+    return any || ((open ? value > low : value >= low) && value <= high);
+  }
+};
+
+/// How long something must be.
+struct Lengths {
+  std::size_t least = 0;
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+};
+
+}  // namespace pacinian::wire

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "pacinian/api.h"
+
+namespace pacinian::wire {
+
+/// A JSON object whose strings and whole numbers are wanted, as a connection file; the rest is skipped.
+class FlatJson {
+ public:
+  static constexpr std::size_t longest = 1 << 16;  ///< [bytes]
+  static constexpr int deepest = 16;               ///< of what is skipped
+
+  /// Reads all of `text`. False, with the reason in `problem`, if it is no JSON object.
+  PACINIANCORE_API bool parse(std::string_view text, std::string& problem);
+
+  /// The string of that name; null if there is none.
+  PACINIANCORE_API const std::string* text(std::string_view name) const;
+
+  /// The whole number of that name, if there is one.
+  PACINIANCORE_API std::optional<std::int64_t> integer(std::string_view name) const;
+
+ private:
+  using Value = std::variant<std::monostate, std::string, std::int64_t>;
+  const Value* find(std::string_view name) const;
+
+  std::vector<std::pair<std::string, Value>> members_;
+};
+
+}  // namespace pacinian::wire

@@ -1,0 +1,63 @@
+"""What is built once for all tests of the adapters."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from ..core.client.fake import Fake
+from . import tools
+from .game import Game
+from .slow import Slow
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+
+@pytest.fixture(scope="session")
+def csharp_core(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Pacinian.dll."""
+    return tools.core(tmp_path_factory.mktemp("csharp"))
+
+
+@pytest.fixture(scope="session")
+def csharp_driver(csharp_core: Path) -> Path:
+    """A game in C# that does as its standard input says."""
+    sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json")]
+    sources.append(tools.CSHARP / "example" / "OpenHand.cs")
+    return tools.csharp(csharp_core.with_name("ClientDriver.exe"), sources, csharp_core)
+
+
+@pytest.fixture
+def csharp_game(csharp_driver: Path) -> Callable[..., Game]:
+    """Makes such a game, for a connection file."""
+
+    def made(connection: Path | str = "-", lease: float = 0.0, **more: str) -> Game:
+        words: list[str | Path] = ["mono", "--debug", csharp_driver, connection, str(lease)]
+        return Game(words, {**os.environ, **more})
+
+    return made
+
+
+@pytest.fixture
+def server() -> Iterator[Fake]:
+    """Answers as it is told to."""
+    with Fake() as fake:
+        yield fake
+
+
+@pytest.fixture
+def wire(server: Fake) -> Iterator[Slow]:
+    """By which commands come to it."""
+    with Slow(server.connection.command) as slow:
+        yield slow
+
+
+@pytest.fixture
+def file(server: Fake, wire: Slow, tmp_path: Path) -> Path:
+    """Its connection file."""
+    return replace(server.connection, command=wire.address).write(tmp_path / "connection.json")

@@ -1,0 +1,129 @@
+"""A game that is written in another language, and does what it is told."""
+
+from __future__ import annotations
+
+import json
+import queue
+import subprocess
+import threading
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+    from types import TracebackType
+
+    from .slow import Slow
+
+PATIENCE = 20.0  # [s]
+
+
+class Game:
+    """A process that reads commands, a line each, and tells what happens in lines of JSON; a context manager."""
+
+    def __init__(
+        self, command: Sequence[str | Path], environment: Mapping[str, str] | None = None
+    ) -> None:
+        self.told: list[dict[str, Any]] = []
+        """All that it has told."""
+        self._new: queue.Queue[dict[str, Any] | None] = queue.Queue()
+        self.process = subprocess.Popen(
+            [str(word) for word in command], env=environment, text=True, encoding="utf-8",
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def say(self, line: str) -> None:
+        """A command, which is not waited for."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+
+    def do(self, line: str) -> dict[str, Any]:
+        """A command, and what it tells when that is done."""
+        self.say(line)
+        return self.wait(lambda told: told.get("did") == line.split(maxsplit=1)[0])
+
+    def status(self) -> dict[str, Any]:
+        """How it stands."""
+        self.say("status")
+        return self.wait(lambda told: "status" in told)
+
+    def event(self, what: str, code: str = "") -> dict[str, Any]:
+        """The next event of that kind, and of that code."""
+        return self.wait(lambda t: t.get("event") == what and code in ("", t["code"]))
+
+    def wait(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The next thing told that is wanted; what is told before it is not waited for any more."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                told = self._new.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"not told: {self.told[-5:]}") from None
+            assert told is not None, f"it has ended: {self.told[-5:]}"
+            if wanted(told):
+                return told
+
+    def until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """How it stands, when that is as wanted."""
+        end = time.monotonic() + PATIENCE
+        while not wanted(status := self.status()):
+            assert time.monotonic() < end, status
+            time.sleep(0.01)  # until it has ticked
+        return status
+
+    def end(self) -> int:
+        """Let it end by itself."""
+        with suppress(OSError, ValueError):
+            self.say("end")
+        code = self.process.wait(PATIENCE)
+        self._close()
+        return code
+
+    def kill(self) -> None:
+        """End it in the middle of what it does."""
+        self.process.kill()
+        self.process.wait()
+        self._close()
+
+    def __enter__(self) -> Game:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.process.poll() is None:
+            self.kill()
+        self._close()
+
+    def _close(self) -> None:
+        self._reader.join()
+        for stream in (self.process.stdin, self.process.stdout):
+            if stream is not None:
+                with suppress(OSError):
+                    stream.close()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            try:
+                told = json.loads(line)
+            except ValueError:
+                told = {"said": line.rstrip()}
+            self.told.append(told)
+            self._new.put(told)
+        self._new.put(None)
+
+
+def fill(game: Game, wire: Slow) -> None:
+    """Hold up its commands, and send until there is no room: what is put then waits."""
+    wire.goes.clear()
+    for _ in range(120):
+        game.do("heavy rain 5000")

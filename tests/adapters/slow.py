@@ -1,0 +1,65 @@
+"""A wire that can be held up, and let go on."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+ROOM = 1 << 14  # [bytes] that wait in it
+
+
+class Slow:
+    """Passes bytes on to a `tcp://host:port`, as long as it may; a context manager. address: where it listens."""
+
+    def __init__(self, to: str) -> None:
+        host, port = to.removeprefix("tcp://").rsplit(":", 1)
+        self._to = host, int(port)
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        self.address = f"tcp://127.0.0.1:{self._listener.getsockname()[1]}"
+        self.goes = threading.Event()
+        """Set: it passes."""
+        self.goes.set()
+        self._open: list[socket.socket] = []
+        self._threads = [threading.Thread(target=self._accept)]
+        self._threads[0].start()
+
+    def _accept(self) -> None:
+        with contextlib.suppress(OSError):  # closed
+            while True:
+                near, _ = self._listener.accept()
+                self._open.append(near)
+                far = socket.create_connection(self._to)
+                self._open.append(far)
+                for pair in ((near, far), (far, near)):
+                    self._threads.append(threading.Thread(target=self._pass, args=pair))
+                    self._threads[-1].start()
+
+    def _pass(self, source: socket.socket, sink: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while data := source.recv(ROOM):
+                self.goes.wait()
+                sink.sendall(data)
+            sink.shutdown(socket.SHUT_WR)
+
+    def __enter__(self) -> Slow:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.goes.set()
+        for each in (self._listener, *self._open):
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+            each.close()
+        for thread in self._threads:
+            thread.join()

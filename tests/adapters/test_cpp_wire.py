@@ -1,0 +1,202 @@
+"""The C++ core reads and writes as Python does: byte vectors, mutations of them, JSON, coordinates."""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from pacinian.wire.codec import encode
+
+from . import tools
+from .mutations import WIRE, mutated, vectors, verdict
+from .test_csharp_wire import HUGE, sizes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+KNOWN = vectors()
+CPP = tools.ADAPTERS / "cpp"
+TESTS = "vectors", "vectors_hostile", "vectors_allocations", "space"
+ANSWERS = "vectors_answers", "space_answers"
+
+OVERFLOWING = re.compile(r"\de\d{3}")  # numbers that msgspec finds too large, and a scanner skips
+
+
+@pytest.fixture(scope="module")
+def programs() -> Path:
+    """A folder of the test programs, which stop at wrong addresses and undefined behaviour."""
+    tools.need("cmake", "ninja", "g++", "pkg-config")
+    folder = CPP / "build" / "sanitized"
+    tools.run("cmake", "-S", CPP, "-B", folder, "-G", "Ninja", "-DPACINIAN_SANITIZE=ON")
+    tools.run("cmake", "--build", folder, "--target", *TESTS, *ANSWERS)
+    return folder
+
+
+@pytest.mark.timeout(tools.LIMIT)
+@pytest.mark.parametrize("name", TESTS)
+def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
+    tools.run(programs / name, WIRE)
+
+
+def answers(program: Path, lines: Iterable[str]) -> list[str]:
+    """What a program answers to each line."""
+    done = subprocess.run(
+        program, input="".join(f"{line}\n" for line in lines), capture_output=True, text=True,
+        timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-4000:]
+    return [line.rstrip() for line in done.stdout.splitlines()]
+
+
+def compare(programs: Path, cases: Iterable[tuple[str, bytes]]) -> list[str]:
+    """What C++ makes of messages, which is what Python makes of them."""
+    lines = [verdict(*case).split("\t") for case in cases]
+    told = answers(programs / "vectors_answers", (f"{line[0]} {line[1]}" for line in lines))
+    wanted = [" ".join(line[2:]).rstrip() for line in lines]
+    for case, want, found in zip(lines, wanted, told, strict=True):
+        assert found == want, f"{case[0]} {case[1]}"
+    return told
+
+
+@pytest.mark.timeout(tools.LIMIT)
+@pytest.mark.parametrize("seed", range(3))
+def test_what_python_refuses_is_refused_at_the_same_path(programs: Path, seed: int) -> None:
+    choose = random.Random(seed)
+    cases = (mutated(KNOWN, choose) for _ in range(5000))
+    told = compare(programs, [case for case in cases if not HUGE.search(case[1])])
+    assert 300 < sum(line.startswith("valid") for line in told) < 3000
+
+
+def test_all_lengths_of_heads_and_numbers(programs: Path) -> None:
+    told = compare(programs, [(socket, encode(message)) for socket, message in sizes()])
+    assert all(line.startswith("valid") for line in told)
+
+
+def json_text(choose: random.Random) -> str:
+    """A JSON object, sometimes with a character that should not be there, or without one that should."""
+    values: list[Any] = [
+        "", "a", "tcp://127.0.0.1:5555", 'q"\\/\n\t\x7f', "ü𝄞", 0, -7, 2**40, 2**70, 1.5, -0.0, 1e30,
+        True, False, None, [], {}, [1, [2.5, {"a": "b"}]], {"pid": 3},
+    ]  # fmt: skip
+    names = ["pid", "token", "ü", "control", ""]
+    made = {choose.choice(names): choose.choice(values) for _ in range(choose.randrange(5))}
+    text = json.dumps(made, ensure_ascii=choose.random() < 0.5, indent=choose.choice([None, 1]))
+    if choose.random() < 0.6:
+        at = choose.randrange(len(text) + 1)
+        extra = choose.choice(
+            ["", "0", "-", ".", "e", '"', "\\u", "\\ud800", ",", "}", "]", "\x01"]
+        )
+        text = text[:at] + extra + text[at + choose.randrange(2) :]
+    return text
+
+
+def python_json(text: str, name: str) -> str:
+    try:
+        value = msgspec.json.decode(text.encode())
+    except (msgspec.DecodeError, ValueError):
+        return "refused"
+    if not isinstance(value, dict):
+        return "refused"
+    found = value.get(name)
+    if isinstance(found, str):
+        return f"text {found.encode().hex()}".rstrip()
+    small = type(found) is int and -(2**63) <= found < 2**63
+    return f"int {found}" if small else "nothing"
+
+
+@pytest.mark.timeout(tools.LIMIT)
+def test_flat_json_is_read_as_msgspec_reads_it(programs: Path) -> None:
+    choose = random.Random(1)
+    texts = (text for _ in range(4000) if not OVERFLOWING.search(text := json_text(choose)))
+    cases = [(text, choose.choice(["pid", "token", "ü"])) for text in texts]
+    lines = (f"json {text.encode().hex()} {name.encode().hex()}" for text, name in cases)
+    told = answers(programs / "vectors_answers", lines)
+    for (text, name), line in zip(cases, told, strict=True):
+        assert line == python_json(text, name), (text, name)
+
+
+AXES = np.array(
+    [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+)  # Unreal's x, y, z in the world
+
+
+def numbers(program: Path, lines: Iterable[str]) -> list[np.ndarray[Any, Any]]:
+    return [np.array(line.split(), dtype=float) for line in answers(program, lines)]
+
+
+def spelt(*values: Any) -> str:
+    return " ".join(repr(float(x)) for value in values for x in np.ravel(value))
+
+
+def same_turn(quaternion: Any, matrix: Any) -> None:
+    """A quaternion is this rotation matrix."""
+    assert Rotation.from_quat(quaternion).as_matrix() == pytest.approx(matrix, abs=1e-12)
+
+
+def test_unreal_poses_and_velocities_against_matrices(programs: Path) -> None:
+    random_numbers = np.random.default_rng(1)
+    turns = Rotation.random(200, random_state=2)
+    places, velocities, spins = random_numbers.normal(size=(3, 200, 3)) * 100.0
+    rows = zip(places, turns.as_quat(), velocities, spins, strict=True)
+    told = numbers(programs / "space_answers", (f"pose {spelt(*row)}" for row in rows))
+    for made, turn, place, velocity, spin in zip(
+        told, turns, places, velocities, spins, strict=True
+    ):
+        assert made[:3] == pytest.approx(AXES @ place / 100.0, abs=1e-12)
+        same_turn(made[3:7], AXES @ turn.as_matrix() @ AXES.T)
+        assert made[7:10] == pytest.approx(AXES @ velocity / 100.0, abs=1e-12)
+        rate = AXES @ cross_matrix(spin) @ AXES.T  # of a place that turns, in the world
+        assert cross_matrix(made[10:]) == pytest.approx(rate, abs=1e-12)
+    lines = (f"back {spelt(made[:7])}" for made in told)
+    for made, turn, place in zip(
+        numbers(programs / "space_answers", lines), turns, places, strict=True
+    ):
+        assert made[:3] == pytest.approx(place, abs=1e-9)
+        same_turn(made[3:7], turn.as_matrix())
+
+
+def cross_matrix(v: Any) -> np.ndarray[Any, Any]:
+    return np.cross(np.eye(3), -np.asarray(v)).T
+
+
+def kabsch(known: Any, touched: Any) -> tuple[Any, Any]:
+    """Rotation and translation by the singular values, without a reflection."""
+    a, b = known - known.mean(0), touched - touched.mean(0)
+    u, _, vt = np.linalg.svd(b.T @ a)
+    matrix = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    return matrix, touched.mean(0) - matrix @ known.mean(0)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_calibration_against_singular_values(programs: Path, mirrored: bool) -> None:
+    choose = np.random.default_rng(3)
+    cases: list[tuple[Any, Any]] = []
+    for count, turn in zip([3, 4, 5, 8] * 25, Rotation.random(100, random_state=4), strict=True):
+        known = choose.uniform(-0.2, 0.2, (count, 3))
+        flip = np.diag([1.0, 1.0, -1.0 if mirrored else 1.0])
+        noise = choose.normal(scale=0.002, size=known.shape)
+        cases.append((known, turn.apply(known @ flip) + choose.normal(size=3) + noise))
+    lines = (f"calibrate {len(known)} {spelt(known, touched)}" for known, touched in cases)
+    compared = 0
+    told = answers(programs / "space_answers", lines)
+    for (known, touched), line in zip(cases, told, strict=True):
+        if line == "refused":  # mirrored points may be brought together in two ways
+            continue
+        made = np.array(line.split(), dtype=float)
+        matrix, at = kabsch(known, touched)
+        assert Rotation.from_quat(made[3:7]).as_matrix() == pytest.approx(matrix, abs=1e-7)
+        assert made[:3] == pytest.approx(at, abs=1e-7)
+        distances = np.linalg.norm(known @ matrix.T + at - touched, axis=1)
+        assert made[7] == pytest.approx(np.sqrt(np.mean(distances**2)), abs=1e-7)
+        assert made[8] == pytest.approx(distances.max(), abs=1e-7)
+        compared += 1
+    assert compared > 80

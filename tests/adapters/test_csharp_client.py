@@ -1,0 +1,187 @@
+"""The client in C# and servers that refuse, hang, go, or come back: it never waits, and nothing old arrives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from pacinian.wire import commands, control, replies
+from pacinian.wire.bulk import unpack
+
+from ..core.client.fake import Fake, state, usual
+from .game import fill
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from .game import Game
+    from .slow import Slow
+
+    Start = Callable[..., Game]
+
+TICK = 0.1  # [s] a call may take where two processors are shared by many; one that waits takes far longer
+END = 0.5  # [s] that the end may take
+
+
+@pytest.fixture
+def game(csharp_game: Start, file: Path) -> Iterator[Game]:
+    """One that is connected."""
+    with csharp_game(file) as made:
+        made.do("start")
+        made.event("connected")
+        yield made
+
+
+def heard(server: Fake) -> int:
+    """How many messages have come that are no renewals."""
+    return len(server.seen) - len(server.of(control.Renew))
+
+
+def test_hello_and_all_commands(server: Fake, game: Game) -> None:
+    (hello,) = server.of(control.Hello)
+    assert (hello.client, hello.protocol) == ("driver", (1, 0))
+    status = game.status()
+    assert (status["status"], status["problem"], status["lease"]) == ("Connected", "", 0.25)
+    assert status["solvers"] == 0
+    said = [
+        "put ball 0 0.01 0.2 20", "move ball 0.01 0 0.3", "envelope ball 100", "remove ball", "quiet 0 0 0 0.4 100",
+        "solver gs", "backend probe", "intensity 0.5", "arm take", "disarm", "reset", "clear",
+    ]  # fmt: skip
+    for line in said:
+        before = heard(server)
+        assert game.do(line)["done"], line
+        server.until(lambda n=before: heard(server) > n)  # type: ignore[misc]
+    game.do("field at 0 0.01 0.2")
+    assert game.wait(lambda told: "field" in told)["field"] == 1
+    put = server.of(commands.Put)[0].objects["ball"]
+    assert (put.position, put.radiation_pressure) == ((0.0, 0.01, 0.2), 20.0)
+    move = server.of(commands.Move)[0]
+    assert unpack(move.poses, 7)[0].tolist() == pytest.approx([0.01, 0, 0.3, 0, 0, 0, 1])
+    assert server.of(commands.Envelopes)[0].envelope.frequency == 100.0
+    assert server.of(commands.Remove)[0].names == ("ball",)
+    assert server.of(commands.Quiet)[0].zones[0].position == (0.0, 0.0, 0.4)
+    selects = server.of(control.Select)
+    assert [s.solver and s.solver.name for s in selects] == ["gs", None, None]
+    assert [s.backend and s.backend.name for s in selects] == [None, "probe", None]
+    assert [s.intensity for s in selects] == [None, None, 0.5]
+    assert server.of(control.Arm)[0].take
+    for kinds_of in (commands.COMMANDS, (control.Renew,)):
+        sequences = [m.sequence for m in server.seen if isinstance(m, kinds_of)]
+        assert sequences == sorted(set(sequences))
+
+
+def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> None:
+    server.publish(*(state(i, solver=f"s{i}") for i in range(1, 51)))
+    assert game.until(lambda s: s["sequence"] == 50)["solver"] == "s50"
+    game.do("arm")
+    assert game.until(lambda s: s["armed"])["owner"]
+    for code in ("expired", "owner", "stopped", "fault"):
+        server.say(replies.Error(code=code, message=f"it is {code}", advice="arm again"))
+        told = game.event("ended", code)
+        assert (told["message"], told["advice"]) == (f"it is {code}", "arm again")
+    path = "$.objects[ball].shape"
+    server.say(replies.Error(code="argument", message="no", path=path))
+    assert game.event("refused", "argument")["path"] == path
+
+
+@pytest.mark.parametrize("of", ["control", "state"])
+def test_what_cannot_be_read_is_told_once_and_skipped(server: Fake, game: Game, of: str) -> None:
+    router, _, publisher = server._sockets  # pyright: ignore[reportPrivateUsage]
+    for _ in range(3):
+        if of == "control":
+            server.do(lambda: router.send_multipart([server.peers[0], b"\x81\xa4type\xa3new"]))
+        else:
+            server.do(lambda: publisher.send_multipart([b"state", b"\xc1"]))
+    assert "update the older" in game.event("refused", "malformed")["advice"]
+    server.publish(state(7))
+    game.until(lambda s: s["sequence"] == 7)
+    assert len([t for t in game.told if t.get("code") == "malformed"]) == 1
+
+
+def test_renewals_come_from_the_games_own_tick(server: Fake, game: Game) -> None:
+    server.until(lambda: len(server.of(control.Renew)) > 3)
+    game.do("tick off")
+    last = server.of(control.Renew)[-1].time
+    game.do("put ball 0 0 0.2 5")  # the worker is alive
+    server.until(lambda: bool(server.of(commands.Put)))
+    said = game.do("freeze 0.5")["time"]
+    renewals = [r.time for r in server.of(control.Renew)]
+    assert renewals == sorted(renewals)
+    assert max(renewals[-1], last) < said - 0.5  # none bears a later time than that of a tick
+    count = len(renewals)
+    game.do("tick on")
+    server.until(lambda: len(server.of(control.Renew)) > count + 3)
+
+
+@pytest.mark.parametrize("how", ["deaf", "dumb"])
+def test_a_server_that_hangs_is_lost_in_time_and_nothing_waits_for_it(
+    server: Fake, game: Game, how: str
+) -> None:
+    game.do("warm")
+    server.deaf = how == "deaf"
+    server.answers[control.Renew] = lambda _: None
+    for i in range(20):
+        game.do(f"put ball{i} 0 0 0.2 5")
+    says = "has gone" if how == "deaf" else "no answer to `renew` within 2 s: the server hangs"
+    assert says in game.event("lost")["message"]
+    assert not game.do("put ball 0 0 0.2 5")["done"]
+    assert game.status()["longest"] < TICK
+
+
+def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: Game) -> None:
+    game.do("warm")
+    fill(game, wire)
+    for i in range(50):
+        game.do(f"move rain 0 0 {i / 100}")
+    assert game.status()["longest"] < TICK
+    assert server.of(commands.Move) == []
+    wire.goes.set()
+    server.until(lambda: bool(server.of(commands.Move)))
+    (move,) = server.of(commands.Move)
+    assert unpack(move.poses, 7)[0, 2] == pytest.approx(0.49)
+    assert len(server.of(commands.Put)) < 120
+
+
+def test_what_waits_too_long_is_not_sent(server: Fake, wire: Slow, game: Game) -> None:
+    fill(game, wire)
+    game.do("move rain 0 0 0.2")
+    game.do("freeze 1.1")
+    wire.goes.set()
+    game.do("remove rain")
+    server.until(lambda: bool(server.of(commands.Remove)))
+    assert server.of(commands.Move) == []
+
+
+def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
+    server: Fake, wire: Slow, game: Game
+) -> None:
+    game.do("put ball 0 0 0.2 5")
+    game.do("arm")
+    game.until(lambda s: s["armed"])
+    fill(game, wire)
+    server.close()
+    told = game.event("lost")
+    assert "has gone" in told["message"]
+    assert "nothing of this session goes on" in told["message"]
+    for line in ("put ball 0 0 0.2 5", "move ball 0 0 0.2", "arm", "clear", "field at 0 0 0"):
+        assert not game.do(line)["done"]
+    wire.goes.set()
+    with Fake(server.ports) as again:
+        again.answers[control.Renew] = lambda m: replace(usual(m), owner=False, armed=False)
+        game.event("connected")
+        again.until(lambda: len(again.of(control.Renew)) > 3)
+        assert not game.status()["armed"]
+        kinds = {type(m) for m in again.seen}
+        assert kinds == {control.Hello, control.Capabilities, control.Renew}
+        assert game.do("put ball 0 0 0.2 5")["done"]
+        again.until(lambda: bool(again.of(commands.Put)))
+
+
+def test_a_session_that_the_server_has_ended(server: Fake, game: Game) -> None:
+    server.say(replies.Error(code="session", message="the bus was started anew"))
+    assert "the bus was started anew" in game.event("lost")["message"]
+    game.event("connected")
+    assert len(server.of(control.Hello)) == 2

@@ -1,0 +1,203 @@
+"""The client in C# from its start to its end: where nobody is, with whom it may not speak, and stops."""
+
+from __future__ import annotations
+
+import socket
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import zmq
+from msgspec.structs import replace
+
+from pacinian.wire import control, replies
+from pacinian.wire.connection import Connection
+
+from ..core.client.fake import Fake, usual
+from . import tools
+from .game import fill
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from .game import Game
+    from .slow import Slow
+
+    Start = Callable[..., Game]
+
+TICK = 0.1  # [s] a call may take where two processors are shared by many; one that waits takes far longer
+END = 0.5  # [s] that the end may take
+
+
+@pytest.fixture
+def game(csharp_game: Start, file: Path) -> Iterator[Game]:
+    """One that is connected."""
+    with csharp_game(file) as made:
+        made.do("start")
+        made.event("connected")
+        yield made
+
+
+@pytest.mark.parametrize("theirs", [0, 2])
+def test_another_version_tells_which_side_to_update(
+    server: Fake, file: Path, csharp_game: Start, theirs: int
+) -> None:
+    side = "server" if theirs < 1 else "client"
+    if theirs:
+        wrong = {"code": "version", "message": "protocol 2", "advice": f"update the {side}"}
+        server.answers[control.Hello] = lambda m: replies.Error(id=m.id, **wrong)  # type: ignore[arg-type]
+    else:
+        server.answers[control.Hello] = lambda m: replace(usual(m), protocol=(0, 9))
+    with csharp_game(file) as game:
+        game.do("start")
+        assert f"update the {side}" in game.until(lambda s: s["status"] == "Refused")["problem"]
+        server.answers.clear()  # it was updated
+        game.event("connected")
+
+
+def test_a_wrong_token_until_there_is_a_right_one(
+    server: Fake, tmp_path: Path, csharp_game: Start
+) -> None:
+    wrong = replace(server.connection, token="x" * 64).write(tmp_path / "c.json")
+    with csharp_game(wrong) as game:
+        game.do("start")
+        assert "token or key" in game.until(lambda s: s["status"] == "Refused")["problem"]
+        assert server.seen == []
+        server.connection.write(wrong)
+        game.event("connected")
+        assert game.status()["problem"] == ""
+
+
+def test_where_nobody_is(tmp_path: Path, csharp_game: Start) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        at = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    path = tmp_path / "connection.json"
+    with csharp_game(path) as game:
+        game.do("start")
+        says = "no connection file; is `pacinian serve` running"
+        game.until(lambda s: says in s["problem"] and s["status"] == "Connecting")
+        Connection(pid=2**22 + 1, control=at, command=at, state=at, token="x").write(path)
+        game.until(lambda s: "has gone; is `pacinian serve` running" in s["problem"])
+        Connection(pid=0, control=at, command=at, state=at, token="x").write(path)
+        game.until(lambda s: "does not answer: is `pacinian serve` running" in s["problem"])
+        Connection(pid=0, control=at, command=at, state=at).write(path)
+        game.until(lambda s: "no token" in s["problem"])
+        Connection(pid=0, control="nowhere", command=at, state=at, token="x").write(path)
+        game.until(lambda s: "cannot connect to nowhere" in s["problem"])
+        path.write_text("[]")
+        game.until(lambda s: "is no connection file" in s["problem"])
+        if sys.platform == "linux":
+            path.chmod(0o644)
+            game.until(lambda s: "chmod 600" in s["problem"])
+        with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+            at = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+            path.unlink()
+            Connection(pid=0, control=at, command=at, state=at, token="x").write(path)
+            problem = game.until(lambda s: s["status"] == "Refused")["problem"]
+            assert "no Pacinian server" in problem
+        assert [t for t in game.told if t.get("event") == "lost"] == []
+
+
+def test_a_stop_has_a_way_of_its_own(server: Fake, file: Path, csharp_game: Start) -> None:
+    with csharp_game(file) as game:
+        game.do("stop")  # not even started
+        server.until(lambda: bool(server.of(control.Stop)))
+        game.do("start")
+        game.event("connected")
+        held: list[Any] = []
+        server.answers[control.Stop] = held.append
+        game.do("stop")
+        game.do("reset")
+        server.until(lambda: bool(held))
+        assert server.of(control.Reset) == []  # before the stop is confirmed
+        server.until(lambda: bool(server.of(control.Reset)))  # nor for ever after
+        game.event("refused", "stop")
+
+
+@pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "twice"])
+def test_the_end_never_waits_long(
+    server: Fake, wire: Slow, file: Path, csharp_game: Start, tmp_path: Path, when: str
+) -> None:
+    path = tmp_path / "none.json" if when == "connecting" else file
+    with csharp_game(path) as game:
+        if when != "never started":
+            game.do("start")
+        if when not in {"never started", "connecting"}:
+            game.event("connected")
+        if when == "unsent":
+            fill(game, wire)
+        game.do("warm")
+        game.do("dispose")
+        if when == "twice":
+            game.do("dispose")
+        status = game.status()
+        assert status["longest"] < END + TICK
+        assert status["status"] == "Stopped"
+        for line in ("start", "put ball 0 0 0.2 5", "clear", "arm", "stop"):
+            game.do(line)
+        begin = time.monotonic()
+        assert game.end() == 0
+        assert time.monotonic() - begin < 5.0
+    if when in {"connected", "twice"}:
+        assert server.of(control.Bye)
+
+
+def test_one_that_is_forgotten_says_goodbye(server: Fake, game: Game) -> None:
+    game.do("forget")
+    server.until(lambda: bool(server.of(control.Bye)))
+
+
+def test_its_domain_can_be_unloaded_as_an_editor_does(
+    server: Fake, file: Path, csharp_core: Path
+) -> None:
+    sources = [tools.CSHARP / "tests" / "ClientDomain.cs"]
+    program = tools.csharp(csharp_core.with_name("ClientDomain.exe"), sources, csharp_core)
+    said = tools.run("mono", "--debug", program, file, limit=20.0)
+    assert said.split() == ["connected", "unloaded", "connected", "unloaded"]
+    assert len(server.of(control.Hello)) == 2
+
+
+def test_keys_in_place_of_a_token(tmp_path: Path, csharp_game: Start) -> None:
+    public, secret = zmq.curve_keypair()
+    ours, our_secret = zmq.curve_keypair()
+    keys = {"public_key": ours.decode(), "secret_key": our_secret.decode()}
+    with Fake(keys=(public, secret)) as server:
+        path = replace(server.connection, token="", **keys).write(tmp_path / "connection.json")
+        with csharp_game(path) as game:
+            game.do("start")
+            game.event("connected")
+            replace(server.connection, token="", **{**keys, "server_key": ours.decode()}).write(
+                path
+            )
+            server.say(replies.Error(code="session", message="again"))
+            assert game.until(lambda s: s["status"] == "Refused")["problem"]
+
+
+def test_where_the_connection_file_is(server: Fake, tmp_path: Path, csharp_game: Start) -> None:
+    path = server.connection.write(tmp_path / "run" / "pacinian" / "connection.json")
+    with csharp_game(PACINIAN_CONNECTION=str(path)) as game:
+        game.do("start")
+        game.event("connected")
+    if sys.platform == "linux":
+        with csharp_game(PACINIAN_CONNECTION="", XDG_RUNTIME_DIR=str(tmp_path / "run")) as game:
+            game.do("start")
+            game.event("connected")
+
+
+def test_without_libzmq_it_says_so(csharp_driver: Path, file: Path, tmp_path: Path) -> None:
+    from .game import Game
+
+    for name in ("Pacinian.dll", "ClientDriver.exe"):
+        (tmp_path / name).write_bytes(csharp_driver.with_name(name).read_bytes())
+    config = '<configuration><dllmap dll="libzmq" target="libnone.so.5"/></configuration>'
+    (tmp_path / "Pacinian.dll.config").write_text(config)
+    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", file, "0"]) as game:
+        game.do("start")
+        status = game.until(lambda s: "libzmq" in s["problem"])
+        assert status["status"] == "Stopped"
+        game.do("stop")
+        game.event("refused", "stop")
+        assert game.end() == 0

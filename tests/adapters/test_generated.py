@@ -1,0 +1,112 @@
+"""The messages of the adapters are those of `pacinian.wire`."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from msgspec.structs import fields
+
+from pacinian.wire import commands, control, objects, replies, shapes, state, time
+
+from . import tools
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+GENERATE = tools.ADAPTERS / "generate"
+MODULES = commands, control, objects, replies, shapes, state, time
+KINDS: dict[str, Any] = {
+    name: kind
+    for module in MODULES
+    for name, kind in vars(module).items()
+    if isinstance(kind, type)
+}
+
+
+def generate(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, folder / "main.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_the_generated_files_are_what_is_generated() -> None:
+    done = generate(GENERATE, "--check")
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+
+def test_all_is_written_from_nothing_and_nothing_more(tmp_path: Path) -> None:
+    shutil.copytree(GENERATE, tmp_path / "generate", ignore=shutil.ignore_patterns("__pycache__"))
+    assert generate(tmp_path / "generate", "--check").returncode == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"generate"}
+    assert generate(tmp_path / "generate").returncode == 0
+    made = {path.relative_to(tmp_path) for path in tmp_path.rglob("*.[ch]*") if path.is_file()}
+    marked = [path for path in tools.ADAPTERS.rglob("*.[ch]*") if is_generated(path)]
+    assert made == {path.relative_to(tools.ADAPTERS) for path in marked}
+    assert generate(tmp_path / "generate").stdout == ""
+
+
+def is_generated(path: Path) -> bool:
+    if path.suffix not in (".cs", ".h", ".cpp") or "build" in path.parts:
+        return False
+    head = path.read_text(encoding="utf-8").split("\n", 1)[0].lower()
+    return "generated" in head and "do not edit" in head
+
+
+@pytest.fixture
+def model(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(GENERATE)
+    import wire  # type: ignore[import-not-found]
+
+    return wire.read()
+
+
+def test_every_class_is_in_the_model_with_all_its_fields(model: Any) -> None:
+    seen = {message.name: message for message in model.messages}
+    bases = {base.name for base in model.bases}
+    wanted = {name for name, kind in KINDS.items() if hasattr(kind, "__struct_fields__")}
+    assert wanted - {"Struct"} == seen.keys() | bases
+    for name, message in seen.items():
+        known = fields(KINDS[name])
+        assert [(f.name, f.needed) for f in message.fields] == [(f.name, f.required) for f in known]
+        assert message.tag == str(KINDS[name].__struct_config__.tag or "")
+        assert message.text
+
+
+def test_messages_come_after_those_that_they_hold(model: Any) -> None:
+    before: set[str] = set()
+    for message in model.messages:
+        for field in message.fields:
+            assert held(field.type) <= before, (message.name, field.name)
+        before.add(message.name)
+
+
+def held(t: Any) -> set[str]:
+    """The messages that a type names."""
+    kind = type(t).__name__
+    if kind == "Part":
+        return {t.name}
+    return set(t.kinds) if kind == "Union" else held(t.item) if hasattr(t, "item") else set()
+
+
+def test_rules_are_about_fields_that_there_are(model: Any) -> None:
+    count = 0
+    for message in model.messages:
+        types = {field.name: type(field.type).__name__ for field in message.fields}
+        for rule in message.bulk:
+            count += 1
+            assert types[rule.name] == "Bin"
+            assert types.get(getattr(rule, "each", "") or "names", "Array") == "Array"
+            assert types.get(getattr(rule, "into", rule.name)) == "Bin"
+            assert type(rule).__name__ != "Grid" or types["grid"] == "Fixed"
+    assert count == sum(len(getattr(kind, "BULK", ())) for kind in KINDS.values())
+
+
+def test_all_of_a_union_can_be_told_apart(model: Any) -> None:
+    tags = {message.name: message.tag for message in model.messages}
+    for union in model.unions:
+        each = [tags[kind] for kind in union.kinds]
+        assert all(each)
+        assert len(set(each)) == len(each)

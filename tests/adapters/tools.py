@@ -1,0 +1,66 @@
+"""Compilers that the adapters need, and what they build."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+ADAPTERS = Path(__file__).resolve().parents[2] / "adapters"
+CORE = ADAPTERS / "unity" / "Runtime" / "Core"
+CSHARP = ADAPTERS / "csharp"
+LIMIT = 300.0  # [s] for a compiler
+
+
+def need(*programs: str) -> None:
+    """Skip the test if a program is not installed; fail it where CI is set."""
+    absent = [program for program in programs if shutil.which(program) is None]
+    if absent:
+        told = f"not installed: {', '.join(absent)}; `.ci/setup` installs it"
+        if os.environ.get("CI"):
+            pytest.fail(told)
+        pytest.skip(told)
+
+
+def run(*command: str | Path, limit: float = LIMIT, folder: Path | None = None) -> str:
+    """What a command says, in both streams. Fails the test with that if it does not end well and in time [s]."""
+    words = [str(word) for word in command]
+    try:
+        done = subprocess.run(
+            words, cwd=folder, timeout=limit, check=False, text=True, encoding="utf-8", errors="replace",
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        pytest.fail(f"{' '.join(words)}: not ready after {limit:g} s: {error.output!r}")
+    assert done.returncode == 0, f"{' '.join(words)}: {done.returncode}\n{done.stdout[-8000:]}"
+    return done.stdout
+
+
+def csharp(
+    made: Path, sources: Iterable[Path], *libraries: Path, defines: Iterable[str] = ()
+) -> Path:
+    """Compile C#, without a warning, to a program or (.dll) a library beside those that it needs."""
+    need("mcs", "mono")
+    made.parent.mkdir(parents=True, exist_ok=True)
+    run(
+        "mcs", "-nologo", "-langversion:7.2", "-warn:4", "-warnaserror", "-optimize+", "-debug",
+        f"-target:{'library' if made.suffix == '.dll' else 'exe'}", f"-out:{made}",
+        *(f"-define:{name}" for name in defines),
+        *(f"-reference:{library}" for library in libraries),
+        *sorted(sources),
+    )  # fmt: skip
+    return made
+
+
+def core(folder: Path, *, defines: Iterable[str] = ()) -> Path:
+    """The engine-free core in C#, as a library."""
+    made = csharp(folder / "Pacinian.dll", CORE.rglob("*.cs"), defines=defines)
+    shutil.copy(CSHARP / "Pacinian.dll.config", folder)
+    return made
