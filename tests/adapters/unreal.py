@@ -62,7 +62,7 @@ def classes(header: Path) -> list[Class]:
         elif line.strip() == "GENERATED_BODY()":
             found.append(Class(name, base, i + 1, []))
         elif found and (match := MEMBER.match(line)):
-            found[-1].members.append(_member(*match.groups(), lines, i))
+            found[-1].members.append(_member(match[1], match[2], lines, i))
     return found
 
 

@@ -1,0 +1,136 @@
+#include "HapticEffectComponent.h"
+
+#include <cmath>
+
+#include "Engine/World.h"
+#include "Envelopes.h"
+#include "GameFramework/Actor.h"
+#include "HapticScene.h"
+#include "HapticServerComponent.h"
+#include "Link.h"
+#include "Motion.h"
+
+namespace wire = pacinian::wire;
+
+UHapticEffectComponent::UHapticEffectComponent() { bAutoActivate = true; }
+
+void UHapticEffectComponent::BeginPlay() {
+  Super::BeginPlay();
+  Sent = MakeShared<FHapticBody>();
+  const FString Made = GetOwner()->GetName() + TEXT(".") + GetName();
+  Sent->Name = Haptic::Text((EffectName.IsEmpty() ? Made : EffectName).Right(64));
+  Began = GetWorld()->GetTimeSeconds();
+  if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Effects.AddUnique(this);
+}
+
+void UHapticEffectComponent::EndPlay(const EEndPlayReason::Type Reason) {
+  Remove();
+  if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Effects.Remove(this);
+  Super::EndPlay(Reason);
+}
+
+void UHapticEffectComponent::Play() { Activate(true); }
+
+void UHapticEffectComponent::Stop() { Deactivate(); }
+
+bool UHapticEffectComponent::IsPlaying() const { return HasBegunPlay() && IsActive(); }
+
+void UHapticEffectComponent::Activate(bool bReset) {
+  const bool bAgain = bReset || !IsActive();
+  Super::Activate(bReset);
+  if (!bAgain) return;
+  if (const UWorld* World = GetWorld()) Began = World->GetTimeSeconds();
+  Refresh();
+}
+
+void UHapticEffectComponent::Deactivate() {
+  Remove();
+  Super::Deactivate();
+}
+
+void UHapticEffectComponent::SetRadiationPressure(float Pressure) {
+  RadiationPressure = Pressure;
+  Strength = EHapticStrength::RadiationPressure;
+  Refresh();
+}
+
+void UHapticEffectComponent::SetForce(float NewForce) {
+  Force = NewForce;
+  Strength = EHapticStrength::Force;
+  Refresh();
+}
+
+void UHapticEffectComponent::SetEnvelope(UHapticEnvelope* NewEnvelope) {
+  Envelope = NewEnvelope;
+  bEnveloped = true;
+}
+
+void UHapticEffectComponent::Refresh() {
+  bReshaped = true;
+  bComplained = false;
+}
+
+#if WITH_EDITOR
+void UHapticEffectComponent::PostEditChangeProperty(FPropertyChangedEvent& Event) {
+  Super::PostEditChangeProperty(Event);
+  Refresh();
+}
+#endif
+
+void UHapticEffectComponent::Remove() {
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  const UHapticServerComponent* Server = Scene ? Scene->GetServer() : nullptr;
+  const TSharedPtr<FHapticLink> Link = Server ? Server->GetLink() : nullptr;
+  if (bShown && Link && Session == Link->Session) Link->Client.remove(Sent->Name);
+  bShown = false;
+  Session = 0;
+}
+
+void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
+  if (!IsPlaying() || !Sent) return;
+  if (Duration > 0.0f && GetWorld()->GetTimeSeconds() - Began >= Duration) {
+    Deactivate();
+    OnFinished.Broadcast();
+    return;
+  }
+  const USceneComponent* Owner = GetShapeOwner();
+  const bool bScaled = !Owner->GetComponentScale().Equals(Sent->Scale, 1e-4);
+  const pacinian::Rigid Before = Sent->Pose;
+  Sent->Pose = Frame.Space.Into(Owner->GetComponentTransform());
+  if (Session != Frame.Session || bReshaped || bScaled) {
+    Sent->Scale = Owner->GetComponentScale();
+    bReshaped = bEnveloped = bMoving = false;
+    bShown = Put(Frame);
+    Session = Frame.Session;
+    return;
+  }
+  if (!bShown) return;
+  if (bEnveloped) Frame.Client.envelope(Sent->Name, Haptic::ToWire(Envelope));
+  bEnveloped = false;
+  const bool bMoves = Haptic::Moved(Before, Sent->Pose);
+  if (!bMoves && !bMoving) return;
+  const wire::Motion Motion = Haptic::MotionOf(Before, Sent->Pose, Frame.Elapsed);
+  bMoving = bMoves && bPredictMotion;
+  Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
+}
+
+bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
+  FString Problem;
+  if (!Describe(*Sent, Problem)) {
+    if (!bComplained) UE_LOG(LogPacinian, Warning, TEXT("%s cannot be felt: %s"), *GetName(), *Problem);
+    bComplained = true;
+    Remove();
+    return false;
+  }
+  wire::Felt& Felt = Haptic::Placed(Sent->Object, Haptic::ToWire(Sent->Pose));
+  if (Strength == EHapticStrength::Force)
+    Felt.force = FMath::Clamp(Force, 0.0f, 1000.0f);
+  else
+    Felt.radiation_pressure = FMath::Clamp(RadiationPressure, 0.0f, 1e6f);
+  Felt.envelope = Haptic::ToWire(Envelope);
+  Felt.priority = FMath::Clamp(Priority, -1000000, 1000000);
+  Felt.material.reach = FMath::Clamp(0.01 * Reach, 0.0, 10.0);
+  if (Stiffness > 0.0f) Felt.material.stiffness = Stiffness;
+  if (Duration > 0.0f) Felt.duration = FMath::Max(1e-3, Duration - (GetWorld()->GetTimeSeconds() - Began));
+  return Frame.Client.put(Sent->Name, MoveTemp(Sent->Object));
+}

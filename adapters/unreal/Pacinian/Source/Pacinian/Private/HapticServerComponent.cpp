@@ -1,0 +1,165 @@
+#include "HapticServerComponent.h"
+
+#include "ArrayOriginComponent.h"
+#include "HapticEffectComponent.h"
+#include "HapticScene.h"
+#include "Link.h"
+#include "Misc/CoreDelegates.h"
+#include "Telling.h"
+
+namespace wire = pacinian::wire;
+
+UHapticServerComponent::UHapticServerComponent() {
+  PrimaryComponentTick.bCanEverTick = true;
+  PrimaryComponentTick.bTickEvenWhenPaused = true;       // a paused game is alive
+  PrimaryComponentTick.TickGroup = TG_PostUpdateWork;  // when all has moved
+}
+
+void UHapticServerComponent::BeginPlay() {
+  Super::BeginPlay();
+  if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Servers.AddUnique(this);
+  Exit = FCoreDelegates::OnEnginePreExit.AddUObject(this, &UHapticServerComponent::Leave);
+  if (bConnectOnPlay) Connect();
+}
+
+void UHapticServerComponent::EndPlay(const EEndPlayReason::Type Reason) {
+  Leave();
+  FCoreDelegates::OnEnginePreExit.Remove(Exit);
+  if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Servers.Remove(this);
+  Super::EndPlay(Reason);
+}
+
+void UHapticServerComponent::BeginDestroy() {
+  Leave();
+  Super::BeginDestroy();
+}
+
+void UHapticServerComponent::Connect() {
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  if (!HasBegunPlay() || !Scene || Scene->GetServer() != this) {
+    UE_LOG(LogPacinian, Warning, TEXT("%s does not connect: %s"), *GetName(),
+           HasBegunPlay() ? TEXT("the level has another haptic server component") : TEXT("press Play first"));
+    return;
+  }
+  Leave();
+  bFirst = true;
+  bWanted = false;
+  Link = MakeShared<FHapticLink>(Haptic::Wanted(*this));
+  pacinian::Events& On = Link->Client.on;
+  On.connected = [this] { Begun(); };
+  On.lost = [this](const std::string& Why) {
+    if (Link) Link->Session = 0;
+    UE_LOG(LogPacinian, Warning, TEXT("Connection lost: %s"), *Haptic::Text(Why));
+    OnLost.Broadcast(Haptic::Text(Why));
+  };
+  On.ended = [this](const pacinian::Refusal& Told) { Ended(Haptic::Text(Told.code), Haptic::Text(Told.message)); };
+  On.refused = [this](const pacinian::Refusal& Told) {
+    UE_LOG(LogPacinian, Warning, TEXT("Refused (%s): %s; %s"), *Haptic::Text(Told.code), *Haptic::Text(Told.message),
+           *Haptic::Text(Told.advice));
+    OnRefused.Broadcast(Haptic::Text(Told.code), Haptic::Text(Told.message), Haptic::Text(Told.advice));
+  };
+  On.state_changed = [this](const wire::State&) { OnStateChanged.Broadcast(); };
+  Link->Client.start();
+}
+
+void UHapticServerComponent::Disconnect() { Leave(); }
+
+void UHapticServerComponent::Reconnect() { Connect(); }
+
+void UHapticServerComponent::Leave() {
+  const TSharedPtr<FHapticLink> Held = MoveTemp(Link);
+  Link.Reset();
+  if (Held) Held->Client.close();
+}
+
+/// A session: nothing is there yet. The components put their objects when they find another number than before.
+void UHapticServerComponent::Begun() {
+  static uint32 Sessions = 0;
+  if (!Link) return;
+  Link->Session = ++Sessions;
+  Choose(true, true, true);
+  if (bFirst ? bArmOnConnect : bArmAgainAfterLoss && bWanted) Arm(bTakeOver);
+  bFirst = false;
+  UE_LOG(LogPacinian, Log, TEXT("Connected to %s"), *Haptic::Text(Link->Client.server()));
+  OnConnected.Broadcast();
+}
+
+void UHapticServerComponent::Ended(const FString& Code, const FString& Message) {
+  UE_LOG(LogPacinian, Warning, TEXT("Sound has ended (%s): %s"), *Code, *Message);
+  if (bWanted && bArmAgainAfterLoss && Code == TEXT("expired"))
+    Arm();
+  else
+    bWanted = false;
+  OnEnded.Broadcast(Code, Message);
+}
+
+bool UHapticServerComponent::Arm(bool bTake) {
+  bWanted = Link && Link->Client.arm(bTake);
+  return bWanted;
+}
+
+void UHapticServerComponent::Disarm() {
+  bWanted = false;
+  if (Link) Link->Client.disarm();
+}
+
+void UHapticServerComponent::EmergencyStop() {
+  bWanted = false;
+  if (!Link) Link = MakeShared<FHapticLink>(Haptic::Wanted(*this));
+  Link->Client.stop();
+}
+
+void UHapticServerComponent::ResetOutput() {
+  if (Link) Link->Client.reset();
+}
+
+void UHapticServerComponent::SetIntensity(float NewIntensity) {
+  Intensity = FMath::Clamp(NewIntensity, 0.0f, 1.0f);
+  Choose(true, false, false);
+}
+
+void UHapticServerComponent::SetSolver(const FString& NewSolver) {
+  Solver = NewSolver;
+  Choose(false, true, false);
+}
+
+void UHapticServerComponent::SetBackend(const FString& NewBackend) {
+  Backend = NewBackend;
+  Choose(false, false, true);
+}
+
+void UHapticServerComponent::Choose(bool bIntensity, bool bSolver, bool bBackend) {
+  if (!IsConnected()) return;
+  wire::Select Choice;
+  if (bIntensity) Choice.intensity = FMath::Clamp(Intensity, 0.0f, 1.0f);
+  if (bSolver && !Solver.IsEmpty()) Choice.solver = wire::Choice{Haptic::Text(Solver), {}};
+  if (bBackend && !Backend.IsEmpty()) Choice.backend = wire::Choice{Haptic::Text(Backend), {}};
+  if (Choice.intensity || Choice.solver || Choice.backend) Link->Client.select(MoveTemp(Choice));
+}
+
+void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType, FActorComponentTickFunction* Tick) {
+  Super::TickComponent(DeltaTime, TickType, Tick);
+  const TSharedPtr<FHapticLink> Held = Link;  // what it tells may end it
+  if (!Held) return;
+  Held->Client.tick();
+  UHapticScene* Scene = UHapticScene::Of(this);
+  if (Link != Held || !IsConnected() || !Scene) return;
+  Haptic::Remember(*Held);
+  const UArrayOriginComponent* Origin = Scene->GetOrigin();
+  Held->Space = Origin ? FHapticSpace(Origin->GetComponentTransform()) : FHapticSpace();
+  Haptic::TellHands(*Held, *Scene);
+  Haptic::TellZones(*Held, *Scene);
+  const FHapticFrame Frame{Held->Client, Held->Space, Held->Session, DeltaTime};
+  for (int32 i = Scene->Effects.Num() - 1; i >= 0; --i)
+    if (i < Scene->Effects.Num()) Scene->Effects[i]->Send(Frame);
+}
+
+#if WITH_EDITOR
+void UHapticServerComponent::PostEditChangeProperty(FPropertyChangedEvent& Event) {
+  Super::PostEditChangeProperty(Event);
+  const FName Changed = Event.GetPropertyName();
+  Choose(Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Intensity),
+         Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Solver),
+         Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Backend));
+}
+#endif

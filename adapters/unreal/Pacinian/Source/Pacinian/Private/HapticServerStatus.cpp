@@ -1,0 +1,62 @@
+#include "HapticServerComponent.h"
+#include "Link.h"
+#include "PacinianSettings.h"
+
+using pacinian::wire::Output;
+
+bool UHapticServerComponent::IsConnected() const { return Link && Link->Session > 0; }
+
+bool UHapticServerComponent::IsArmed() const { return Link && Link->Client.armed(); }
+
+EHapticStatus UHapticServerComponent::GetStatus() const {
+  if (!Link) return EHapticStatus::Stopped;
+  switch (Link->Client.status()) {
+    case pacinian::Status::stopped:
+      break;
+    case pacinian::Status::connecting:
+      return EHapticStatus::Connecting;
+    case pacinian::Status::connected:
+      return EHapticStatus::Connected;
+    case pacinian::Status::refused:
+      return EHapticStatus::Refused;
+  }
+  return EHapticStatus::Stopped;
+}
+
+FString UHapticServerComponent::GetProblem() const { return Link ? Haptic::Text(Link->Client.problem()) : FString(); }
+
+float UHapticServerComponent::GetLatency() const {
+  return Link ? static_cast<float>(1e3 * Link->Client.latency()) : 0.0f;
+}
+
+float UHapticServerComponent::GetLease() const { return Link ? static_cast<float>(Link->Client.lease()) : 0.0f; }
+
+EHapticOutput UHapticServerComponent::GetOutput() const {
+  const pacinian::wire::State* State = Link ? Link->Client.state() : nullptr;
+  if (!State) return EHapticOutput::Unknown;
+  switch (State->output) {
+    case Output::silent:
+      return EHapticOutput::Silent;
+    case Output::sounding:
+      return EHapticOutput::Sounding;
+    case Output::stale:
+      return EHapticOutput::Stale;
+    case Output::stopped:
+      return EHapticOutput::Stopped;
+    case Output::faulted:
+      return EHapticOutput::Faulted;
+  }
+  return EHapticOutput::Unknown;
+}
+
+TArray<FString> UHapticServerComponent::GetSolvers() const {
+  TArray<FString> Names = GetDefault<UPacinianSettings>()->Solvers;
+  Names.AddUnique(Solver);
+  return Names;
+}
+
+TArray<FString> UHapticServerComponent::GetBackends() const {
+  TArray<FString> Names = GetDefault<UPacinianSettings>()->Backends;
+  Names.AddUnique(Backend);
+  return Names;
+}

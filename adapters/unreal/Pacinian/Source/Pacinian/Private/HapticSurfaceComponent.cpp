@@ -1,0 +1,45 @@
+#include "HapticSurfaceComponent.h"
+
+#include "Components/StaticMeshComponent.h"
+#include "Link.h"
+#include "Shapes.h"
+
+namespace wire = pacinian::wire;
+
+namespace {
+
+constexpr double Least = 1e-4, Most = 10.0;  // [m]
+
+double Metres(double Centimetres) { return FMath::Clamp(0.01 * FMath::Abs(Centimetres), Least, Most); }
+
+}  // namespace
+
+const USceneComponent* UHapticSurfaceComponent::GetShapeOwner() const {
+  if (Shape != EHapticSurface::Mesh || Mesh) return this;
+  const USceneComponent* Found = Haptic::MeshNear(*this);
+  return Found ? Found : this;
+}
+
+bool UHapticSurfaceComponent::Describe(FHapticBody& Body, FString& Problem) const {
+  wire::Surface Surface;
+  Surface.thickness = Metres(Thickness);
+  const FVector& Scale = Body.Scale;
+  switch (Shape) {
+    case EHapticSurface::Mesh: {
+      const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
+      const UStaticMesh* Used = Found ? Found->GetStaticMesh() : Mesh.Get();
+      wire::Mesh Made;
+      if (!Haptic::ToWire(Used, Scale, Made, Problem)) return false;
+      Surface.shape = MoveTemp(Made);
+      break;
+    }
+    case EHapticSurface::Rectangle:  // x and y change places
+      Surface.shape = wire::Rectangle{Metres(Size.Y * Scale.Y), Metres(Size.X * Scale.X)};
+      break;
+    case EHapticSurface::Disc:
+      Surface.shape = wire::Disc{Metres(Radius * FMath::Max(FMath::Abs(Scale.X), FMath::Abs(Scale.Y)))};
+      break;
+  }
+  Body.Object = MoveTemp(Surface);
+  return true;
+}

@@ -1,0 +1,32 @@
+#include "HapticVolumeComponent.h"
+
+#include "Components/StaticMeshComponent.h"
+#include "Link.h"
+#include "Shapes.h"
+
+namespace wire = pacinian::wire;
+
+const USceneComponent* UHapticVolumeComponent::GetShapeOwner() const {
+  const USceneComponent* Found = nullptr;
+  if (Shape == EHapticVolume::Colliders)
+    Found = Haptic::ColliderNear(*this);
+  else if (!Mesh)
+    Found = Haptic::MeshNear(*this);
+  return Found ? Found : this;
+}
+
+bool UHapticVolumeComponent::Describe(FHapticBody& Body, FString& Problem) const {
+  wire::Volume Volume;
+  Volume.thickness = FMath::Clamp(0.01 * Thickness, 1e-4, 10.0);
+  Volume.felt = Felt == EHapticFelt::Interior ? wire::VolumeFelt::interior : wire::VolumeFelt::shell;
+  if (Shape == EHapticVolume::Colliders) {
+    if (!Haptic::ToWire(Haptic::ColliderNear(*this), Body.Scale, Volume.shape, Problem)) return false;
+  } else {
+    const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
+    wire::Mesh Made;
+    if (!Haptic::ToWire(Found ? Found->GetStaticMesh() : Mesh.Get(), Body.Scale, Made, Problem)) return false;
+    Volume.shape = MoveTemp(Made);
+  }
+  Body.Object = MoveTemp(Volume);
+  return true;
+}

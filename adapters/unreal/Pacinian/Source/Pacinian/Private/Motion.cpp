@@ -1,0 +1,65 @@
+#include "Motion.h"
+
+#include <cmath>
+
+namespace wire = pacinian::wire;
+
+namespace Haptic {
+
+namespace {
+
+constexpr double Fastest = 10.0;  // [m/s], [rad/s] times 5: beyond it is a jump
+constexpr double Still = 1e-6;    // [m]
+constexpr double Unturned = 1e-5;  // [rad]
+constexpr double Farthest = 10.0;  // [m]
+
+/// The rotation from one to the other, about its axis [rad].
+pacinian::Vec3 Turn(const pacinian::Quat& From, const pacinian::Quat& To) {
+  const pacinian::Quat Between = To * pacinian::inverse(From);
+  const pacinian::Vec3 Axis{Between.x, Between.y, Between.z};
+  const double Sine = std::sqrt(pacinian::dot(Axis, Axis));
+  if (Sine < 1e-12) return {};
+  const double Angle = 2.0 * std::atan2(Between.w < 0.0 ? -Sine : Sine, std::abs(Between.w));
+  return (Angle / Sine) * Axis;
+}
+
+double Length(const pacinian::Vec3& Given) { return std::sqrt(pacinian::dot(Given, Given)); }
+
+}  // namespace
+
+bool Moved(const pacinian::Rigid& From, const pacinian::Rigid& To) {
+  return Length(To.position - From.position) > Still || Length(Turn(From.rotation, To.rotation)) > Unturned;
+}
+
+wire::Motion MotionOf(const pacinian::Rigid& From, const pacinian::Rigid& To, double Elapsed) {
+  if (!(Elapsed > 0.0)) return {};
+  const pacinian::Vec3 Velocity = (1.0 / Elapsed) * (To.position - From.position);
+  const pacinian::Vec3 Angular = (1.0 / Elapsed) * Turn(From.rotation, To.rotation);
+  if (!(Length(Velocity) < Fastest) || !(Length(Angular) < 5.0 * Fastest)) return {};
+  return {{Velocity.x, Velocity.y, Velocity.z}, {Angular.x, Angular.y, Angular.z}};
+}
+
+wire::Pose ToWire(const pacinian::Rigid& Given) {
+  const pacinian::Vec3& At = Given.position;
+  const pacinian::Quat& Turned = Given.rotation;
+  return {{FMath::Clamp(At.x, -Farthest, Farthest), FMath::Clamp(At.y, -Farthest, Farthest),
+           FMath::Clamp(At.z, -Farthest, Farthest)},
+          {Turned.x, Turned.y, Turned.z, Turned.w}};
+}
+
+wire::Felt& Placed(wire::Object& Object, const wire::Pose& Pose) {
+  if (auto* Surface = std::get_if<wire::Surface>(&Object)) {
+    Surface->pose = Pose;
+    return *Surface;
+  }
+  if (auto* Volume = std::get_if<wire::Volume>(&Object)) {
+    Volume->pose = Pose;
+    return *Volume;
+  }
+  auto* Point = std::get_if<wire::Point>(&Object);
+  if (!Point) Point = &Object.emplace<wire::Point>();
+  Point->position = Pose.position;
+  return *Point;
+}
+
+}  // namespace Haptic

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "Components/ActorComponent.h"
+#include "CoreMinimal.h"
+#include "HapticTypes.h"
+
+#include "HapticHandComponent.generated.h"
+
+struct FHapticSpace;
+struct FHapticHand;
+
+/** Where a hand comes from. */
+UENUM(BlueprintType)
+enum class EHapticHandSource : uint8 {
+  /** The headset's hand tracking. */
+  Tracker,
+  /** The game calls Set Joints. */
+  Game,
+};
+
+/**
+ * A hand that feels the scene: 26 joints in OpenXR's order. Where a level has such components the scene is felt by hands
+ * only; without any, objects are emitted whole.
+ */
+UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Hand"))
+class PACINIAN_API UHapticHandComponent : public UActorComponent {
+  GENERATED_BODY()
+
+ public:
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
+  EHapticSide Side = EHapticSide::Right;
+
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
+  EHapticHandSource Source = EHapticHandSource::Tracker;
+
+  /** Where the 26 joints are, in the level [cm], in OpenXR's order: palm, wrist, thumb from the wrist on, index... */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  void SetJoints(const TArray<FVector>& Positions);
+
+  /** How thick the 26 joints are [cm]. Empty: an adult's. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  void SetRadii(const TArray<float>& NewRadii);
+
+  /** The tracker has lost the hand: it feels nothing. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  void SetLost();
+
+  /** Whether its joints are known. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  bool IsTracked() const;
+
+  virtual void BeginPlay() override;
+  virtual void EndPlay(const EEndPlayReason::Type Reason) override;
+
+  /** Its joints as of now. Called by the server component in each frame. */
+  void Fill(FHapticHand& Hand, const FHapticSpace& Space);
+
+ private:
+  void Track();
+
+  TArray<FVector> Joints;
+  TArray<float> Radii;
+};

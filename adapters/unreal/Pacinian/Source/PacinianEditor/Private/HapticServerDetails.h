@@ -1,0 +1,22 @@
+#pragma once
+
+#include "CoreMinimal.h"
+#include "IDetailCustomization.h"
+
+class UHapticServerComponent;
+
+/** What a haptic server component is doing, above its properties. */
+class FHapticServerDetails : public IDetailCustomization {
+ public:
+  static TSharedRef<IDetailCustomization> Make() { return MakeShared<FHapticServerDetails>(); }
+
+  virtual void CustomizeDetails(IDetailLayoutBuilder& Layout) override;
+
+ private:
+  FText Status() const;
+  FText Output() const;
+  FText Latency() const;
+  FText Problem() const;
+
+  TWeakObjectPtr<UHapticServerComponent> Server;
+};

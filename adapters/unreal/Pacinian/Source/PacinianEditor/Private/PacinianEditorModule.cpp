@@ -1,0 +1,77 @@
+#include "ArrayOriginComponent.h"
+#include "ArrayOriginVisualizer.h"
+#include "Editor/UnrealEdEngine.h"
+#include "HapticServerComponent.h"
+#include "HapticServerDetails.h"
+#include "Misc/MessageDialog.h"
+#include "Modules/ModuleManager.h"
+#include "PropertyEditorModule.h"
+#include "ServerProcess.h"
+#include "ToolMenus.h"
+#include "UObject/UObjectIterator.h"
+#include "UnrealEdGlobals.h"
+
+#define LOCTEXT_NAMESPACE "Pacinian"
+
+/** Details, visualizer, and the entries of the Tools menu. */
+class FPacinianEditorModule : public IModuleInterface {
+ public:
+  virtual void StartupModule() override {
+    FModuleManager::LoadModuleChecked<FPropertyEditorModule>(Properties)
+        .RegisterCustomClassLayout(UHapticServerComponent::StaticClass()->GetFName(),
+                                   FOnGetDetailCustomizationInstance::CreateStatic(&FHapticServerDetails::Make));
+    if (GUnrealEd)
+      GUnrealEd->RegisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName(),
+                                             MakeShared<FArrayOriginVisualizer>());
+    UToolMenus::RegisterStartupCallback(
+        FSimpleMulticastDelegate::FDelegate::CreateRaw(this, &FPacinianEditorModule::AddMenu));
+  }
+
+  virtual void ShutdownModule() override {
+    Server.Stop();
+    UToolMenus::UnRegisterStartupCallback(this);
+    UToolMenus::UnregisterOwner(this);
+    if (!UObjectInitialized()) return;
+    if (GUnrealEd) GUnrealEd->UnregisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName());
+    if (auto* Found = FModuleManager::GetModulePtr<FPropertyEditorModule>(Properties))
+      Found->UnregisterCustomClassLayout(UHapticServerComponent::StaticClass()->GetFName());
+  }
+
+ private:
+  static constexpr const TCHAR* Properties = TEXT("PropertyEditor");
+
+  void AddMenu() {
+    const FToolMenuOwnerScoped Owner(this);
+    FToolMenuSection& Section = UToolMenus::Get()->ExtendMenu(TEXT("LevelEditor.MainMenu.Tools"))
+                                    ->AddSection(TEXT("Pacinian"), LOCTEXT("Menu", "Haptics"));
+    Section.AddMenuEntry(TEXT("PacinianStart"), LOCTEXT("Start", "Start Haptic Server"),
+                         LOCTEXT("StartTip", "Starts the server that is named in the project's settings."), FSlateIcon(),
+                         FUIAction(FExecuteAction::CreateRaw(this, &FPacinianEditorModule::Start)));
+    Section.AddMenuEntry(TEXT("PacinianEnd"), LOCTEXT("End", "End Haptic Server"),
+                         LOCTEXT("EndTip", "Ends the server that was started here: silence."), FSlateIcon(),
+                         FUIAction(FExecuteAction::CreateRaw(this, &FPacinianEditorModule::End)));
+    Section.AddMenuEntry(TEXT("PacinianStop"), LOCTEXT("Stop", "Emergency Stop"),
+                         LOCTEXT("StopTip", "Silence at once, whatever plays, until the output is reset."), FSlateIcon(),
+                         FUIAction(FExecuteAction::CreateStatic(&FPacinianEditorModule::EmergencyStop)));
+  }
+
+  void Start() {
+    FString Problem;
+    if (!Server.Start(Problem)) FMessageDialog::Open(EAppMsgType::Ok, FText::FromString(Problem));
+  }
+
+  void End() { Server.Stop(); }
+
+  /// To the servers of all levels that are open; without one, to the usual.
+  static void EmergencyStop() {
+    bool bFound = false;
+    for (TObjectIterator<UHapticServerComponent> It; It; ++It, bFound = true) It->EmergencyStop();
+    if (!bFound) GetMutableDefault<UHapticServerComponent>()->EmergencyStop();
+  }
+
+  FServerProcess Server;
+};
+
+IMPLEMENT_MODULE(FPacinianEditorModule, PacinianEditor)
+
+#undef LOCTEXT_NAMESPACE

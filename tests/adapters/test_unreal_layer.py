@@ -1,0 +1,298 @@
+"""The Unreal plugin's components, over stand-ins for the engine's classes, play against a real server."""
+
+from __future__ import annotations
+
+import math
+import signal
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import pacinian as pc
+from pacinian.bench.faults.server import Server
+
+from . import tools, unreal
+from .game import Game
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+pytestmark = pytest.mark.timeout(tools.LIMIT)
+
+PLACE, YAW = np.array([120.0, -40.0, 75.0]), 30.0  # of the array in the level [cm], [deg]
+MIRROR = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+PATIENCE = 20.0  # [s]
+BALL = np.array([0.0, 0.0, 0.175])  # in the array's frame [m]
+RADIUS = 0.03
+
+
+def turn(yaw: float) -> NDArray[np.float64]:
+    """Unreal's rotation about its z-axis: from x towards y, which is to the right."""
+    c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def level(points: Any) -> NDArray[np.float64]:
+    """From the array's frame [m] to the level [cm], (N, 3)."""
+    local = 100.0 * np.atleast_2d(points) @ MIRROR.T
+    return np.asarray(local @ turn(YAW).T + PLACE)
+
+
+def array(points: Any) -> NDArray[np.float64]:
+    """From the level [cm] to the array's frame [m], (N, 3)."""
+    return np.asarray((np.atleast_2d(points) - PLACE) @ turn(YAW) @ MIRROR / 100.0)
+
+
+@pytest.fixture(scope="module")
+def program() -> Path:
+    """The game, compiled without a warning; the editor's part with it."""
+    tools.need("cmake", "ninja", "g++", "pkg-config")
+    folder = unreal.STUBS.parent / "build" / "layer"
+    unreal.generate(folder / "headers")
+    settings = "-DCMAKE_BUILD_TYPE=Debug", f"-DHEADERS={folder / 'headers'}"
+    tools.run("cmake", "-S", unreal.STUBS, "-B", folder, "-G", "Ninja", *settings)
+    tools.run("cmake", "--build", folder, "--target", "play")
+    return folder / "play"
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """One for all; a test that kills it starts it again."""
+    with Server(tmp_path_factory.mktemp("server")) as running:
+        yield running
+
+
+@pytest.fixture
+def play(program: Path, server: Server) -> Iterator[Callable[..., Game]]:
+    """Starts the game, which is ended in any case."""
+    games: list[Game] = []
+
+    def start(*words: str) -> Game:
+        games.append(Game([program, server.file, *words]))
+        games[-1].do(f"place array {numbers(PLACE)} {YAW} 1")
+        games[-1].do(f"place ball {numbers(100.0 * BALL @ MIRROR)} 0 1")
+        return games[-1]
+
+    yield start
+    for game in games:
+        with game:
+            if game.process.poll() is None:
+                assert game.end() == 0
+
+
+def numbers(given: Any) -> str:
+    return " ".join(f"{x:.6f}" for x in np.ravel(given))
+
+
+def touch(game: Game) -> pc.Hand:
+    """A hand that rests on the ball."""
+    hand = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))
+    game.do(f"joints {numbers(level(hand.joints))}")
+    return hand
+
+
+def connected(game: Game) -> None:
+    game.until(lambda told: told["status"] == "connected" and told["output"] != "unknown")
+
+
+def sounds(game: Game) -> dict[str, Any]:
+    return game.until(lambda told: told["output"] == "sounding" and len(told["samples"]) > 0)
+
+
+def silent(server: Server) -> bool:
+    """Whether that is what the device was told last."""
+    return not server.log.read(max(0, server.log.count - 1))["sounds"].any()
+
+
+def test_a_hand_that_moves_feels_a_ball(play: Callable[..., Game], server: Server) -> None:
+    game = play()
+    connected(game)
+    touch(game)
+    game.do("sway 1.5")
+    told = sounds(game)
+    assert told["armed"]
+    assert told["lease"] == 0.25
+    assert told["solvers"] > 5
+    assert told["drawn"] > 0
+    felt = array(np.reshape(told["samples"], (-1, 3)))
+    depth = np.linalg.norm(felt - BALL, axis=1)
+    assert np.all(np.abs(depth - RADIUS) < 0.02)
+    assert np.all(felt[:, 2] > BALL[2])  # its upper side, where the hand is
+    with pc.Client(server.file, name="onlooker") as onlooker:
+        state = onlooker.status()
+        assert (state.objects, state.owner) == (("ball",), "StubGame")
+        hands = np.frombuffer(state.hands, "<f4").reshape(-1, 3)
+        assert hands[:, 2].min() > 0.19  # above the ball, in the array's frame
+    assert game.status()["latency"] > 0.0
+    game.say("longest")
+    assert game.wait(lambda t: "longest" in t)["longest"] < 0.2
+    assert game.do("end")["took"] < 0.6
+    assert game.process.wait(5.0) == 0
+    wait(lambda: silent(server))
+
+
+def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
+    game = play("handless")
+    connected(game)
+    game.do("place point 5 -3 20 0 1")
+    with pc.Client(server.file, name="onlooker") as onlooker:
+
+        def there(*names: str) -> bool:
+            return set(onlooker.status().objects) == set(names)
+
+        wait(lambda: there("ball"))
+        game.do("play point")
+        wait(lambda: there("ball", "Things.Point"))
+        game.do("silence ball")
+        wait(lambda: there("Things.Point"))
+        at = np.frombuffer(onlooker.status().points, "<f4").reshape(-1, 3)
+        np.testing.assert_allclose(at[0], [-0.03, 0.05, 0.2], atol=1e-4)
+        game.do("duration point 0.3")
+        game.do("play point")
+        wait(lambda: there("Things.Point"))
+        wait(there)
+        assert not game.status()["playing"]
+        game.do("duration point 0")
+        game.do("place point 0 0 22 0 1")
+        game.do("press point 3")
+        game.do("play point")
+        wait(lambda: there("Things.Point"))
+        wait(lambda: bool(np.frombuffer(onlooker.status().asked, "<f4") == [3.0]))
+        game.do("place point 2 0 22 0 1")
+        wait(lambda: abs(np.frombuffer(onlooker.status().points, "<f4")[1] - 0.02) < 1e-4)
+        game.do("tremble point 80")
+        game.do("solver lagrange")
+        game.do("intensity 0.5")
+        wait(lambda: onlooker.status().solver == "lagrange" and onlooker.status().intensity == 0.5)
+        game.do("solver auto")
+        game.do("intensity 1")
+        wait(lambda: onlooker.status().solver == "auto" and onlooker.status().intensity == 1.0)
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+@pytest.mark.parametrize("shape", ["rectangle", "disc", "mesh 6 4 1"])
+def test_surfaces_face_up(play: Callable[..., Game], server: Server, shape: str) -> None:
+    game = play("unarmed", "handless")
+    connected(game)
+    for line in ("place plate 3 1 20 90 1", shape, "silence ball", "play plate", "arm"):
+        game.do(line)
+    with pc.Client(server.file, name="onlooker") as onlooker:
+        wait(lambda: len(onlooker.status().points) > 0)
+        state = onlooker.status()
+        points = np.frombuffer(state.points, "<f4").reshape(-1, 3)
+        normals = np.frombuffer(state.normals, "<f4").reshape(-1, 3)
+        if shape.startswith("mesh"):  # the ball has become a box of that mesh
+            game.do("play ball")
+            wait(lambda: set(onlooker.status().objects) == {"ball", "Things.Surface"})
+    top = 0.205 if shape.startswith("mesh") else 0.2
+    upper = np.abs(points[:, 2] - top) < 1e-4
+    assert upper.any()
+    np.testing.assert_allclose(
+        normals[upper], np.broadcast_to([0.0, 0.0, 1.0], (upper.sum(), 3)), atol=1e-3
+    )
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    np.testing.assert_allclose(middle[:2], [0.01, 0.03], atol=0.006)
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_alignment_finds_the_array(play: Callable[..., Game]) -> None:
+    game = play("unarmed")
+    game.until(lambda told: told["solvers"] > 5)
+    game.say("align 10 20 -30 -75")
+    told = game.wait(lambda t: "aligned" in t)
+    assert told["aligned"]
+    assert told["touched"] == 4
+    assert told["residual"] < 1e-3
+    at, x = np.reshape(told["at"], (2, 3))
+    np.testing.assert_allclose(at, [10.0, 20.0, -30.0], atol=1e-3)
+    np.testing.assert_allclose(
+        x, Rotation.from_euler("z", -75.0, degrees=True).apply([1.0, 0.0, 0.0]), atol=1e-5
+    )
+
+
+def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Server) -> None:
+    game = play()
+    touch(game)
+    sounds(game)
+    game.do("freeze")
+    assert game.event("ended")["code"] == "expired"
+    wait(lambda: silent(server))
+    assert not game.status()["armed"]
+    game.do("arm")
+    sounds(game)
+
+
+def test_a_server_that_ends_and_comes_again(play: Callable[..., Game], server: Server) -> None:
+    game, other = play(), play("unarmed", "again")
+    touch(game)
+    sounds(game)
+    server.signal("control", signal.SIGKILL)
+    for each in (game, other):
+        each.event("lost")
+    wait(lambda: not server.left())
+    server.start()
+    for each in (game, other):
+        connected(each)
+    with pc.Client(server.file, name="onlooker") as onlooker:
+        wait(
+            lambda: [c.objects for c in onlooker.status().clients if c.name == "StubGame"] == [1, 1]
+        )
+        assert not onlooker.status().armed
+    assert not game.status()["armed"]
+    game.do("arm")
+    sounds(game)
+
+
+def test_armed_again_after_a_loss_if_that_is_wanted(
+    play: Callable[..., Game], server: Server
+) -> None:
+    game = play("again")
+    touch(game)
+    sounds(game)
+    server.signal("control", signal.SIGKILL)
+    game.event("lost")
+    wait(lambda: not server.left())
+    server.start()
+    connected(game)
+    sounds(game)
+
+
+@pytest.mark.parametrize(
+    "way", ["level", "disconnect", "disarm", "stop", "exit", "unload", "lost", "handless", "end"]
+)
+def test_what_ends_sound(play: Callable[..., Game], server: Server, way: str) -> None:
+    game = play()
+    touch(game)
+    sounds(game)
+    assert game.do(way).get("took", 0.0) < 0.6
+    wait(lambda: silent(server))
+    if way == "level":  # another one, in which nothing is touched
+        connected(game)
+    if way == "stop":
+        assert game.event("ended")["code"] == "stopped"
+        game.until(lambda told: told["output"] == "stopped")
+        game.do("reset")
+        game.until(lambda told: told["output"] == "silent")
+        game.do("arm")
+        sounds(game)
+
+
+def test_no_server_no_wait(program: Path, tmp_path: Path) -> None:
+    with Game([program, tmp_path / "connection.json"]) as game:
+        told = game.until(lambda t: t["status"] == "connecting" and t["problem"] != "")
+        assert "pacinian serve" in told["problem"]
+        game.do("stop")
+        assert game.do("end")["took"] < 0.6
+
+
+def wait(what: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not what():
+        assert time.monotonic() < end
+        time.sleep(0.02)

@@ -1,0 +1,175 @@
+"""The Unreal plugin as text: what its build and its engine would refuse, found without them."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from . import tools, unreal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PLUGIN = json.loads((unreal.PLUGIN / "Pacinian.uplugin").read_text(encoding="utf-8"))
+SOURCES = unreal.layer()
+HEADERS = sorted((unreal.SOURCE / "Pacinian" / "Public").glob("*.h"))
+ENGINE = (unreal.STUBS / "headers.txt").read_text(encoding="utf-8").splitlines()
+KNOWN = {line.split()[0] for line in ENGINE if line and not line.startswith("#")}
+OWN = {"ZeroMQ", "MsgPack", *unreal.MODULES}
+ENGINE_MODULES = {
+    "Core", "CoreUObject", "Engine", "DeveloperSettings", "HeadMountedDisplay", "InputCore", "PhysicsCore", "Projects",
+    "PropertyEditor", "RHI", "RenderCore", "Slate", "SlateCore", "ToolMenus", "UnrealEd",
+}  # fmt: skip
+CORE = [
+    path
+    for path in (unreal.SOURCE / "PacinianCore").rglob("*")
+    if path.suffix in {".h", ".cpp"} and path.name != "PacinianCoreModule.cpp"
+]
+FORBIDDEN = r"\b(try|catch|throw|dynamic_cast|typeid)\b"
+LENGTHS = {"Diameter", "Radius", "Thickness", "Reach"}
+
+
+def named(path: Path) -> str:
+    return path.name
+
+
+def test_the_descriptor_names_modules_that_there_are() -> None:
+    assert PLUGIN["FileVersion"] == 3
+    assert [module["Name"] for module in PLUGIN["Modules"]] == list(unreal.MODULES)
+    for module in PLUGIN["Modules"]:
+        rules = unreal.SOURCE / module["Name"] / f"{module['Name']}.Build.cs"
+        assert f"public class {module['Name']} : ModuleRules" in rules.read_text(encoding="utf-8")
+        assert module["Type"] == ("Editor" if module["Name"].endswith("Editor") else "Runtime")
+        made = [f for f in SOURCES if f", {module['Name']})" in f.read_text(encoding="utf-8")]
+        assert len(made) == 1, "one IMPLEMENT_MODULE each"
+
+
+@pytest.mark.parametrize("rules", sorted(unreal.SOURCE.rglob("*.Build.cs")), ids=named)
+def test_build_rules_name_modules_that_there_are(rules: Path) -> None:
+    text = rules.read_text(encoding="utf-8")
+    name = rules.name.removesuffix(".Build.cs")
+    assert rules.parent.name == name
+    for listed in re.findall(r"DependencyModuleNames\.AddRange\(new string\[\] \{(.*?)\}", text):
+        assert set(re.findall(r'"(\w+)"', listed)) <= OWN | ENGINE_MODULES
+    if name in unreal.MODULES:
+        for setting in ("bUseUnity = false", "bEnableExceptions = false", "bUseRTTI = false"):
+            assert setting in text
+    else:
+        assert "ModuleType.External" in text
+        assert "BuildException" in text, "says what is missing"
+    assert text.count("{") == text.count("}")
+
+
+def test_nothing_but_text_is_kept() -> None:
+    listed = tools.run("git", "ls-files", "-co", "--exclude-standard", folder=unreal.PLUGIN)
+    for name in listed.splitlines():
+        (unreal.PLUGIN / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=named)
+def test_a_source_keeps_to_what_the_engine_has(path: Path) -> None:
+    text = unreal.code(path)
+    assert not re.search(FORBIDDEN, text)
+    assert not re.search(r"\bstd::(thread|mutex|this_thread|async|future)\b", text), (
+        "only in the core"
+    )
+    assert not re.search(r"\b(sleep|Sleep|Wait|FEvent|zmq_\w+)\b", text)
+    raw = path.read_text(encoding="utf-8")
+    assert len(raw.splitlines()) <= 200
+    own = {f.name for f in SOURCES}
+    for include in re.findall(r'#include "(.*?)"', raw):
+        assert (
+            include in own | KNOWN or include.startswith("pacinian/") or ".generated.h" in include
+        )
+        if include.startswith("pacinian/"):
+            before = raw[: raw.index(include)]
+            assert before.count("THIRD_PARTY_INCLUDES_START") > before.count(
+                "THIRD_PARTY_INCLUDES_END"
+            )
+            assert path.parent.name == "Private"
+
+
+@pytest.mark.parametrize("path", CORE, ids=named)
+def test_the_core_knows_nothing_of_the_engine(path: Path) -> None:
+    text = unreal.code(path)
+    assert not re.search(FORBIDDEN, text)
+    assert not re.search(r"\b(UE_LOG|FString|UObject|TEXT)\b", text)
+    for include in re.findall(r'#include "(.*?)"', path.read_text(encoding="utf-8")):
+        assert include not in KNOWN
+
+
+def test_public_headers_of_the_core_need_no_library() -> None:
+    for path in CORE:
+        if "Public" in path.parts:
+            assert not re.search(
+                r"#include <(zmq|msgpack|windows)", path.read_text(encoding="utf-8")
+            )
+
+
+@pytest.mark.parametrize("header", HEADERS, ids=named)
+def test_a_header_is_as_its_tool_wants_it(header: Path) -> None:
+    text = header.read_text(encoding="utf-8")
+    includes = re.findall(r'#include "(.*?)"', text)
+    assert includes[-1] == f"{header.stem}.generated.h"
+    assert text.startswith("#pragma once")
+    found = unreal.classes(header)
+    assert len(found) <= 1, "one class each"
+    assert text.count("GENERATED_BODY()") == len(found)
+    for enum in re.findall(r"UENUM\(BlueprintType\)\n(.*)", text):
+        assert re.match(r"enum class E\w+ : uint8 \{", enum)
+    for each in found:
+        for member in each.members:
+            assert "std::" not in member.text, "a type that reflection has"
+            told = member.text.split("(")[0] if member.kind == "UFUNCTION" else member.text
+            assert not re.search(r"\b(uint32|size_t|unsigned)\b", told)
+            if member.kind == "UPROPERTY" and member.specifiers:
+                flag = re.match(r"bool (\w+)", member.text)
+                assert flag is None or re.match(r"b[A-Z]", flag[1])
+            if "Edit" in member.specifiers or "Blueprint" in member.specifiers:
+                assert "Category" in member.specifiers or "Config" in member.specifiers
+
+
+@pytest.mark.parametrize("header", HEADERS, ids=named)
+def test_properties_say_their_units(header: Path) -> None:
+    for each in unreal.classes(header):
+        for member in each.members:
+            match = re.match(r"float (\w+) =", member.text)
+            if member.kind == "UPROPERTY" and match and match[1] in LENGTHS:
+                assert "[cm]" in member.comment
+                assert 'Units = "cm"' in member.specifiers
+            if match and 'Units = "' in member.specifiers:
+                unit = re.findall(r'Units = "(\w+)"', member.specifiers)[0]
+                assert f"[{unit}]" in member.comment
+
+
+def test_what_properties_refer_to_is_there() -> None:
+    for header in HEADERS:
+        text = header.read_text(encoding="utf-8")
+        for name in re.findall(r'GetOptions = "(\w+)"', text):
+            assert re.search(rf"UFUNCTION\(.*\)\n  TArray<FString> {name}\(\) const;", text)
+        for condition in re.findall(r'EditCondition = "(.*?)"', text):
+            for name, word in re.findall(r"(\w+) (?:==|>=|<=) \w+::(\w+)", condition):
+                assert re.search(rf"\b{name}( =|;)", text)
+                assert any(
+                    re.search(rf"\b{word}\b", other.read_text(encoding="utf-8"))
+                    for other in HEADERS
+                )
+    for header in HEADERS:
+        for each in unreal.classes(header):
+            for member in each.members:
+                if "CallInEditor" in member.specifiers:
+                    assert re.match(r"void \w+\(\);", member.text), (
+                        "buttons have neither arguments nor results"
+                    )
+
+
+def test_documents_link_to_what_there_is() -> None:
+    for page in (tools.ADAPTERS / "unreal").rglob("*.md"):
+        if "Intermediate" in page.parts:
+            continue
+        text = page.read_text(encoding="utf-8")
+        for link in re.findall(r"\]\(([^)#]+)", text):
+            assert link.startswith("https://") or (page.parent / link).exists(), (page.name, link)
