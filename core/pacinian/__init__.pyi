@@ -21,6 +21,9 @@ from .acoustics.transducer import T4010A1 as T4010A1
 from .acoustics.transducer import Transducer as Transducer
 from .client.client import Client as Client
 from .client.emergency import emergency_stop as emergency_stop
+from .devices.description import Board as Board
+from .devices.description import DeviceDescription as DeviceDescription
+from .devices.description import Wiring as Wiring
 from .errors import ArgumentError as ArgumentError
 from .errors import BackendError as BackendError
 from .errors import ConnectionLost as ConnectionLost
@@ -37,6 +40,7 @@ from .errors import UnsupportedLimit as UnsupportedLimit
 from .errors import WireError as WireError
 from .plugins.backend import Backend as Backend
 from .plugins.backend import Capability as Capability
+from .plugins.backend import Found as Found
 from .plugins.backend import Frame as Frame
 from .plugins.hookspecs import hookimpl as hookimpl
 from .plugins.registry import Plugins as Plugins

@@ -14,11 +14,12 @@ from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
-    from pacinian.types import ArrayLike, Floats
+    from pacinian.types import ArrayLike, Complexes, Floats
 
 PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
 HINGE = 1e-9  # [m]; a transducer this near is on the hinge
+FAINTEST = 1e-3  # of its kind's strength; below, a transducer is dead
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
 
 
@@ -32,18 +33,22 @@ class Array:
 
     positions: [m], shape (N, 3). normals: where they point, shape (N, 3), normalised here.
     transducer: their kind; ideal (omni, 1 Pa at 1 m) unless given.
+    response: how each differs from its kind, complex, (N,): its strength, and by how much its sound leads
+        [rad]; None where none differs. It is a factor of B's columns, so solvers make up for it.
     Raises ArgumentError; warns of coincident transducers.
     """
 
     positions: Floats
     normals: Floats
     transducer: Transducer = IDEAL
+    response: Complexes | None = None
 
     def __init__(
         self,
         positions: ArrayLike,
         normals: ArrayLike = (0.0, 0.0, 1.0),
         transducer: Transducer = IDEAL,
+        response: ArrayLike | None = None,
     ) -> None:
         r = numbers("positions", positions, (None, 3)).copy()
         if not len(r):
@@ -74,6 +79,7 @@ class Array:
         object.__setattr__(self, "positions", r)
         object.__setattr__(self, "normals", n)
         object.__setattr__(self, "transducer", transducer)
+        object.__setattr__(self, "response", _response(response, len(r)))
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -92,6 +98,7 @@ class Array:
             np.concatenate([self.positions, other.positions]),
             np.concatenate([self.normals, other.normals]),
             self.transducer,
+            np.concatenate([self.responses, other.responses]),
         )
 
     @property
@@ -99,9 +106,15 @@ class Array:
         """The mean position [m], shape (3,)."""
         return np.asarray(self.positions.mean(axis=0))
 
+    @property
+    def responses(self) -> Complexes:
+        """`response`, (N,), with ones where none differs."""
+        return np.ones(len(self), np.complex128) if self.response is None else self.response
+
     def moved(self, pose: Pose) -> Array:
         """This array placed by `pose`."""
-        return Array(pose.points(self.positions), pose.directions(self.normals), self.transducer)
+        r, n = pose.points(self.positions), pose.directions(self.normals)
+        return replace(self, positions=r, normals=n)
 
     def without(self, dead: ArrayLike) -> Array:
         """This array less the transducers `dead`: indices, or a flag for each. Raises ArgumentError."""
@@ -115,7 +128,9 @@ class Array:
             raise ArgumentError("dead", f"must be indices below {N}, or {N} flags")
         if not keep.any():
             raise ArgumentError("dead", "leaves no transducer")
-        return Array(self.positions[keep], self.normals[keep], self.transducer)
+        return Array(
+            self.positions[keep], self.normals[keep], self.transducer, self.responses[keep]
+        )
 
     def fold(self, hinge: str = "x", angle: float = 45.0) -> Array:
         """This planar array folded towards +z about the middle line of its bounding box.
@@ -135,11 +150,33 @@ class Array:
         c, s = np.cos(side * radians), np.sin(side * radians)
         r[:, bent], r[:, 2] = line[bent] + c * u - s * w, line[2] + s * u + c * w
         n[:, bent], n[:, 2] = c * n[:, bent] - s * n[:, 2], s * n[:, bent] + c * n[:, 2]
-        return Array(r, n, self.transducer)
+        return replace(self, positions=r, normals=n)
 
     def driven_by(self, transducer: Transducer) -> Array:
         """This array with another kind of transducer."""
         return replace(self, transducer=transducer)
+
+
+def _response(given: ArrayLike | None, count: int) -> Complexes | None:
+    """A response, (count,), checked and sealed; None where all of it is 1."""
+    if given is None:
+        return None
+    try:
+        made = np.array(given, dtype=np.complex128)
+    except (TypeError, ValueError):
+        raise ArgumentError("response", "must be complex numbers") from None
+    if made.shape != (count,):
+        raise ArgumentError("response", f"must have shape ({count},), not {made.shape}")
+    size = np.abs(made)
+    if not ((size >= FAINTEST) & (size <= 1.0 / FAINTEST)).all():
+        worst = int(np.argmax(~((size >= FAINTEST) & (size <= 1.0 / FAINTEST))))
+        raise ArgumentError(
+            "response",
+            f"must be {FAINTEST:g} to {1.0 / FAINTEST:g} in size: [{worst}] is {size[worst]:g}; "
+            "leave out what is dead (`without`)",
+        )
+    made.flags.writeable = False
+    return None if (made == 1.0).all() else made
 
 
 def lattice(

@@ -158,15 +158,15 @@ def field(
         touches[m] = touching
 
 
-@compiled("void(c8[::1], i8, i8, f4, f4, u2[::1], u2[::1])", finite=False)
+@compiled("void(c8[::1], i8, i8, f4, f4[::1], u2[::1], u2[::1])", finite=False)
 def quantise(
-    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, half: np.float32,
+    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, threshold: Singles,
     phase: Levels, amplitude: Levels,
 ) -> None:  # fmt: skip
     """Round gains to device levels: phase 0..phases - 1, amplitude 0..amplitudes - 1.
 
-    ceiling: the gain limit; an amplitude is never rounded up beyond it. half: 0.5 rounds amplitudes to
-    the nearest level, 0 down. NaN becomes amplitude 0.
+    ceiling: the gain limit; an amplitude is never rounded up beyond it. threshold: for each, 0..1, from how far
+    below a level its amplitude is rounded up to it: 0.5 rounds to the nearest, 0 down. NaN becomes amplitude 0.
     """
     top = f4(amplitudes - 1)
     highest = np.floor(ceiling * top + f4(1e-3))  # a limit that is a level but for rounding is one
@@ -182,7 +182,7 @@ def quantise(
         turn = f4(1.0) - turn if im < f4(0.0) else turn
         level = np.rint(turn * f4(phases))
         level = level if level < f4(phases) else f4(0.0)
-        size = min(np.floor(np.sqrt(re * re + im * im) * top + half), highest)
+        size = min(np.floor(np.sqrt(re * re + im * im) * top + threshold[i]), highest)
         phase[i] = np.uint16(level if level > f4(0.0) else f4(0.0))
         amplitude[i] = np.uint16(size if size > f4(0.0) else f4(0.0))
 

@@ -1,8 +1,9 @@
 """Equations (3) to (7): the sound pressure that an array makes at points.
 
-    p = B g,    B_mn = P0 D(theta_mn) a(|q_m - r_n|) exp(-j k |q_m - r_n|)
+    p = B g,    B_mn = s_n P0 D(theta_mn) a(|q_m - r_n|) exp(-j k |q_m - r_n|)
 
-B: shape (M, N) [Pa], the pressure at point m per unit gain of transducer n.
+B: shape (M, N) [Pa], the pressure at point m per unit gain of transducer n. s_n: `Array.response`, by which real
+transducers differ; nowhere else are strengths and phases made up for.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Wave:
     """What the kernels need of an array and a medium, prepared once.
 
     origin: the array's centre [m], subtracted in double precision, so that an array a kilometre from
-    the origin of the world loses nothing. r, n, law, table: as in `kernels`.
+    the origin of the world loses nothing. r, n, law, table: as in `kernels`. response: the array's, (N,).
     """
 
     array: Array
@@ -51,6 +52,7 @@ class Wave:
     n: Singles
     law: Singles
     table: Singles
+    response: Gains | None
 
     @classmethod
     @functools.lru_cache(maxsize=16)
@@ -69,6 +71,7 @@ class Wave:
             np.ascontiguousarray(array.normals.T, dtype=np.float32),
             np.array(law, dtype=np.float32),
             _table(kind.directivity),
+            None if array.response is None else array.response.astype(np.complex64),
         )
 
     def matrix(self, points: Floats, out: Complexes, rows: Indices | None = None) -> None:
@@ -85,6 +88,9 @@ class Wave:
             q = (points - self.origin).astype(np.float32, order="C")
             if kernels.matrix(q, self.r, self.n, self.law, self.table, rows, out, touches):
                 self.refuse(touches)
+            if self.response is not None:
+                for row in rows:
+                    out[row] *= self.response
         else:
             out[rows] = matrix(self.array, points, self.medium)
 
@@ -127,6 +133,8 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
         with np.errstate(invalid="ignore", divide="ignore"):
             cosine = np.nan_to_num(np.einsum("mnk,nk->mn", d, array.normals) / distance)
         B *= np.where(cosine > 0.0, kind.directivity(cosine), 0.0)
+    if array.response is not None:
+        B *= array.response
     return B
 
 
@@ -178,6 +186,7 @@ def _single(wave: Wave, g: Complexes, points: Floats) -> Gains:
     from pacinian.acoustics import kernels
 
     q = np.ascontiguousarray(points - wave.origin, dtype=np.float32)
+    g = g if wave.response is None else g * wave.response
     parts = np.ascontiguousarray([g.real, g.imag], dtype=np.float32)
     p = np.empty(len(q), dtype=np.complex64)
     touches = np.empty(len(q), dtype=np.float32)

@@ -10,6 +10,7 @@ import click
 from click.core import ParameterSource
 
 from pacinian.cli.bench_bus import bus
+from pacinian.cli.bench_devices import devices
 from pacinian.cli.bench_expiry import expiry
 from pacinian.cli.bench_faults import faults, hostile
 from pacinian.cli.bench_scenes import scenes
@@ -233,5 +234,5 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-for command in (scenes, bus, expiry, faults, hostile):
+for command in (scenes, bus, devices, expiry, faults, hostile):
     bench.add_command(command)

@@ -30,12 +30,13 @@ def doctor(connection: str | None, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
     else:
-        _tell(findings)
+        tell(findings)
     if any(f.level == "problem" for f in findings):
         raise SystemExit(1)
 
 
-def _tell(findings: list[Finding]) -> None:
+def tell(findings: list[Finding]) -> None:
+    """Print findings, a line for each, and what to do."""
     from rich.console import Console
     from rich.markup import escape
 

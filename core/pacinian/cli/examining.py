@@ -170,7 +170,7 @@ def _late() -> Iterator[float]:
 
 def usb() -> Finding:
     """libusb, through pyusb."""
-    from usb.backend import libusb1  # type: ignore[import-untyped]
+    from usb.backend import libusb1
 
     return findings.usb(libusb1.get_backend() is not None, sys.platform)
 

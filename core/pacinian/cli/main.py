@@ -11,6 +11,7 @@ import click
 
 from pacinian.cli.bench import bench
 from pacinian.cli.demo import demo
+from pacinian.cli.devices import devices
 from pacinian.cli.doctor import doctor
 from pacinian.cli.keys import keys
 from pacinian.cli.paper import paper
@@ -46,7 +47,7 @@ def cli() -> None:
 COMMANDS = (
     *(demo, render, replay, schema),
     *(serve, status, watch, stop, keys, doctor),
-    *(plugins, wire, bench, soak, stress, paper),
+    *(devices, plugins, wire, bench, soak, stress, paper),
 )
 for command in COMMANDS:
     cli.add_command(command)

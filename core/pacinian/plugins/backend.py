@@ -12,6 +12,8 @@ from pacinian.checks import integer, number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from pacinian.acoustics.array import Array
     from pacinian.types import Gains, Levels
 
@@ -61,6 +63,21 @@ class Frame:
         return np.asarray(size * np.exp(1j * turn), dtype=np.complex64)
 
 
+@dataclass(frozen=True)
+class Found:
+    """A device that is connected now.
+
+    backend: the name of what drives it. serial: tells it from others of its kind; empty where it cannot be
+    read. title: what it is, and where it is plugged in. problem: what keeps it from being used, and what to do
+    about it; empty if nothing does.
+    """
+
+    backend: str
+    serial: str
+    title: str
+    problem: str = ""
+
+
 class Backend(ABC):
     """A device, or what stands for one.
 
@@ -71,6 +88,13 @@ class Backend(ABC):
 
     name: ClassVar[str]
     """What users call it."""
+    usb: ClassVar[tuple[tuple[int, int], ...]] = ()
+    """Vendor and product numbers of its USB devices: `pacinian devices udev` gives users the right to them."""
+
+    @classmethod
+    def found(cls) -> Iterable[Found]:
+        """Devices of this kind that are connected now; one that cannot be read is told of as a `problem`."""
+        return ()
 
     @property
     @abstractmethod

@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.plugins.backend import Capability, Frame
 
 if TYPE_CHECKING:
-    from pacinian.types import Floats, Gains, Levels
+    from pacinian.types import Floats, Gains, Levels, Singles
 
 
 def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
@@ -18,6 +18,19 @@ def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
     out: (K, N).
     """
     np.multiply(np.sqrt(envelope).astype(np.float32)[:, None], gains, out=out)
+
+
+SURE = 1.0 / 256.0  # of a level; amplitudes this near to one are rounded to it
+
+
+def thresholds(count: int) -> Singles:
+    """From how far below a level amplitudes are rounded up to it, 0..1, for N transducers: fixed dithering.
+
+    As many round up at each share of a level as should, in an order without a pattern. All that focus at one point
+    with one amplitude would else err alike, and their errors add up as their sound does.
+    """
+    order = np.random.PCG64(0).random_raw(count).argsort().argsort()
+    return (SURE + (1.0 - 2.0 * SURE) * (order + 0.5) / count).astype(np.float32)
 
 
 class Quantiser:
@@ -30,6 +43,8 @@ class Quantiser:
         self.capability = capability
         self._phase = np.zeros((rows, columns), dtype=np.uint16)
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
+        self._dither = np.tile(thresholds(columns), rows)
+        self._none = np.zeros_like(self._dither)
         # apart, so that a look at what is emitted leaves the frame alone
         self._look = np.zeros((2, columns), dtype=np.uint16)
         self._made = np.zeros(columns, dtype=np.complex64)
@@ -64,5 +79,7 @@ class Quantiser:
     ) -> None:
         from pacinian.acoustics import kernels
 
-        can, half = self.capability, np.float32(0.0 if down else 0.5)
-        kernels.quantise(g, can.phases, can.amplitudes, np.float32(ceiling), half, phase, amplitude)
+        can, threshold = self.capability, self._none if down else self._dither
+        kernels.quantise(
+            g, can.phases, can.amplitudes, np.float32(ceiling), threshold, phase, amplitude
+        )

@@ -86,4 +86,5 @@ class Reach:
 def _some(array: Array) -> Array:
     """Of many transducers a few, from all over it."""
     step = -(-len(array) // SOME)
-    return Array(array.positions[::step], array.normals[::step], array.transducer)
+    r, n, s = array.positions[::step], array.normals[::step], array.responses[::step]
+    return Array(r, n, array.transducer, s)

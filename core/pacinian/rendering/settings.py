@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import Piston, omni, t4010a1
@@ -29,7 +31,7 @@ def written(renderer: Renderer) -> dict[str, Any]:
     A directivity that is not one of ours is left out: it cannot be read again.
     """
     session, sampler = renderer.session, renderer.sampler
-    kind = session.array.transducer
+    kind, response = session.array.transducer, session.array.response
     D = kind.directivity
     names = [name for name, function in NAMED.items() if function is D]
     medium = {f.name: getattr(session.medium, f.name) for f in fields(Air) if f.init}
@@ -44,6 +46,7 @@ def written(renderer: Renderer) -> dict[str, Any]:
             "pressure": kind.pressure,
             "directivity": asdict(D) if isinstance(D, Piston) else names[0] if names else None,
         },
+        "response": None if response is None else response.astype("<c16").tobytes(),
     }
 
 
@@ -58,7 +61,9 @@ def read(
         pressure=told["pressure"],
         directivity=Piston(**D) if isinstance(D, dict) else NAMED[D],
     )
-    array = Array(positions, normals, kind)
+    given = settings.get("response")
+    response = None if given is None else np.frombuffer(given, "<c16")
+    array = Array(positions, normals, kind, response)
     object.__setattr__(array, "normals", normals)  # bit for bit: they were of length 1 already
     return Renderer(
         array,

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
-import difflib
-import functools
-import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -18,6 +13,8 @@ from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector
 from pacinian.checks import integer, length, number
+from pacinian.devices.description import DeviceDescription
+from pacinian.documents import decoded
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
@@ -28,8 +25,6 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
 
 S = TypeVar("S", bound=Struct)
-
-LARGEST = 64 << 20  # [bytes]
 
 
 class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
@@ -58,6 +53,17 @@ class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
         """The array."""
         flat = lattice(self.width, self.height, self.pitch)
         return (flat.fold(self.hinge, self.angle) if self.angle else flat).moved(self.pose)
+
+
+class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="device"):
+    """A real device: a description of it (`pacinian.DeviceDescription`), beside this file; `pose` of the whole."""
+
+    file: str
+    pose: Pose = Pose()
+
+    def make(self) -> Array:
+        """The array."""
+        return DeviceDescription.load(self.file).array().moved(self.pose)
 
 
 class Medium(Struct, frozen=True, forbid_unknown_fields=True):
@@ -119,7 +125,7 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
     rate: ticks per second [Hz]. gain: the gain limit, 1 for full drive.
     """
 
-    array: Units | Lattice = Units()
+    array: Units | Lattice | Device = Units()
     medium: Medium = Medium()
     solver: str | Choice = "auto"
     backend: str | Choice = "simulated"
@@ -149,7 +155,9 @@ def load(path: str | Path) -> SceneFile:
     path = Path(path)
     file = decoded(path, SceneFile)
     file = replace(
-        file, objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects))
+        file,
+        array=beside(file.array, path.parent),
+        objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects)),
     )
     parts = ("$.array", file.array.make), ("$.medium", file.medium.make), ("$", lambda: file.scene)
     for key, made in parts:
@@ -158,40 +166,6 @@ def load(path: str | Path) -> SceneFile:
         except ArgumentError as error:
             raise SceneFileError(path, key, str(error)) from error
     return file
-
-
-def decoded(path: Path, kind: type[S]) -> S:
-    """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
-    text = _read(path)
-    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
-    try:
-        file: S = decode(text, type=kind)
-    except msgspec.ValidationError as error:
-        problem, _, key = str(error).rpartition(" - at `$")
-        problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
-        raise SceneFileError(path, key, problem + _advice(kind, problem, key)) from error
-    except (msgspec.DecodeError, ValueError, RecursionError) as error:
-        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
-    return file
-
-
-def _read(path: Path) -> bytes:
-    if path.suffix not in (".toml", ".json"):
-        raise SceneFileError(path, "", "must end in .toml or .json")
-    try:
-        if not path.is_file():
-            raise SceneFileError(path, "", "cannot be read: it is not there, or not a file")
-        with path.open("rb") as file:
-            text = file.read(LARGEST + 1)
-    except OSError as error:
-        raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
-    except ValueError as error:
-        if isinstance(error, SceneFileError):
-            raise
-        raise SceneFileError(path, "", f"cannot be a path: {error}") from error
-    if len(text) > LARGEST:
-        raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
-    return text.removeprefix(codecs.BOM_UTF8)
 
 
 def schema() -> dict[str, Any]:
@@ -206,7 +180,7 @@ def schema() -> dict[str, Any]:
 
 def _found(item: Object, index: int, path: Path) -> Object:
     """The object with its files looked for beside the scene file, and read once."""
-    found, field = _beside(item, path.parent), ""
+    found, field = beside(item, path.parent), ""
     try:
         for name in found.load():
             field = f".{name}"
@@ -215,7 +189,7 @@ def _found(item: Object, index: int, path: Path) -> Object:
     return found
 
 
-def _beside(struct: S, folder: Path) -> S:
+def beside(struct: S, folder: Path) -> S:
     """A struct whose files, and those of all that it holds, are looked for in `folder`."""
     new: dict[str, Any] = {}
     for name in struct.__struct_fields__:
@@ -223,45 +197,10 @@ def _beside(struct: S, folder: Path) -> S:
         if name == "file" and value:
             new[name] = str(folder / value)
         elif isinstance(value, Struct):
-            new[name] = _beside(value, folder)
+            new[name] = beside(value, folder)
         elif isinstance(value, tuple) and value and isinstance(value[0], Struct):
-            parts = tuple(_beside(part, folder) for part in value)
+            parts = tuple(beside(part, folder) for part in value)
             same = all(a is b for a, b in zip(parts, value, strict=True))
             new[name] = value if same else parts
     changed = {name: value for name, value in new.items() if value is not getattr(struct, name)}
     return replace(struct, **changed) if changed else struct
-
-
-def _advice(kind: type[Struct], problem: str, key: str) -> str:
-    """What was probably meant instead of an unknown key, type or word."""
-    unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
-    if not unknown:
-        return ""
-    word = next(group for group in unknown.groups() if group is not None)
-    words = _words(kind, re.split(r"[.\[]", key + ".")[1])
-    if close := difflib.get_close_matches(word, words, 1, 0.6):
-        return f": did you mean `{close[0]}`?"
-    known = "see `pacinian schema` for what there is"
-    return f": {known if kind is SceneFile else 'there are ' + ', '.join(words)}"
-
-
-@functools.cache
-def _words(kind: type[Struct], part: str) -> list[str]:
-    """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
-    definitions = msgspec.json.schema(kind)["$defs"]
-    root = definitions[kind.__name__]["properties"]
-    if part not in root:
-        return sorted(root)
-    words: set[str] = set()
-    seen: set[str] = set()
-    waiting = [json.dumps(root[part])]
-    while waiting:
-        text = waiting.pop()
-        for name in set(re.findall(r"#/\$defs/(\w+)", text)) - seen:
-            seen.add(name)
-            properties = definitions[name].get("properties", {})
-            words |= properties.keys()
-            for values in properties.values():
-                words |= {word for word in values.get("enum", ()) if isinstance(word, str)}
-            waiting.append(json.dumps(properties))
-    return sorted(words)

@@ -11,8 +11,9 @@ from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import number
+from pacinian.documents import decoded
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.file import Choice, Lattice, Medium, Sampling, Units, decoded
+from pacinian.scene.file import Choice, Device, Lattice, Medium, Sampling, Units, beside
 from pacinian.scene.scene import Workspace
 from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL
 
@@ -126,7 +127,7 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     connect; "" for the default. state_rate: of the published state [Hz]. Raises ArgumentError.
     """
 
-    array: Units | Lattice = Units()
+    array: Units | Lattice | Device = Units()
     medium: Medium = Medium()
     solver: str | Choice = "auto"
     backend: str | Choice = "simulated"
@@ -165,6 +166,7 @@ def load(path: str | Path) -> Settings:
     """
     path = Path(path)
     settings = decoded(path, Settings)
+    settings = replace(settings, array=beside(settings.array, path.parent))
     if keys := settings.security.keys:
         settings = replace(settings, security=Security(str(path.parent / keys)))
     if settings.connection:

@@ -15,7 +15,8 @@ TURN_ERROR = 6e-6  # [turns] of the kernel's arc tangent
 def quantise(gains: Any, phases: int, amplitudes: int, ceiling: float) -> tuple[np.ndarray, ...]:
     g = np.ascontiguousarray(gains, np.complex64)
     phase, amplitude = np.full((2, g.size), 54321, np.uint16)
-    kernels.quantise(g, phases, amplitudes, np.float32(ceiling), np.float32(0.5), phase, amplitude)
+    half = np.full(g.size, 0.5, np.float32)
+    kernels.quantise(g, phases, amplitudes, np.float32(ceiling), half, phase, amplitude)
     return phase.astype(int), amplitude.astype(int)
 
 

@@ -13,4 +13,4 @@ def test_a_focus_that_stays_is_not_disturbed_and_the_room_is_quieter_with_ramps(
         assert np.isfinite([*one.focus, *one.ear]).all()
         assert max(one.focus) < -55.0
     for one in found[1:]:
-        assert one.ear[2] < one.ear[0] - 2.0
+        assert one.ear[2] < one.ear[0] - 0.5  # one unit's levels are heard, too; 3 dB for nine

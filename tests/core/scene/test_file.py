@@ -488,8 +488,8 @@ def test_the_full_example_has_every_key_of_the_schema(folder: Path) -> None:
     for name, definition in schema()["$defs"].items():
         known = definition["properties"]
         kind = known["type"]["enum"][0] if "type" in known else ""
-        if kind == "autd":
-            continue  # a scene has one array: the next test's
+        if kind in ("autd", "device"):
+            continue  # a scene has one array: the next tests'
         assert {(kind, key) for key in known} <= used, name
 
 
@@ -498,6 +498,14 @@ def test_an_array_of_units_is_read(read: Any) -> None:
     assert file.array == Units(2, 1, Pose((0.0, 0.0, 1.0)))
     array = file.array.make()
     assert len(array) == 2 * 249
+    assert (array.positions[:, 2] == 1.0).all()
+
+
+def test_an_array_of_a_device_is_read(read: Any, folder: Path) -> None:
+    (folder / "device.toml").write_text('[[boards]]\nserial = "A"\ndead = [3]\n')
+    text = 'array = { type = "device", file = "device.toml", pose = { position = [0, 0, 1] } }'
+    array = read(text).array.make()
+    assert len(array) == 248
     assert (array.positions[:, 2] == 1.0).all()
 
 

@@ -79,7 +79,7 @@ def test_what_is_emitted_is_what_the_frame_says(seed: int, phases: int, amplitud
     made = quantiser.emitted(g, 1.0).copy()
     frame: Frame = quantiser.frame(g[None], 1.0, 0, 0.0)
     np.testing.assert_allclose(made, frame.gains(quantiser.capability)[0], atol=1e-6)
-    step = np.hypot(0.5 / (amplitudes - 1), np.pi / phases)
+    step = np.hypot(1.0 / (amplitudes - 1), np.pi / phases)
     assert np.abs(made - g).max() <= step * (1 + 1e-3)
 
 

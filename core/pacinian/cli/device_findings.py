@@ -1,0 +1,114 @@
+"""What `pacinian devices check` makes of a description and of what is connected: pure, facts are given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.cli.findings import Finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from pacinian.devices.description import Board, DeviceDescription
+    from pacinian.plugins.backend import Capability, Found
+
+APART = 0.008  # [m]; transducers are wider than that
+UNLIKE = 2.0  # times as strong, or as weak, as its kind: hardly a transducer's spread
+BAND = 39_000.0, 41_000.0  # [Hz] a T4010A1 is strong in
+SHOWN = 8
+
+
+def described(device: DeviceDescription) -> list[Finding]:
+    """What the description alone tells."""
+    array = device.array()
+    size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(array.positions, axis=0))
+    told = f"{len(array)} transducers on {len(device.boards)} boards, {size} mm"
+    found = [Finding("array", "ok", told)]
+    found += [_board(board) for board in device.boards]
+    found += [_places(device), _frequency(device)]
+    return found
+
+
+def _board(board: Board) -> Finding:
+    L, size = board.layout.count, np.abs(board.responses)
+    dead = np.setdiff1d(np.arange(L), board.alive)
+    odd = board.alive[(size[board.alive] > UNLIKE) | (size[board.alive] < 1.0 / UNLIKE)]
+    told = f"{L} channels"
+    if len(dead):
+        told += f", dead: {_some(dead.tolist())}"
+    if len(dead) != L and np.ptp(size[board.alive]):
+        told += f", {size[board.alive].min():.2g} to {size[board.alive].max():.2g} times as strong"
+    if len(odd):
+        told += f", far from their kind: {_some(odd.tolist())}"
+        return Finding(_name(board), "warning", told, "measure them again, or list them as dead")
+    return Finding(_name(board), "ok", told)
+
+
+def _places(device: DeviceDescription) -> Finding:
+    from scipy.spatial import KDTree
+
+    owners: list[str] = []
+    places = [board.pose.points(board.layout.positions()) for board in device.boards]
+    for board in device.boards:
+        owners += [_name(board)] * board.layout.count
+    r = np.concatenate(places)
+    pairs = KDTree(r).query_pairs(APART)
+    if not pairs:
+        return Finding("places", "ok", f"none are nearer than {1e3 * APART:g} mm")
+    wrong = sorted({" and ".join(sorted({owners[i], owners[j]})) for i, j in pairs})
+    nearest = min(float(np.linalg.norm(r[i] - r[j])) for i, j in pairs)
+    told = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"
+    return Finding("places", "problem", told, "correct the boards' poses and layouts")
+
+
+def _frequency(device: DeviceDescription) -> Finding:
+    f, told = device.transducer.frequency, f"{device.transducer.frequency / 1e3:g} kHz"
+    if device.transducer.directivity == "t4010a1" and not BAND[0] <= f <= BAND[1]:
+        return Finding("frequency", "warning", told, "a T4010A1 is made for 40 kHz")
+    return Finding("frequency", "ok", told)
+
+
+def levels(device: DeviceDescription, can: Capability) -> Finding:
+    """The levels that the description gives, and those that its backend has."""
+    told = f"{can.phases} phases, {can.amplitudes} amplitudes, {can.rate:g} Hz"
+    given = device.levels
+    if given and (given.phases, given.amplitudes) != (can.phases, can.amplitudes):
+        what = f"described: {given.phases} and {given.amplitudes}; {device.backend} has {told}"
+        return Finding("levels", "problem", what, "correct `levels`, or leave it out")
+    return Finding("levels", "ok", told)
+
+
+def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
+    """Whether the boards are there, and others are."""
+    here = [f for f in found if device.backend in ("", f.backend)]
+    there = {f.serial: f for f in here}
+    made: list[Finding] = []
+    for board in device.boards:
+        name, one = f"{_name(board)}, connected", there.get(board.serial)
+        if not board.serial and len(here) == 1:
+            one = here[0]
+        if one is None:
+            others = _some([f.serial or "one without a serial" for f in here]) or "none"
+            fix = f"plug it in and switch it on, or correct its serial (connected: {others})"
+            made.append(Finding(name, "problem", "not found", fix))
+        elif one.problem:
+            made.append(Finding(name, "problem", one.title, one.problem))
+        else:
+            made.append(Finding(name, "ok", one.title))
+    ours = {board.serial for board in device.boards}
+    spare = [f.serial for f in here if f.serial and f.serial not in ours]
+    if spare and "" not in ours:
+        fix = "describe them, or leave them: they are not driven"
+        made.append(Finding("others", "warning", f"not described: {_some(spare)}", fix))
+    return made
+
+
+def _name(board: Board) -> str:
+    return f"board {board.serial}" if board.serial else "board"
+
+
+def _some(items: Sequence[object], gap: str = ", ") -> str:
+    shown = gap.join(map(str, items[:SHOWN]))
+    return shown + (f" and {len(items) - SHOWN} more" if len(items) > SHOWN else "")

@@ -1,0 +1,88 @@
+"""Calibration: the strength and phase of every channel, as a microphone heard them."""
+
+from __future__ import annotations
+
+import csv
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec.structs import replace
+
+from pacinian.checks import integer, number
+from pacinian.errors import ArgumentError, SceneFileError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.devices.description import Board
+
+COLUMNS = ("serial", "channel", "gain", "phase")
+Measured = dict[tuple[str, int], tuple[float, float]]
+
+
+def read(path: Path) -> Measured:
+    """Gain and phase [rad] by serial and channel, from a CSV file with these four columns.
+
+    Raises SceneFileError, which names the file, the line and the fix.
+    """
+    found: Measured = {}
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = csv.reader(file, skipinitialspace=True)
+            head = tuple(name.strip() for name in next(rows, []))
+            if head != COLUMNS:
+                raise SceneFileError(path, "line 1", f"must be {','.join(COLUMNS)}")
+            for row in rows:
+                if not row:
+                    continue
+                where = f"line {rows.line_num}"
+                key, values = _row(path, where, row)
+                if key in found:
+                    raise SceneFileError(path, where, f"measures channel {key[1]} of it again")
+                found[key] = values
+    except OSError as error:
+        raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SceneFileError(path, "", f"is not CSV: {error}") from error
+    return found
+
+
+def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple[float, float]]:
+    if len(row) != len(COLUMNS):
+        raise SceneFileError(path, where, f"must have {len(COLUMNS)} values, not {len(row)}")
+    serial, channel, gain, phase = (value.strip() for value in row)
+    try:
+        key = serial, integer("channel", number("channel", float(channel)), low=0)
+        values = number("gain", float(gain), low=0.0), number("phase", float(phase))
+    except ArgumentError as error:
+        raise SceneFileError(path, where, str(error)) from error
+    except ValueError as error:
+        raise SceneFileError(path, where, f"must be numbers: {error}") from error
+    return key, values
+
+
+def apply(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:
+    """The boards with what was measured in place of what was written. Raises SceneFileError."""
+    found = read(path)
+    sizes = {board.serial: board.layout.count for board in boards}
+    for serial, channel in found:
+        if serial not in sizes:
+            raise SceneFileError(path, "", f"measures board {serial!r}, which is not described")
+        if channel >= sizes[serial]:
+            problem = f"measures channel {channel} of {serial!r}, which has {sizes[serial]}"
+            raise SceneFileError(path, "", problem)
+    try:
+        return tuple(_measured(board, found) for board in boards)
+    except ArgumentError as error:
+        raise SceneFileError(path, "", str(error)) from error
+
+
+def _measured(board: Board, found: Measured) -> Board:
+    L = board.layout.count
+    gain, phase = (
+        np.broadcast_to(np.asarray(v, float), (L,)).copy() for v in (board.gain, board.phase)
+    )
+    for channel in range(L):
+        if (board.serial, channel) in found:
+            gain[channel], phase[channel] = found[board.serial, channel]
+    return replace(board, gain=tuple(gain.tolist()), phase=tuple(phase.tolist()))

@@ -1,0 +1,79 @@
+"""Where the transducers of a board are, on the board: all point to +z."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import Struct
+
+from pacinian.acoustics.array import autd
+from pacinian.acoustics.pose import Vector
+from pacinian.checks import integer, length, numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+MOST = 4096  # transducers of one board
+AUTD = 249
+
+
+class Unit(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
+    """An AUTD unit: 249 transducers, row by row along x."""
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return AUTD
+
+    def positions(self) -> Floats:
+        """Where they are [m], (L, 3)."""
+        return autd().positions
+
+
+class Grid(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="grid"):
+    """A grid about the middle of the board, row by row along x; pitch: [m]. Raises ArgumentError."""
+
+    columns: int = 16
+    rows: int = 16
+    pitch: float = 0.0105
+
+    def __post_init__(self) -> None:
+        integer("columns", self.columns, low=1)
+        integer("rows", self.rows, low=1)
+        if self.count > MOST:
+            raise ArgumentError("columns", f"x rows must be at most {MOST}, not {self.count}")
+        length("pitch", self.pitch)
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return self.columns * self.rows
+
+    def positions(self) -> Floats:
+        """Where they are [m], (L, 3)."""
+        X, Y = np.meshgrid(
+            *((np.arange(n) - (n - 1) / 2.0) * self.pitch for n in (self.columns, self.rows))
+        )
+        return np.asarray(np.stack([X, Y, 0.0 * X], axis=-1).reshape(-1, 3), np.float64)
+
+
+class Places(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="places"):
+    """Anywhere: positions [m], (L, 3). Raises ArgumentError."""
+
+    places: tuple[Vector, ...]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.places) <= MOST:
+            raise ArgumentError("places", f"must be 1 to {MOST}, not {len(self.places)}")
+        numbers("places", self.places, (None, 3))
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return len(self.places)
+
+    def positions(self) -> Floats:
+        """Where they are [m], (L, 3)."""
+        return np.array(self.places)

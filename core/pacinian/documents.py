@@ -1,0 +1,91 @@
+"""TOML and JSON files, decoded and checked by msgspec."""
+
+from __future__ import annotations
+
+import codecs
+import difflib
+import functools
+import json
+import re
+from typing import TYPE_CHECKING, TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from pacinian.errors import SceneFileError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+S = TypeVar("S", bound=Struct)
+
+LARGEST = 64 << 20  # [bytes]
+
+
+def decoded(path: Path, kind: type[S]) -> S:
+    """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
+    text = _read(path)
+    decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
+    try:
+        file: S = decode(text, type=kind)
+    except msgspec.ValidationError as error:
+        problem, _, key = str(error).rpartition(" - at `$")
+        problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
+        raise SceneFileError(path, key, problem + _advice(kind, problem, key)) from error
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
+    return file
+
+
+def _read(path: Path) -> bytes:
+    if path.suffix not in (".toml", ".json"):
+        raise SceneFileError(path, "", "must end in .toml or .json")
+    try:
+        if not path.is_file():
+            raise SceneFileError(path, "", "cannot be read: it is not there, or not a file")
+        with path.open("rb") as file:
+            text = file.read(LARGEST + 1)
+    except OSError as error:
+        raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        if isinstance(error, SceneFileError):
+            raise
+        raise SceneFileError(path, "", f"cannot be a path: {error}") from error
+    if len(text) > LARGEST:
+        raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
+    return text.removeprefix(codecs.BOM_UTF8)
+
+
+def _advice(kind: type[Struct], problem: str, key: str) -> str:
+    """What was probably meant instead of an unknown key, type or word."""
+    unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
+    if not unknown:
+        return ""
+    word = next(group for group in unknown.groups() if group is not None)
+    words = _words(kind, re.split(r"[.\[]", key + ".")[1])
+    if close := difflib.get_close_matches(word, words, 1, 0.6):
+        return f": did you mean `{close[0]}`?"
+    known = "see `pacinian schema` for what there is"
+    return f": {known if kind.__name__ == 'SceneFile' else 'there are ' + ', '.join(words)}"
+
+
+@functools.cache
+def _words(kind: type[Struct], part: str) -> list[str]:
+    """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
+    definitions = msgspec.json.schema(kind)["$defs"]
+    root = definitions[kind.__name__]["properties"]
+    if part not in root:
+        return sorted(root)
+    words: set[str] = set()
+    seen: set[str] = set()
+    waiting = [json.dumps(root[part])]
+    while waiting:
+        text = waiting.pop()
+        for name in set(re.findall(r"#/\$defs/(\w+)", text)) - seen:
+            seen.add(name)
+            properties = definitions[name].get("properties", {})
+            words |= properties.keys()
+            for values in properties.values():
+                words |= {word for word in values.get("enum", ()) if isinstance(word, str)}
+            waiting.append(json.dumps(properties))
+    return sorted(words)

@@ -1,0 +1,44 @@
+"""What is connected: every installed backend is asked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from pacinian.plugins.backend import Found
+
+if TYPE_CHECKING:
+    from pacinian.plugins.backend import Backend
+    from pacinian.plugins.registry import Plugins
+
+TWICE = "another one has this serial, so neither can be chosen by it: unplug one"
+
+
+def connected(plugins: Plugins, backend: str = "") -> list[Found]:
+    """Devices that are connected now, by backend and serial; of one backend, or of all.
+
+    A backend that fails to look is told of as a problem; two of one serial are, too. Raises UnknownPlugin and
+    PluginError for a backend that is named.
+    """
+    if backend:
+        plugins.find("backend", backend)
+    else:
+        plugins.load()
+    found: list[Found] = []
+    for (kind, name), offer in sorted(plugins.offers.items()):
+        if kind == "backend" and backend in ("", name):
+            found += _asked(cast("type[Backend]", offer.cls))
+    keys = [(f.backend, f.serial) for f in found]
+    return [
+        Found(f.backend, f.serial, f.title, f.problem or TWICE)
+        if f.serial and keys.count((f.backend, f.serial)) > 1
+        else f
+        for f in found
+    ]
+
+
+def _asked(backend: type[Backend]) -> list[Found]:
+    try:
+        return sorted(backend.found(), key=lambda f: f.serial)
+    except Exception as error:  # whatever a plug-in does, the others are told
+        problem = f"this backend cannot look for its devices: {type(error).__name__}: {error}"
+        return [Found(backend.name, "", "", problem)]

@@ -1,0 +1,287 @@
+"""`check_solver`: whether a solver keeps what `pacinian.Solver` promises."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isnan
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from pacinian.acoustics.array import lattice
+from pacinian.acoustics.propagation import Precision, matrix
+from pacinian.plugins.solver import Result, Solver
+from pacinian.session import AIR, Session
+from pacinian.solving.problem import Budget, Limits
+from pacinian.solving.propagator import Propagator
+from pacinian.solving.solution import Solution, Status
+from pacinian.testing.conformance import a, called, require, tried
+from pacinian.testing.problems import Problem, named, ordinary
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.types import Complexes, Floats, Gains
+
+LIMIT = 120.0  # [s] that a call may take: it may have to be compiled
+SINGLE = 1e-4  # of the strongest pressure, that single precision may be off
+KEPT = 2e-3  # relative, by which a limit may be missed
+NEAR = 1e-3  # relative, by which a bound may be off
+
+
+def check_solver(
+    make: Callable[[], Solver], array: Array | None = None, *, limit: float = LIMIT
+) -> None:
+    """Try every rule of the solver seam on small problems; answers are compared in double precision.
+
+    make: makes the solver, as users do. array: 100 ideal transducers unless given; 10 x 10 cm or more, that points to
+    +z. limit: of each call [s]. How good its answers are, and on harder problems: `pacinian stress --solver NAME`.
+    Raises NotConforming, which says what was broken.
+    """
+    kit = _Kit(make, array or lattice(0.09, 0.09), limit)
+    tried(
+        getattr(called("make()", make, limit), "name", "a solver"),
+        {
+            "class": kit.its_class,
+            "finite": kit.finite,
+            "gain limit": kit.gain_limit,
+            "deterministic": kit.deterministic,
+            "holds nothing": kit.holds_nothing,
+            "leaves its input alone": kit.leaves_input,
+            "budget": kit.budget,
+            "double precision": kit.double,
+            "true pressures": kit.true_pressures,
+            "bound": kit.bound,
+            "linear": kit.linear,
+            "quiet": kit.quiet,
+            "exact": kit.exact,
+        },
+    )
+
+
+class _Kit:
+    """One solver's trial."""
+
+    def __init__(self, make: Callable[[], Solver], array: Array, limit: float) -> None:
+        self.array, self._make, self._limit = array, make, limit
+
+    # ------------------------------------------------------------------ what rules are made of
+
+    def make(self) -> Solver:
+        """A new solver."""
+        return called("make()", self._make, self._limit)
+
+    def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
+        """As `pacinian.testing.problems.ordinary`, for its array."""
+        return ordinary(self.array, count, level, seed, fixed)
+
+    def problems(self) -> list[tuple[str, Problem]]:
+        """Ordinary and awkward ones."""
+        return named(self.array)
+
+    def reference(self, q: Floats) -> Complexes:
+        """B in double precision."""
+        return matrix(self.array, q, AIR)
+
+    def solve(
+        self,
+        solver: Solver,
+        problem: Problem,
+        propagator: Propagator | None = None,
+        warm: Solution | None = None,
+        budget: Budget | None = None,
+        precision: Precision = "single",
+    ) -> tuple[Complexes, Result]:
+        """Ask the solver itself: its gains, (N,), and what it says of them."""
+        propagator = propagator or self.propagator(problem, precision)
+        out = np.zeros(len(self.array), propagator.dtype)
+        targets, limits, time, gains = (
+            problem.targets, problem.limits, budget or Budget(), cast("Gains", out),
+        )  # fmt: skip
+        result = called(
+            "solve()",
+            lambda: solver.solve(propagator, targets, limits, warm, time, gains),
+            self._limit,
+        )
+        a(Result, result, "what solve() returns")
+        return out, result
+
+    def propagator(self, problem: Problem, precision: Precision = "single") -> Propagator:
+        """One whose points are the problem's."""
+        made = Propagator(self.array, AIR, precision)
+        made.place(problem.q)
+        return made
+
+    def session(self, problem: Problem) -> Solution:
+        """Ask through a session, as users do."""
+        session = Session(self.array, solver=self.make())
+        return called(
+            "Session.solve()",
+            lambda: session.solve(problem.q, problem.t, problem.phases, limits=problem.limits),
+            self._limit,
+        )
+
+    # ------------------------------------------------------------------ the rules
+
+    def its_class(self) -> None:
+        """It is a solver with a name and a line of explanation."""
+        solver = self.make()
+        a(Solver, solver, "what is made")
+        name = getattr(type(solver), "name", None)
+        require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
+        require(bool((type(solver).__doc__ or "").strip()), "it has no docstring")
+        unknown = set(solver.keeps) - {"quiet", "exact"}
+        require(not unknown, f"keeps names {unknown}, which are no limits that a solver may keep")
+
+    def finite(self) -> None:
+        """Gains are finite, whatever is asked."""
+        for name, problem in self.problems():
+            g, _ = self.solve(self.make(), problem)
+            require(bool(np.isfinite(g).all()), f"gains are not finite for {name}")
+
+    def gain_limit(self) -> None:
+        """Where the least gains are far within the limit, or it says that it kept it, gains are within it."""
+        for name, problem in self.problems():
+            g, result = self.solve(self.make(), problem)
+            limit, most = problem.limits.gain or np.inf, float(np.abs(g).max())
+            B = self.reference(problem.q)
+            weak = len(problem.q) < 5 and float(problem.t.sum()) < 0.2 * np.abs(B).sum(axis=1).min()
+            told = "although it says that they are `limited`" if result.limited else "for so little"
+            within = most <= limit * (1.0 + 1e-5) or not (weak or result.limited)
+            require(within, f"gains reach {most:.3g} {told}: {name}")
+
+    def deterministic(self) -> None:
+        """The same problem has the same answer, bit for bit: recordings are rendered anew."""
+        for name, problem in self.problems()[:8]:
+            first, second = (self.solve(self.make(), problem)[0] for _ in range(2))
+            require(np.array_equal(first, second), f"answers differ for {name}")
+
+    def holds_nothing(self) -> None:
+        """One object serves all sessions: what it was asked before does not matter."""
+        solver, one, other = self.make(), self.problem(4, 0.5), self.problem(7, 0.9, seed=1)
+        first, _ = self.solve(solver, one)
+        self.solve(solver, other)
+        again, _ = self.solve(solver, one)
+        require(np.array_equal(first, again), "another problem in between changes the answer")
+
+    def leaves_input(self) -> None:
+        """What it is given is shared: it is not written to."""
+        problem = replace(self.problem(4, 0.5), limits=Limits(power=1e3))
+        warm = self.session(problem)
+        propagator, targets = self.propagator(problem), problem.targets
+        shared = {
+            "B": propagator.B,
+            "the Gram matrix": propagator.gram,
+            "the points": propagator.points,
+            "targets.amplitudes": targets.amplitudes,
+            "targets.phases": targets.phases,
+            "warm.gains": warm.gains,
+            "warm.sound_pressure": warm.sound_pressure,
+        }
+        before = {name: np.array(value) for name, value in shared.items()}
+        version, out = propagator.version, np.zeros(len(self.array), np.complex64)
+        solver = self.make()
+        called(
+            "solve()",
+            lambda: solver.solve(propagator, targets, problem.limits, warm, Budget(), out),
+            self._limit,
+        )
+        for name, value in shared.items():
+            same = np.array_equal(before[name], value, equal_nan=True)
+            require(same, f"it writes to {name}")
+        require(propagator.version == version, "it moves the propagator's points")
+
+    def budget(self) -> None:
+        """With no time left it is back with the best so far, which is finite."""
+        for name, problem in self.problems()[:8]:
+            spent = Budget(due=0.0, clock=lambda: 1.0)
+            g, _ = self.solve(self.make(), problem, budget=spent)
+            require(bool(np.isfinite(g).all()), f"gains are not finite without time: {name}")
+
+    def double(self) -> None:
+        """It works in double precision, too, and comes to the same."""
+        problem = self.problem(4, 0.1, fixed=True)
+        single, _ = self.solve(self.make(), problem)
+        double, _ = self.solve(self.make(), problem, precision="double")
+        B = self.reference(problem.q)
+        a, b = np.abs(B @ single), np.abs(B @ double)
+        off = float(np.linalg.norm(a - b)) / max(float(np.linalg.norm(b)), 1e-30)
+        require(off < 0.05, f"pressures differ by {off:.2%} between single and double precision")
+
+    def true_pressures(self) -> None:
+        """What a session tells of the answer is what the gains make, in double precision."""
+        for name, problem in self.problems()[:8]:
+            solution = self.session(problem)
+            p = self.reference(problem.q) @ solution.gains.astype(np.complex128)
+            scale = float(np.abs(self.reference(problem.q)).sum(axis=1).max())
+            off = float(np.abs(p - solution.sound_pressure).max())
+            require(
+                off <= SINGLE * scale,
+                f"pressures told are {off / scale:.2g} of full drive off for {name}",
+            )
+            met = float(np.linalg.norm(np.abs(p) - problem.t)) / float(np.linalg.norm(problem.t))
+            require(
+                solution.status is not Status.ok or met <= KEPT,
+                f"status ok, with an error of {met:.2%} for {name}",
+            )
+
+    def bound(self) -> None:
+        """A bound that is told is below the optimum, and follows from its multipliers."""
+        for fixed in (False, True):
+            problem = self.problem(4, 0.1, fixed=fixed)
+            g, result = self.solve(self.make(), problem)
+            if isnan(result.bound):
+                continue
+            require(result.multipliers is not None and result.mu > 0.0, "a bound without proof")
+            B = self.reference(problem.q)
+            p = problem.targets.complex(np.angle(B @ g))
+            M = len(p)
+            H = B @ B.conj().T + result.mu * np.eye(M)
+            best = 0.5 * result.mu * float(np.vdot(p, np.linalg.solve(H, p)).real)  # without limits
+            scale = 0.5 * float(np.vdot(p, p).real)
+            require(
+                result.bound <= best * (1.0 + NEAR) + 1e-6 * scale,
+                f"the bound, {result.bound:.4g}, is above the optimum, {best:.4g}",
+            )
+
+    def linear(self) -> None:
+        """If it says that it is linear, targets twice as strong are met twice as strongly."""
+        solver, problem = self.make(), self.problem(4, 0.1, fixed=True)
+        if solver.linear:
+            g, _ = self.solve(solver, problem)
+            twice, _ = self.solve(solver, replace(problem, t=2.0 * problem.t))
+            B = self.reference(problem.q)
+            off = float(np.linalg.norm(B @ (twice - 2.0 * g)) / np.linalg.norm(2.0 * problem.t))
+            require(off < 2e-3, f"it is `linear`, but pressures are {off:.2%} off")
+
+    def quiet(self) -> None:
+        """If it keeps quiet points, it does where that is possible, and `ok` is true."""
+        if "quiet" not in self.make().keeps:
+            return
+        problem = self.problem(3, 0.2)
+        B = self.reference(problem.q)
+        angle = np.linspace(0.0, 2.0 * np.pi, 36)
+        ring = problem.q.mean(axis=0) + 0.08 * np.c_[np.cos(angle), np.sin(angle), 0.0 * angle]
+        made = np.abs(self.reference(ring) @ (np.linalg.pinv(B) @ problem.t))
+        ears = ring[made.argmax()][None]  # where it is loud unless that is looked after
+        E, loud = self.reference(ears), 0.1 * float(made.max())
+        g = np.linalg.pinv(np.vstack([B, E])) @ np.r_[problem.t, 0.0]
+        require(float(np.abs(g).max()) < 0.9, "the array is too small for this check")
+        solution = self.session(replace(problem, limits=Limits(quiet=(ears, loud))))
+        heard = float(np.abs(E @ solution.gains.astype(np.complex128)).max())
+        require(
+            heard <= loud * (1.0 + KEPT) + SINGLE * float(np.abs(E).sum()),
+            f"{heard:.3g} Pa at a quiet point of {loud:.3g} Pa (status {solution.status.name})",
+        )
+        require(bool(solution.gains.any()), "it keeps a point quiet by silence")
+
+    def exact(self) -> None:
+        """If it keeps exact samples, it does where that is possible."""
+        if "exact" not in self.make().keeps:
+            return
+        problem = replace(self.problem(3, 0.2), limits=Limits(exact=[1]))
+        solution = self.session(problem)
+        p = np.abs(self.reference(problem.q) @ solution.gains.astype(np.complex128))
+        off = abs(float(p[1]) / float(problem.t[1]) - 1.0)
+        require(off <= KEPT, f"an exact sample is {off:.2%} off (status {solution.status.name})")

@@ -1,0 +1,154 @@
+"""One device of an array: its part of every frame, and what it says of them."""
+
+from __future__ import annotations
+
+import secrets
+import struct
+from array import array
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import pacinian as pc
+from pacinian_plugins.backends.usb_autd import protocol
+from pacinian_plugins.backends.usb_autd.discovery import NAME
+from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
+from pacinian_plugins.backends.usb_autd.reports import Capability, Status
+from pacinian_plugins.backends.usb_autd.troubles import AGAIN, Gone
+
+if TYPE_CHECKING:
+    from pacinian.types import Levels
+    from pacinian_plugins.backends.usb_autd.link import Link
+
+
+class Board:
+    """A device behind a link, which is closed with it. can: known once `open` has asked."""
+
+    def __init__(self, link: Link) -> None:
+        self.link, self.name = link, f"{NAME} {link.serial}"
+        self.can = Capability()
+        self._session = self._sequence = 0
+        self._accepted = self._checked = 0  # frames, and the sequence, at the last check
+        self._failed = False
+        self._buffers: dict[tuple[int, int], tuple[array[int], memoryview]] = {}
+        self._part: slice | None = None  # of the array, if it is one
+        self._levels = np.zeros((2, 0, 0), np.uint16)
+        self.wiring: pc.Wiring
+
+    @property
+    def size(self) -> int:
+        """How many transducers it has."""
+        return self.can.units * self.can.transducers
+
+    def open(self) -> None:
+        """Ask what it can do. Raises BackendError if it is none of ours."""
+        try:
+            can = self.can = Capability.unpack(self.link.ask(Request.CAPABILITY))
+        except ValueError as error:
+            raise pc.BackendError(f"{self.name}: is no device of this format: {error}") from error
+        told = can.version[0], can.phases, can.amplitudes, can.rate
+        known = protocol.MAJOR, protocol.PHASES, protocol.AMPLITUDES, protocol.RATE
+        if told != known:
+            raise pc.BackendError(
+                f"{self.name}: has version, phases, amplitudes and rate {told}, not {known}: "
+                "update Pacinian, or the device's firmware"
+            )
+
+    def wire(self, wiring: pc.Wiring) -> None:
+        """Say which of the array's transducers are its own. Raises BackendError."""
+        if wiring.size != self.size:
+            raise pc.BackendError(
+                f"{self.name}: has {self.size} transducers, and should have {wiring.size}"
+            )
+        self.wiring = wiring
+        if len(wiring.indices) == self.size and (np.diff(wiring.indices) == 1).all():
+            first = int(wiring.indices[0])
+            self._part = slice(first, first + self.size)
+
+    def arm(self, watchdog: float) -> None:
+        """Let frames sound; it is silent until the first. watchdog: [s]. Raises BackendError."""
+        least, most, _ = self.can.watchdog
+        wanted = round(1e3 * watchdog)
+        if not least <= wanted <= most:
+            raise pc.BackendError(
+                f"{self.name}: its watchdog can be {least} to {most} ms, not {wanted} ms"
+            )
+        self.link.mend()
+        self._session, self._sequence = secrets.randbits(32) or 1, 0
+        self.link.tell(Request.ARM, struct.pack("<IHH", self._session, wanted, 0))
+        self._checked, self._accepted = 0, self.status().accepted
+
+    def pack(
+        self, phase: Levels, amplitude: Levels, envelope: Levels, lead: int, steps: int
+    ) -> array[int]:
+        """The next message, in a buffer that is reused. phase, amplitude: of the whole array, (rows, N)."""
+        phase, amplitude = self._own(phase, amplitude)
+        key = len(phase), len(envelope)
+        if key not in self._buffers:
+            made = array("B", bytes(protocol.size(len(phase), self.size, len(envelope))))
+            self._buffers[key] = made, memoryview(made)
+        message, view = self._buffers[key]
+        self._sequence = self._sequence + 1 & 0xFFFFFFFF
+        head = self._session, self._sequence, (1 << self.can.units) - 1, lead, steps
+        protocol.pack(head, envelope, phase, amplitude, view)
+        return message
+
+    def send(self, message: array[int]) -> None:
+        """Write what `pack` made. Raises BackendError, at once: it is not tried again."""
+        try:
+            self.link.write(message)
+        except pc.BackendError:
+            self._failed = True
+            raise
+
+    def status(self) -> Status:
+        """How the device is. Raises BackendError."""
+        try:
+            return Status.unpack(self.link.ask(Request.STATUS))
+        except ValueError as error:
+            raise pc.BackendError(f"{self.name}: {error}") from error
+
+    def check(self) -> None:
+        """Raise BackendError if the device does not take what it is sent."""
+        status = self.status()
+        if status.session != self._session:
+            raise pc.BackendError(
+                f"{self.name}: is disarmed: it was reset, is too hot, or another program has it: "
+                f"{AGAIN}"
+            )
+        if status.accepted == self._accepted and self._sequence != self._checked:
+            known = status.refusal in Verdict.__members__.values()
+            why = Verdict(status.refusal).name.lower() if known else str(status.refusal)
+            raise pc.BackendError(f"{self.name}: accepts no frames: the last refusal was {why!r}")
+        self._accepted, self._checked = status.accepted, self._sequence
+
+    def silence(self) -> None:
+        """Silence at once, and for all that is still under way. A device that has gone is silent by itself.
+
+        Raises BackendError.
+        """
+        with suppress(Gone):
+            self.link.tell(Request.SILENCE, self._sequence.to_bytes(4, "little"))
+            if self._failed:  # of one that answers: the system would wait for others for seconds
+                self.link.mend()
+                self._failed = False
+
+    def close(self) -> None:
+        """Silence, disarm, give it back. Never raises."""
+        with suppress(pc.BackendError):
+            self.silence()
+        with suppress(pc.BackendError):
+            self.link.tell(Request.DISARM)
+        self.link.close()
+
+    def _own(self, phase: Levels, amplitude: Levels) -> tuple[Levels, Levels]:
+        """Its levels in the order of its channels, (rows, size) each."""
+        if self._part is not None:
+            return phase[:, self._part], amplitude[:, self._part]
+        shape = 2, len(phase), self.size
+        if self._levels.shape != shape:
+            self._levels = np.zeros(shape, np.uint16)  # what is dead stays 0
+        to, of = self.wiring.channels, self.wiring.indices
+        self._levels[0][:, to], self._levels[1][:, to] = phase[:, of], amplitude[:, of]
+        return self._levels[0], self._levels[1]

@@ -1,0 +1,86 @@
+"""From a stream of bytes to messages; finds the next one wherever the stream was cut."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from zlib import crc32
+
+from pacinian_plugins.backends.usb_autd.protocol import (
+    CRC,
+    HEAD,
+    HEADER,
+    MAGIC,
+    MAJOR,
+    Frame,
+    Verdict,
+    unpack,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian_plugins.backends.usb_autd.reports import Capability
+
+
+class Decoder:
+    """Decodes what a device that `can` do this is sent.
+
+    skipped: bytes that belong to no message.
+    """
+
+    def __init__(self, can: Capability) -> None:
+        self.can = can
+        self.skipped = 0
+        self._buffer = bytearray()
+
+    def flush(self) -> None:
+        """Forget a message that has not come to its end."""
+        self._buffer.clear()
+
+    def feed(self, data: bytes) -> Iterator[Frame | Verdict]:
+        """The frames, and what kept others from being one, in the order of their ends; take all of them."""
+        buffer = self._buffer
+        buffer += data
+        while (found := self._header()) is not None:
+            length, check = found
+            if isinstance(
+                check, Verdict
+            ):  # whose length cannot be relied on: look behind its magic
+                yield check
+                self._skip(1)
+                continue
+            if len(buffer) < length:
+                return
+            message = bytes(buffer[:length])
+            end = length - CRC.size
+            if crc32(memoryview(message)[HEAD:end], check) != CRC.unpack_from(message, end)[0]:
+                yield Verdict.CORRUPT
+                self._skip(1)
+                continue
+            del buffer[:length]
+            yield unpack(message, self.can)
+
+    def _header(self) -> tuple[int, int | Verdict] | None:
+        """Length and CRC, or what is wrong, of the header that the buffer begins with; None if more is needed."""
+        buffer = self._buffer
+        while True:
+            at = buffer.find(MAGIC)
+            if at < 0:
+                ends = (n for n in range(len(MAGIC) - 1, -1, -1) if buffer.endswith(MAGIC[:n]))
+                at = len(buffer) - next(ends)
+            self._skip(at)
+            if len(buffer) < HEAD:
+                return None
+            _, major, _, _, length, _, _ = HEADER.unpack_from(buffer)
+            check = crc32(memoryview(bytes(buffer[: HEADER.size])))
+            if check != CRC.unpack_from(buffer, HEADER.size)[0]:
+                self._skip(1)
+                continue
+            if major != MAJOR:
+                return 0, Verdict.VERSION
+            fits = HEAD + CRC.size <= length <= self.can.longest
+            return length, check if fits else Verdict.LENGTH
+
+    def _skip(self, count: int) -> None:
+        del self._buffer[:count]
+        self.skipped += count

@@ -1,0 +1,127 @@
+"""What a device says of itself, in 64 bytes."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import astuple, dataclass
+from typing import Any
+
+from pacinian_plugins.backends.usb_autd.protocol import (
+    AMPLITUDES,
+    MAJOR,
+    MINOR,
+    MOST,
+    PHASES,
+    RATE,
+    UNIT,
+    State,
+    Verdict,
+)
+
+ABILITY = struct.Struct("<4B10H2I16s16s")
+STATE = struct.Struct("<3Bx11I2Hh10x")
+
+
+@dataclass(frozen=True)
+class Capability:
+    """What a device can do: the report of 64 bytes.
+
+    units of `transducers` each. queue: rows that may wait. samples: of an envelope. watchdog: least, most and
+    usual [ms]. longest: message [bytes]. frequency: of the ultrasound [mHz].
+    """
+
+    units: int = 9
+    transducers: int = UNIT
+    phases: int = PHASES
+    amplitudes: int = AMPLITUDES
+    rate: int = RATE
+    queue: int = 16
+    samples: int = 64
+    watchdog: tuple[int, int, int] = (5, 100, 20)
+    longest: int = 1 << 17
+    frequency: int = 40_000_000
+    serial: str = ""
+    firmware: str = ""
+    version: tuple[int, int] = (MAJOR, MINOR)
+
+    def pack(self) -> bytes:
+        """The report."""
+        names = (text.encode("ascii") for text in (self.serial, self.firmware))
+        return ABILITY.pack(
+            64,
+            *self.version,
+            self.units,
+            self.transducers,
+            self.phases,
+            self.amplitudes,
+            self.rate,
+            self.queue,
+            self.samples,
+            *self.watchdog,
+            0,
+            self.longest,
+            self.frequency,
+            *names,
+        )
+
+    @classmethod
+    def unpack(cls, report: bytes) -> Capability:
+        """From a report; what a newer version has added is left out. Raises ValueError."""
+        v = _fields(ABILITY, report)
+        if not (1 <= v[3] <= MOST and v[4]):
+            raise ValueError(f"{v[3]} units of {v[4]} transducers")
+        serial, firmware = (_text(v[i]) for i in (16, 17))
+        given: list[Any] = [*v[3:10], v[10:13], *v[14:16], serial, firmware, v[1:3]]
+        return cls(*given)
+
+
+@dataclass
+class Status:
+    """How a device is: the report of 64 bytes. Counters count from power-up, modulo 2^32.
+
+    refusal: the last verdict that was not OK. session: 0 while disarmed. sequence: the last frame accepted. corrupt,
+    skipped: messages with a wrong CRC, and bytes that belong to none. lost: frames missing from the sequence.
+    starved, overrun: frames that came too late, and too early. tripped: how often the watchdog had to silence it.
+    uptime, watchdog: [ms]. waiting: rows. temperature: [0.1 °C].
+    """
+
+    state: int = State.DISARMED
+    refusal: int = Verdict.OK
+    session: int = 0
+    sequence: int = 0
+    accepted: int = 0
+    refused: int = 0
+    corrupt: int = 0
+    skipped: int = 0
+    lost: int = 0
+    starved: int = 0
+    overrun: int = 0
+    tripped: int = 0
+    uptime: int = 0
+    watchdog: int = 0
+    waiting: int = 0
+    temperature: int = -32768  # not known
+
+    def pack(self) -> bytes:
+        """The report."""
+        state, refusal, *counters, watchdog, waiting, temperature = astuple(self)
+        counters = [n & 0xFFFFFFFF for n in counters]
+        return STATE.pack(64, state, refusal, *counters, watchdog, waiting, temperature)
+
+    @classmethod
+    def unpack(cls, report: bytes) -> Status:
+        """From a report; what a newer version has added is left out. Raises ValueError."""
+        return cls(*_fields(STATE, report)[1:])
+
+
+def _fields(layout: struct.Struct, report: bytes) -> tuple[Any, ...]:
+    if len(report) < layout.size or report[0] < layout.size:
+        said = report[0] if report else 0
+        raise ValueError(
+            f"a report of {len(report)} bytes, that says {said}, of at least {layout.size}"
+        )
+    return layout.unpack(report[: layout.size])
+
+
+def _text(name: bytes) -> str:
+    return name.split(b"\0")[0].decode("ascii", errors="replace")

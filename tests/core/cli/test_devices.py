@@ -1,0 +1,266 @@
+"""`pacinian devices`: what is connected, what a description lacks, the picture, the udev rule."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+import pacinian as pc
+from pacinian.cli import device_findings, devices
+from pacinian.cli.main import cli
+from pacinian.cli.udev import rules
+from pacinian.devices.layouts import Grid
+from pacinian.plugins import discovery, registry
+from pacinian.plugins.registry import Offer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = ROOT / "examples" / "devices"
+CAN = pc.Capability(128, 65, 1000.0)
+READY = pc.Found("mine", "A", "an array at 1-2")
+DENIED = pc.Found("mine", "B", "an array at 1-3", "no right to it: see the udev rule")
+
+
+class Mine(pc.Backend):
+    """A backend with devices on a shelf."""
+
+    name: ClassVar[str] = "mine"
+    usb = ((0x0403, 0x6014),)
+    shelf: ClassVar[list[Any]] = []
+
+    @classmethod
+    def found(cls) -> Iterable[pc.Found]:
+        for one in cls.shelf:
+            if isinstance(one, Exception):
+                raise one
+            yield one
+
+    @property
+    def capability(self) -> pc.Capability:
+        return CAN
+
+    def open(self, array: pc.Array) -> None: ...
+    def send(self, frame: pc.Frame) -> None: ...
+    def silence(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@pytest.fixture
+def plugins(monkeypatch: pytest.MonkeyPatch) -> pc.Plugins:
+    """An installation with that backend, and nothing on its shelf."""
+    made = pc.Plugins([])
+    made.offers["backend", "mine"] = Offer("backend", Mine, "mine", "here")
+    monkeypatch.setattr(registry, "installed", lambda: made)
+    Mine.shelf[:] = []
+    return made
+
+
+def run(*words: object) -> tuple[int, str]:
+    done = CliRunner().invoke(cli, ["devices", *map(str, words)])
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done.exit_code, done.output
+
+
+@pytest.mark.parametrize("system", ["linux", "win32", "darwin", "freebsd"])
+def test_nothing_connected_says_what_to_try(
+    plugins: Any, system: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(devices.sys, "platform", system)
+    code, told = run()
+    assert code == 0
+    assert "no device is connected" in told
+    assert {"win32": "Zadig", "darwin": "macOS"}.get(system, "udevadm") in told
+
+
+def test_the_list_tells_serials_and_what_is_wrong(plugins: Any) -> None:
+    Mine.shelf[:] = [DENIED, READY]
+    code, told = run()
+    assert code == 1
+    assert re.search(r"mine +A +an array at 1-2 +ready", told)
+    assert re.search(r"mine +B +an array at 1-3 +cannot be used", told)
+    assert "mine B: no right to it" in told
+    assert told.index(" A ") < told.index(" B ")
+    Mine.shelf[:] = [READY]
+    assert run()[0] == 0
+
+
+def test_the_list_is_json_for_programs(plugins: Any) -> None:
+    Mine.shelf[:] = [READY]
+    code, told = run("--json", "--backend", "mine")
+    assert code == 0
+    assert json.loads(told)["devices"] == [
+        {"backend": "mine", "serial": "A", "title": "an array at 1-2", "problem": ""}
+    ]
+
+
+def test_a_backend_that_fails_to_look_is_told_and_takes_nothing_down(plugins: Any) -> None:
+    Mine.shelf[:] = [READY, OSError("no USB here")]
+    (one,) = discovery.connected(plugins)
+    assert "OSError: no USB here" in one.problem
+
+
+def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:
+    Mine.shelf[:] = [
+        READY,
+        READY,
+        pc.Found("mine", "", "no serial"),
+        pc.Found("mine", "", "nor this"),
+    ]
+    found = discovery.connected(plugins)
+    assert [bool(f.problem) for f in found] == [False, False, True, True]
+
+
+def test_a_backend_that_is_not_there_is_an_error(plugins: Any) -> None:
+    with pytest.raises(pc.UnknownPlugin, match="mine"):
+        discovery.connected(plugins, "other")
+
+
+# ------------------------------------------------------------------ check
+
+
+def described(**changes: Any) -> pc.DeviceDescription:
+    boards = [pc.Board("A"), pc.Board("B", pose=pc.Pose((0.2, 0.0, 0.0)))]
+    return pc.DeviceDescription(tuple(changes.pop("boards", boards)), **changes)
+
+
+def levels(findings: Iterable[Any]) -> dict[str, str]:
+    return {f.name: f.level for f in findings}
+
+
+def test_a_sound_description_has_no_problem() -> None:
+    assert set(levels(device_findings.described(described())).values()) == {"ok"}
+
+
+def test_boards_that_overlap_are_named() -> None:
+    near = pc.Board("B", pose=pc.Pose((0.0, 0.004, 0.0)))
+    found = device_findings.described(described(boards=[pc.Board("A"), near]))
+    (problem,) = (f for f in found if f.level == "problem")
+    assert re.search(r"overlap, 4\.0 mm apart, on board A and board B", problem.told)
+    opposite = pc.Board("B", pose=pc.Pose((0.0, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0)))
+    assert (
+        levels(device_findings.described(described(boards=[pc.Board("A"), opposite])))["places"]
+        == "ok"
+    )
+    tight = pc.Board("A", Grid(4, 4, 0.005))
+    found = device_findings.described(described(boards=[tight]))
+    assert "on board A" in next(f.told for f in found if f.level == "problem")
+
+
+def test_dead_and_odd_channels_are_counted() -> None:
+    gain = np.ones(249)
+    gain[[3, 4]] = 0.2, 3.0
+    one = pc.Board("A", dead=(7, 9), gain=tuple(gain.tolist()))
+    found = {f.name: f for f in device_findings.described(described(boards=[one]))}["board A"]
+    assert found.level == "warning"
+    assert "dead: 7, 9" in found.told
+    assert "far from their kind: 3, 4" in found.told
+    assert "247 transducers" in device_findings.described(described(boards=[one]))[0].told
+
+
+def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
+    from pacinian.devices.description import Element
+
+    found = levels(device_findings.described(described(transducer=Element(frequency=30_000.0))))
+    assert found["frequency"] == "warning"
+
+
+def test_levels_must_be_the_backend_s() -> None:
+    from pacinian.devices.description import Steps
+
+    assert device_findings.levels(described(), CAN).level == "ok"
+    assert device_findings.levels(described(levels=Steps(128, 65)), CAN).level == "ok"
+    wrong = device_findings.levels(described(levels=Steps(256, 65), backend="mine"), CAN)
+    assert wrong.level == "problem"
+    assert "mine has 128 phases" in wrong.told
+
+
+def test_boards_are_looked_for_by_serial() -> None:
+    device = described(backend="mine")
+    other = pc.Found("other", "B", "of another kind")
+    found = device_findings.connected(device, [READY, other, pc.Found("mine", "C", "spare")])
+    assert levels(found) == {
+        "board A, connected": "ok", "board B, connected": "problem", "others": "warning",
+    }  # fmt: skip
+    assert "connected: A, C" in found[1].fix
+    denied = device_findings.connected(device, [READY, DENIED])
+    assert denied[1].fix == DENIED.problem
+
+
+def test_a_board_without_a_serial_is_the_only_one_there() -> None:
+    device = described(boards=[pc.Board()])
+    nameless = pc.Found("mine", "", "a serial port")
+    assert levels(device_findings.connected(device, [nameless])) == {"board, connected": "ok"}
+    assert levels(device_findings.connected(device, [READY])) == {"board, connected": "ok"}
+    two = [READY, pc.Found("mine", "C", "another")]
+    assert levels(device_findings.connected(device, two))["board, connected"] == "problem"
+
+
+def test_check_tells_all_of_it(plugins: Any, tmp_path: Path) -> None:
+    path = tmp_path / "d.toml"
+    path.write_text('backend = "mine"\n[[boards]]\nserial = "A"\n')
+    Mine.shelf[:] = [READY]
+    code, told = run("check", path)
+    assert code == 0
+    assert "no problem found" in told
+    assert "128 phases, 65 amplitudes" in told
+    Mine.shelf[:] = []
+    code, told = run("check", path, "--json")
+    assert code == 1
+    assert any(f["level"] == "problem" for f in json.loads(told)["findings"])
+    assert run("check", path, "--offline")[0] == 0
+
+
+# ------------------------------------------------------------------ draw, udev, schema
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
+def test_a_description_is_drawn(path: Path, tmp_path: Path, need: Any) -> None:
+    need("matplotlib")
+    out = tmp_path / "device.png"
+    assert run("draw", path, "--out", out) == (0, f"{out}\n")
+    picture = np.asarray(Image.open(out).convert("RGB")).astype(int)
+    red = (picture[..., 0] > 180) & (picture[..., 1:] < 80).all(axis=2)
+    dead = any(
+        board.alive.size < board.layout.count for board in pc.DeviceDescription.load(path).boards
+    )
+    assert bool(red.any()) == dead  # crosses
+
+
+def test_the_rule_is_the_one_that_is_shipped() -> None:
+    """For all backends of ours, whatever is installed."""
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        ours = tomllib.load(file)["project"]["entry-points"]["pacinian"]
+    plugins = pc.Plugins([EntryPoint(name, value, "pacinian") for name, value in ours.items()])
+    text = rules(plugins)
+    assert not plugins.failed
+    (shipped,) = (ROOT / "packaging").glob("*.rules")
+    assert shipped.read_text("utf-8") == text
+    assert shipped.name < "73"  # `uaccess` is looked at by 73-seat-late.rules
+
+
+def test_a_rule_names_each_kind_of_device(plugins: Any) -> None:
+    code, told = run("udev")
+    assert code == 0
+    (line,) = (line for line in told.splitlines() if line and not line.startswith("#"))
+    pairs = [part.strip() for part in line.split(",")]
+    assert pairs[:5] == [
+        'SUBSYSTEM=="usb"', 'ENV{DEVTYPE}=="usb_device"', 'ATTR{idVendor}=="0403"',
+        'ATTR{idProduct}=="6014"', 'TAG+="uaccess"',
+    ]  # fmt: skip
+
+
+def test_the_schema_is_that_of_descriptions() -> None:
+    code, told = run("schema")
+    assert code == 0
+    assert "boards" in json.dumps(json.loads(told))

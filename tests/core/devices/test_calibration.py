@@ -1,0 +1,177 @@
+"""Calibration: read strictly, and worth it: a device that is not ideal makes the pressures of one that is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+DEVICE = """
+calibration = "heard.csv"
+[[boards]]
+serial = "A"
+order = [{order}]
+[[boards]]
+serial = "B"
+pose = {{ position = [0.2, 0.0, 0.0] }}
+"""
+HEAD = "serial,channel,gain,phase\n"
+
+
+@pytest.fixture
+def device(tmp_path: Path) -> Path:
+    order = ", ".join(map(str, np.random.default_rng(5).permutation(249)))
+    path = tmp_path / "device.toml"
+    path.write_text(DEVICE.format(order=order), encoding="utf-8")
+    (tmp_path / "heard.csv").write_text(HEAD, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "line 1: must be serial,channel,gain,phase"),
+        ("serial,channel,phase,gain\n", "line 1: must be"),
+        (HEAD + "A,1,1.0\n", "line 2: must have 4 values, not 3"),
+        (HEAD + "A,0,1.0,0.0\n\nA,one,1.0,0.0\n", "line 4: must be numbers"),
+        (HEAD + "A,1.5,1.0,0.0\n", "line 2.*`channel`.*whole"),
+        (HEAD + "A,-1,1.0,0.0\n", "line 2.*`channel`"),
+        (HEAD + "A,1,nan,0.0\n", "line 2.*`gain`.*finite"),
+        (HEAD + "A,1,-1.0,0.0\n", "line 2.*`gain`"),
+        (HEAD + "A,1,1.0,inf\n", "line 2.*`phase`"),
+        (HEAD + "A,1,1.0,0.0\nA,1,1.0,0.1\n", "line 3.*channel 1 of it again"),
+        (HEAD + "C,1,1.0,0.0\n", "board 'C', which is not described"),
+        (HEAD + "A,249,1.0,0.0\n", "channel 249 of 'A', which has 249"),
+        (HEAD + "A,1,1e9,0.0\n", "gain"),
+        (HEAD + "A,1,1.0,\xff", "line 2|is not CSV"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_line(device: Path, text: str, told: str) -> None:
+    (device.parent / "heard.csv").write_bytes(text.encode("latin-1"))
+    with pytest.raises(pc.SceneFileError) as raised:
+        pc.DeviceDescription.load(device)
+    assert re.search(told, str(raised.value)), raised.value
+    assert "heard.csv" in str(raised.value)
+
+
+def test_what_was_measured_goes_before_what_is_written(device: Path) -> None:
+    text = device.read_text() + "gain = 0.7\nphase = 1.0\n"  # of board B
+    device.write_text(text)
+    rows = "B,3,0.5,-1.0\nB,4,0.0,0.0\nB,5,0.0005,0.0\n"
+    (device.parent / "heard.csv").write_text("\ufeff" + HEAD + rows, encoding="utf-8")
+    board = pc.DeviceDescription.load(device).boards[1]
+    np.testing.assert_allclose(board.responses[2:4], [0.7 * np.exp(1j), 0.5 * np.exp(-1j)])
+    assert board.alive.tolist() == [c for c in range(249) if c not in (4, 5)]
+
+
+def test_a_calibrated_device_makes_the_pressures_of_an_ideal_one(device: Path) -> None:
+    """Measured by a microphone, one channel after another; judged by the double-precision reference."""
+    rng = np.random.default_rng(9)
+    plain = pc.DeviceDescription.load(device)
+    ideal = plain.array()
+    N = len(ideal)
+    truth = rng.uniform(0.4, 1.2, N) * np.exp(1j * rng.uniform(-np.pi, np.pi, N))
+    real = pc.Array(ideal.positions, ideal.normals, ideal.transducer, truth)  # what hangs there
+
+    microphone = [[0.1, 0.0, 0.5]]
+    rows = HEAD
+    for wiring in plain.wiring:
+        for channel, index in zip(wiring.channels, wiring.indices, strict=True):
+            drive = np.zeros(N)
+            drive[index] = 1.0
+            heard = pc.field(real, drive, microphone, precision="double")[0]
+            expected = pc.field(ideal, drive, microphone, precision="double")[0]
+            s = heard / expected
+            rows += f"{wiring.serial},{channel},{abs(s):.6f},{np.angle(s):.6f}\n"
+    (device.parent / "heard.csv").write_text(rows, encoding="utf-8")
+    calibrated = pc.DeviceDescription.load(device).array()
+    np.testing.assert_allclose(calibrated.responses, truth, atol=1e-5)
+
+    q = np.array([[0.05, 0.0, 0.2], [0.12, 0.03, 0.22]])
+    B = pc.matrix(ideal, q) * truth  # independent of `response`
+    t = 0.3 * np.abs(B).sum(axis=1) / 2.0
+    unaware = B @ pc.solve(ideal, q, t, solver="lagrange").gains
+    aware = B @ pc.solve(calibrated, q, t, solver="lagrange").gains
+    np.testing.assert_allclose(np.abs(aware), t, rtol=1e-3)
+    assert (np.abs(unaware) < 0.5 * t).any()  # it was worth it
+
+    # through the device's levels, as a backend gets them
+    backend = pc.backend("simulated", phases=256, amplitudes=320)
+    scene = pc.Scene(
+        tuple(pc.Point(position=tuple(p), radiation_pressure=20.0) for p in q.tolist())
+    )
+    with pc.Renderer(calibrated, scene, backend=backend, solver="lagrange") as renderer:
+        renderer.run(0.2)
+    emitted: Any = backend
+    asked = pc.sound_pressure(20.0, pc.Air())
+    np.testing.assert_allclose(
+        np.abs(B @ emitted.frames[-3].gains(backend.capability)[-1]), asked, rtol=5e-3
+    )
+
+
+# ------------------------------------------------------------------ the array's response
+
+
+def test_the_kernels_know_the_response() -> None:
+    """`field`, `matrix` and the propagator against plain NumPy in double precision."""
+    array = pc.autd()
+    rng = np.random.default_rng(2)
+    s = rng.uniform(0.2, 2.0, 249) * np.exp(1j * rng.uniform(-3, 3, 249))
+    uneven = replace(array, response=s)
+    q = rng.uniform([-0.1, -0.1, 0.1], [0.1, 0.1, 0.3], (20, 3))
+    B = pc.matrix(array, q) * s
+    g = rng.normal(size=249) / 30 + 0j
+    np.testing.assert_allclose(pc.matrix(uneven, q), B, rtol=1e-12)
+    np.testing.assert_allclose(pc.field(uneven, g, q, precision="double"), B @ g, rtol=1e-9)
+    scale = np.abs(B).sum(axis=1).max()
+    np.testing.assert_allclose(pc.field(uneven, g, q), B @ g, atol=1e-5 * scale)
+    propagator = pc.Propagator(uneven, pc.Air())
+    propagator.place(q)
+    np.testing.assert_allclose(propagator.B, B, atol=1e-4 * np.abs(B).max())
+    moved = q.copy()
+    moved[3] += 0.01
+    assert propagator.place(moved) == 1  # a row alone is weighted alone
+    np.testing.assert_allclose(
+        propagator.B, pc.matrix(array, moved) * s, atol=1e-4 * np.abs(B).max()
+    )
+
+
+def test_a_response_stays_with_its_transducers() -> None:
+    array = pc.autd()
+    s = np.linspace(0.5, 2.0, 249) * 1j
+    uneven = replace(array, response=s)
+    assert np.array_equal(uneven.without([0, 5]).responses, np.delete(s, [0, 5]))
+    assert np.array_equal(uneven.moved(pc.Pose((0.0, 0.0, 0.1))).responses, s)
+    assert np.array_equal(uneven.fold().responses, s)
+    assert np.array_equal(uneven.driven_by(pc.IDEAL).responses, s)
+    both = array.moved(pc.Pose((1.0, 0.0, 0.0))) + uneven
+    assert np.array_equal(both.responses, np.r_[np.ones(249), s])
+    assert replace(array, response=np.ones(249)).response is None
+    assert not uneven.responses.flags.writeable
+
+
+@pytest.mark.parametrize(
+    "wrong", [np.ones(3), 0.0 * np.ones(249), np.full(249, np.nan), ["x"] * 249]
+)
+def test_a_response_that_cannot_be_is_refused(wrong: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match="response"):
+        replace(pc.autd(), response=wrong)
+
+
+def test_a_recording_of_an_uneven_array_is_rendered_anew_alike(tmp_path: Path) -> None:
+    s = np.random.default_rng(4).uniform(0.5, 1.5, 249) * np.exp(1j)
+    array, path = replace(pc.autd(), response=s), tmp_path / "run.pac"
+    scene = pc.Scene((pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=10.0),))
+    with pc.Renderer(array, scene, recorder=pc.Recorder(path), governed=False) as renderer:
+        renderer.run(0.02)
+    ticks, different = pc.rerender(pc.Recording(path))
+    assert ticks >= 20
+    assert not different
