@@ -1,4 +1,4 @@
-"""Write the messages of the wire in the languages of the adapters, from the classes of `pacinian.wire`.
+"""Write the messages of the wire in the languages of the adapters, from `pacinian.wire`, and a feature table.
 
     python adapters/generate/main.py            writes all generated files
     python adapters/generate/main.py --check    writes nothing; fails if a file is not what that would write
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import cpp
 import csharp
+import features_table
 import wire
 
 if TYPE_CHECKING:
@@ -21,7 +22,11 @@ if TYPE_CHECKING:
 
     from model import Model
 
-GENERATORS: tuple[Callable[[Model], dict[str, str]], ...] = (csharp.generate, cpp.generate)
+GENERATORS: tuple[Callable[[Model], dict[str, str]], ...] = (
+    csharp.generate,
+    cpp.generate,
+    features_table.generate,  # reads what the others write
+)
 ADAPTERS = Path(__file__).resolve().parent.parent
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from ..core.client.fake import Fake
 from . import tools
-from .game import Game
+from .game import Game, begin
 from .slow import Slow
 
 if TYPE_CHECKING:
@@ -33,14 +33,9 @@ def csharp_driver(csharp_core: Path) -> Path:
 
 
 @pytest.fixture
-def csharp_game(csharp_driver: Path) -> Callable[..., Game]:
-    """Makes such a game, for a connection file."""
-
-    def made(connection: Path | str = "-", lease: float = 0.0, **more: str) -> Game:
-        words: list[str | Path] = ["mono", "--debug", csharp_driver, connection, str(lease)]
-        return Game(words, {**os.environ, **more})
-
-    return made
+def start(csharp_driver: Path) -> Callable[..., Game]:
+    """Starts such a game; a module for another language has its own."""
+    return partial(begin, ["mono", "--debug", csharp_driver])
 
 
 @pytest.fixture

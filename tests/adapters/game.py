@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import queue
 import subprocess
 import threading
@@ -120,6 +121,17 @@ class Game:
             self.told.append(told)
             self._new.put(told)
         self._new.put(None)
+
+
+def begin(
+    program: list[str | Path],
+    file: Path | str = "-",
+    lease: float = 0.0,
+    life: float = 1.0,
+    **more: str,
+) -> Game:
+    """A game of a connection file. lease: 0: the server's [s]. life: of its commands [s]. more: its environment."""
+    return Game([*program, file, str(lease), str(life)], {**os.environ, **more})
 
 
 def fill(game: Game, wire: Slow) -> None:

@@ -6,27 +6,26 @@ import inspect
 import os
 import signal
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from pacinian.bench.faults.server import Server
-from pacinian.wire import commands, control, replies
+from pacinian.wire import replies
 
-from ..core.client.fake import Fake
 from . import test_csharp_client, test_csharp_connecting, tools
-from .game import Game, fill
+from .game import Game, begin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from .slow import Slow
+    from ..core.client.fake import Fake
 
     Start = Callable[..., Game]
 
 pytestmark = pytest.mark.timeout(tools.LIMIT)  # it is built first
-CPP = tools.ADAPTERS / "cpp"
 PURE = "client_outbox", "client_dialogue"
 ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
 OTHER = {"test_one_that_is_forgotten_says_goodbye"}  # C++ forgets nothing
@@ -51,34 +50,21 @@ for module in (test_csharp_client, test_csharp_connecting):  # one behaviour, on
     globals().update({name: test for name, test in vars(module).items() if shared(test)})
 
 
-def build(kind: str, *settings: str) -> Path:
-    """A folder of programs that are built in that way."""
-    tools.need("cmake", "ninja", "g++", "pkg-config")
-    folder = CPP / "build" / kind
-    tools.run("cmake", "-S", CPP, "-B", folder, "-G", "Ninja", *settings)
-    tools.run("cmake", "--build", folder, "--target", "client_answers", *PURE)
-    return folder
-
-
 @pytest.fixture(scope="module")
 def programs() -> Path:
-    return build("release", "-DCMAKE_BUILD_TYPE=Release")
+    return tools.release("client_answers", *PURE) / "core"
 
 
 @pytest.fixture
-def csharp_game(programs: Path) -> Start:
-    """Makes a game, in C++."""
-
-    def made(connection: Path | str = "-", lease: float = 0.0, **more: str) -> Game:
-        return Game([programs / "client_answers", connection, str(lease)], {**os.environ, **more})
-
-    return made
+def start(programs: Path) -> Start:
+    """Starts a game, in C++."""
+    return partial(begin, [programs / "client_answers"])
 
 
 @pytest.fixture
-def game(csharp_game: Start, file: Path) -> Iterator[Game]:
+def game(start: Start, file: Path) -> Iterator[Game]:
     """One that is connected."""
-    with csharp_game(file) as made:
+    with start(file) as made:
         made.do("start")
         made.event("connected")
         yield made
@@ -89,25 +75,10 @@ def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
     tools.run(programs / name)
 
 
-def test_what_could_wait_long_does_not_reach_a_new_server(
-    server: Fake, wire: Slow, game: Game
-) -> None:
-    fill(game, wire)
-    for i in range(20):
-        game.do(f"heavy rain{i} 5000 60")
-    server.close()
-    game.event("lost")
-    wire.goes.set()
-    with Fake(server.ports) as again:
-        game.event("connected")
-        again.until(lambda: len(again.of(control.Renew)) > 3)
-        assert not any(isinstance(m, commands.Command) for m in again.seen)
-
-
 @pytest.mark.timeout(2 * tools.LIMIT)
 def test_its_threads_do_not_race(server: Fake, file: Path) -> None:
-    program = build("races", *RACES) / "client_answers"
-    known = f"suppressions={CPP / 'tests' / 'client_libzmq.supp'}"
+    program = tools.cmake("races", ["client_answers"], *RACES) / "client_answers"
+    known = f"suppressions={tools.CPP / 'tests' / 'client_libzmq.supp'}"
     environment = {**os.environ, "TSAN_OPTIONS": f"{known} exitcode=66"}
     with Game([program, file, "0"], environment) as game:
         for line in ("start", "stop", "wave on"):
@@ -135,9 +106,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 @pytest.fixture
-def player(csharp_game: Start, real: Server) -> Iterator[Game]:
+def player(start: Start, real: Server) -> Iterator[Game]:
     """A game of that server, with a point that is felt."""
-    with csharp_game(real.file) as made:
+    with start(real.file) as made:
         made.do("start")
         play(made)
         yield made
@@ -213,8 +184,8 @@ def test_a_game_that_is_killed_falls_silent(player: Game, real: Server) -> None:
     assert silence(real, at) < LEASE + LINK + SLACK
 
 
-def test_a_stop_silences_whoever_owns(player: Game, real: Server, csharp_game: Start) -> None:
-    with csharp_game(real.file) as other:
+def test_a_stop_silences_whoever_owns(player: Game, real: Server, start: Start) -> None:
+    with start(real.file) as other:
         at = other.do("stop")["time"]  # without having started
         assert silence(real, at) < SLACK
     player.event("ended", "stopped")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from pacinian.wire.state import State
 
 LOG = logging.getLogger(__name__)
-CPP = tools.ADAPTERS / "cpp"
 SECONDS = 10.0
 WAIT = 60.0  # [s] until it has told
 SLACK = 1.0  # [s] where two processors are shared by many
@@ -29,11 +28,7 @@ SLACK = 1.0  # [s] where two processors are shared by many
 
 @pytest.fixture(scope="module")
 def program() -> Path:
-    tools.need("cmake", "ninja", "g++", "pkg-config")
-    folder = CPP / "build" / "release"
-    tools.run("cmake", "-S", CPP, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release")
-    tools.run("cmake", "--build", folder, "--target", "ball")
-    return folder / "ball"
+    return tools.release("ball") / "core" / "ball"
 
 
 def until_silent(client: pc.Client) -> State:

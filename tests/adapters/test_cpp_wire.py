@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import random
-import re
 import subprocess
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from pacinian.wire.codec import encode
 
-from . import tools
+from . import jsons, tools
 from .mutations import WIRE, mutated, vectors, verdict
 from .test_csharp_wire import HUGE, sizes
 
@@ -24,21 +21,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 KNOWN = vectors()
-CPP = tools.ADAPTERS / "cpp"
 TESTS = "vectors", "vectors_hostile", "vectors_allocations", "space"
 ANSWERS = "vectors_answers", "space_answers"
-
-OVERFLOWING = re.compile(r"\de\d{3}")  # numbers that msgspec finds too large, and a scanner skips
 
 
 @pytest.fixture(scope="module")
 def programs() -> Path:
     """A folder of the test programs, which stop at wrong addresses and undefined behaviour."""
-    tools.need("cmake", "ninja", "g++", "pkg-config")
-    folder = CPP / "build" / "sanitized"
-    tools.run("cmake", "-S", CPP, "-B", folder, "-G", "Ninja", "-DPACINIAN_SANITIZE=ON")
-    tools.run("cmake", "--build", folder, "--target", *TESTS, *ANSWERS)
-    return folder
+    return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON")
 
 
 @pytest.mark.timeout(tools.LIMIT)
@@ -81,47 +71,13 @@ def test_all_lengths_of_heads_and_numbers(programs: Path) -> None:
     assert all(line.startswith("valid") for line in told)
 
 
-def json_text(choose: random.Random) -> str:
-    """A JSON object, sometimes with a character that should not be there, or without one that should."""
-    values: list[Any] = [
-        "", "a", "tcp://127.0.0.1:5555", 'q"\\/\n\t\x7f', "ü𝄞", 0, -7, 2**40, 2**70, 1.5, -0.0, 1e30,
-        True, False, None, [], {}, [1, [2.5, {"a": "b"}]], {"pid": 3},
-    ]  # fmt: skip
-    names = ["pid", "token", "ü", "control", ""]
-    made = {choose.choice(names): choose.choice(values) for _ in range(choose.randrange(5))}
-    text = json.dumps(made, ensure_ascii=choose.random() < 0.5, indent=choose.choice([None, 1]))
-    if choose.random() < 0.6:
-        at = choose.randrange(len(text) + 1)
-        extra = choose.choice(
-            ["", "0", "-", ".", "e", '"', "\\u", "\\ud800", ",", "}", "]", "\x01"]
-        )
-        text = text[:at] + extra + text[at + choose.randrange(2) :]
-    return text
-
-
-def python_json(text: str, name: str) -> str:
-    try:
-        value = msgspec.json.decode(text.encode())
-    except (msgspec.DecodeError, ValueError):
-        return "refused"
-    if not isinstance(value, dict):
-        return "refused"
-    found = value.get(name)
-    if isinstance(found, str):
-        return f"text {found.encode().hex()}".rstrip()
-    small = type(found) is int and -(2**63) <= found < 2**63
-    return f"int {found}" if small else "nothing"
-
-
 @pytest.mark.timeout(tools.LIMIT)
 def test_flat_json_is_read_as_msgspec_reads_it(programs: Path) -> None:
-    choose = random.Random(1)
-    texts = (text for _ in range(4000) if not OVERFLOWING.search(text := json_text(choose)))
-    cases = [(text, choose.choice(["pid", "token", "ü"])) for text in texts]
+    cases = list(jsons.cases(4000))
     lines = (f"json {text.encode().hex()} {name.encode().hex()}" for text, name in cases)
     told = answers(programs / "vectors_answers", lines)
     for (text, name), line in zip(cases, told, strict=True):
-        assert line == python_json(text, name), (text, name)
+        assert line == jsons.found(text, name), (text, name)
 
 
 AXES = np.array(

@@ -27,9 +27,9 @@ END = 0.5  # [s] that the end may take
 
 
 @pytest.fixture
-def game(csharp_game: Start, file: Path) -> Iterator[Game]:
+def game(start: Start, file: Path) -> Iterator[Game]:
     """One that is connected."""
-    with csharp_game(file) as made:
+    with start(file) as made:
         made.do("start")
         made.event("connected")
         yield made
@@ -178,6 +178,24 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
         assert kinds == {control.Hello, control.Capabilities, control.Renew}
         assert game.do("put ball 0 0 0.2 5")["done"]
         again.until(lambda: bool(again.of(commands.Put)))
+
+
+def test_what_could_wait_long_does_not_reach_a_new_server(
+    server: Fake, wire: Slow, file: Path, start: Start
+) -> None:
+    with start(file, life=60.0) as game:
+        game.do("start")
+        game.event("connected")
+        fill(game, wire)
+        for i in range(20):
+            game.do(f"heavy rain{i} 5000")
+        server.close()
+        game.event("lost")
+        wire.goes.set()
+        with Fake(server.ports) as again:
+            game.event("connected")
+            again.until(lambda: len(again.of(control.Renew)) > 3)
+            assert not any(isinstance(m, commands.Command) for m in again.seen)
 
 
 def test_a_session_that_the_server_has_ended(server: Fake, game: Game) -> None:

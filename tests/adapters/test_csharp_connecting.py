@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,7 +22,6 @@ from .game import fill
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
     from .game import Game
     from .slow import Slow
@@ -32,9 +33,9 @@ END = 0.5  # [s] that the end may take
 
 
 @pytest.fixture
-def game(csharp_game: Start, file: Path) -> Iterator[Game]:
+def game(start: Start, file: Path) -> Iterator[Game]:
     """One that is connected."""
-    with csharp_game(file) as made:
+    with start(file) as made:
         made.do("start")
         made.event("connected")
         yield made
@@ -42,7 +43,7 @@ def game(csharp_game: Start, file: Path) -> Iterator[Game]:
 
 @pytest.mark.parametrize("theirs", [0, 2])
 def test_another_version_tells_which_side_to_update(
-    server: Fake, file: Path, csharp_game: Start, theirs: int
+    server: Fake, file: Path, start: Start, theirs: int
 ) -> None:
     side = "server" if theirs < 1 else "client"
     if theirs:
@@ -50,7 +51,7 @@ def test_another_version_tells_which_side_to_update(
         server.answers[control.Hello] = lambda m: replies.Error(id=m.id, **wrong)  # type: ignore[arg-type]
     else:
         server.answers[control.Hello] = lambda m: replace(usual(m), protocol=(0, 9))
-    with csharp_game(file) as game:
+    with start(file) as game:
         game.do("start")
         assert f"update the {side}" in game.until(lambda s: s["status"] == "Refused")["problem"]
         server.answers.clear()  # it was updated
@@ -58,10 +59,10 @@ def test_another_version_tells_which_side_to_update(
 
 
 def test_a_wrong_token_until_there_is_a_right_one(
-    server: Fake, tmp_path: Path, csharp_game: Start
+    server: Fake, tmp_path: Path, start: Start
 ) -> None:
     wrong = replace(server.connection, token="x" * 64).write(tmp_path / "c.json")
-    with csharp_game(wrong) as game:
+    with start(wrong) as game:
         game.do("start")
         assert "token or key" in game.until(lambda s: s["status"] == "Refused")["problem"]
         assert server.seen == []
@@ -70,12 +71,12 @@ def test_a_wrong_token_until_there_is_a_right_one(
         assert game.status()["problem"] == ""
 
 
-def test_where_nobody_is(tmp_path: Path, csharp_game: Start) -> None:
+def test_where_nobody_is(tmp_path: Path, start: Start) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         at = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     path = tmp_path / "connection.json"
-    with csharp_game(path) as game:
+    with start(path) as game:
         game.do("start")
         says = "no connection file; is `pacinian serve` running"
         game.until(lambda s: says in s["problem"] and s["status"] == "Connecting")
@@ -101,8 +102,8 @@ def test_where_nobody_is(tmp_path: Path, csharp_game: Start) -> None:
         assert [t for t in game.told if t.get("event") == "lost"] == []
 
 
-def test_a_stop_has_a_way_of_its_own(server: Fake, file: Path, csharp_game: Start) -> None:
-    with csharp_game(file) as game:
+def test_a_stop_has_a_way_of_its_own(server: Fake, file: Path, start: Start) -> None:
+    with start(file) as game:
         game.do("stop")  # not even started
         server.until(lambda: bool(server.of(control.Stop)))
         game.do("start")
@@ -119,10 +120,10 @@ def test_a_stop_has_a_way_of_its_own(server: Fake, file: Path, csharp_game: Star
 
 @pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "twice"])
 def test_the_end_never_waits_long(
-    server: Fake, wire: Slow, file: Path, csharp_game: Start, tmp_path: Path, when: str
+    server: Fake, wire: Slow, file: Path, start: Start, tmp_path: Path, when: str
 ) -> None:
     path = tmp_path / "none.json" if when == "connecting" else file
-    with csharp_game(path) as game:
+    with start(path) as game:
         if when != "never started":
             game.do("start")
         if when not in {"never started", "connecting"}:
@@ -160,13 +161,13 @@ def test_its_domain_can_be_unloaded_as_an_editor_does(
     assert len(server.of(control.Hello)) == 2
 
 
-def test_keys_in_place_of_a_token(tmp_path: Path, csharp_game: Start) -> None:
+def test_keys_in_place_of_a_token(tmp_path: Path, start: Start) -> None:
     public, secret = zmq.curve_keypair()
     ours, our_secret = zmq.curve_keypair()
     keys = {"public_key": ours.decode(), "secret_key": our_secret.decode()}
     with Fake(keys=(public, secret)) as server:
         path = replace(server.connection, token="", **keys).write(tmp_path / "connection.json")
-        with csharp_game(path) as game:
+        with start(path) as game:
             game.do("start")
             game.event("connected")
             replace(server.connection, token="", **{**keys, "server_key": ours.decode()}).write(
@@ -176,15 +177,20 @@ def test_keys_in_place_of_a_token(tmp_path: Path, csharp_game: Start) -> None:
             assert game.until(lambda s: s["status"] == "Refused")["problem"]
 
 
-def test_where_the_connection_file_is(server: Fake, tmp_path: Path, csharp_game: Start) -> None:
-    path = server.connection.write(tmp_path / "run" / "pacinian" / "connection.json")
-    with csharp_game(PACINIAN_CONNECTION=str(path)) as game:
+@pytest.mark.parametrize("by", ["PACINIAN_CONNECTION", "XDG_RUNTIME_DIR", "TMPDIR"])
+def test_where_the_connection_file_is(server: Fake, tmp_path: Path, start: Start, by: str) -> None:
+    folder = tmp_path / f"runtime-{os.getuid()}" if by == "TMPDIR" else tmp_path
+    path = server.connection.write(folder / "pacinian" / "connection.json")
+    where = {"PACINIAN_CONNECTION": "", "XDG_RUNTIME_DIR": "", by: str(tmp_path)}
+    if by == "PACINIAN_CONNECTION":
+        where[by] = str(path)
+    elif sys.platform != "linux":
+        pytest.skip("folders of Linux")
+    elif by == "TMPDIR" and Path(f"/run/user/{os.getuid()}/pacinian/connection.json").exists():
+        pytest.skip("a server of this user runs: its file comes first")
+    with start(**where) as game:
         game.do("start")
         game.event("connected")
-    if sys.platform == "linux":
-        with csharp_game(PACINIAN_CONNECTION="", XDG_RUNTIME_DIR=str(tmp_path / "run")) as game:
-            game.do("start")
-            game.event("connected")
 
 
 def test_without_libzmq_it_says_so(csharp_driver: Path, file: Path, tmp_path: Path) -> None:
@@ -194,7 +200,7 @@ def test_without_libzmq_it_says_so(csharp_driver: Path, file: Path, tmp_path: Pa
         (tmp_path / name).write_bytes(csharp_driver.with_name(name).read_bytes())
     config = '<configuration><dllmap dll="libzmq" target="libnone.so.5"/></configuration>'
     (tmp_path / "Pacinian.dll.config").write_text(config)
-    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", file, "0"]) as game:
+    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", file, "0", "1"]) as game:
         game.do("start")
         status = game.until(lambda s: "libzmq" in s["problem"])
         assert status["status"] == "Stopped"

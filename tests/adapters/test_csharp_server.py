@@ -28,9 +28,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 @pytest.fixture
-def game(real: Server, csharp_game: Callable[..., Game]) -> Iterator[Game]:
+def game(real: Server, start: Callable[..., Game]) -> Iterator[Game]:
     """One whose ball sounds."""
-    with csharp_game(real.file) as made:
+    with start(real.file) as made:
         made.do("start")
         made.event("connected")
         sound(made)
@@ -103,9 +103,9 @@ def test_a_game_that_ends_is_silent(real: Server, game: Game) -> None:
 
 
 def test_a_stop_from_a_game_without_a_session(
-    real: Server, game: Game, csharp_game: Callable[..., Game]
+    real: Server, game: Game, start: Callable[..., Game]
 ) -> None:
-    with csharp_game(real.file) as other:
+    with start(real.file) as other:
         since = time.perf_counter()
         other.do("stop")
         assert silent(real, since) - since < LEASE + LATE

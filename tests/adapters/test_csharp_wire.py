@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import random
 import re
 import subprocess
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import msgspec
 import pytest
 
 from pacinian.wire import commands, control, objects, protocol, replies
 from pacinian.wire.codec import encode
 
-from . import tools
+from . import jsons, tools
 from .mutations import mutated, vectors, verdict
 
 if TYPE_CHECKING:
@@ -136,41 +134,11 @@ def test_decoding_and_encoding_again_allocates_nothing(program: Program, tmp_pat
     assert last == f"{len(lines)} messages, 0 with garbage"
 
 
-VALUES: list[Any] = [
-    *("", "a", "tcp://127.0.0.1:5555", 'q"\\/\n\t\x7f', "ü𝄞", 0, -7, 2**40, 2**70, 1.5, -0.0, 1e30),
-    *(True, False, None, [], {}, [1, [2.5, {"a": "b"}]], {"pid": 3}),
-]
-EXTRA = ["", "0", "-", ".", "e", "+", '"', "\\u", "\\ud800", "\\udc00", ",", "}", "]", ":", "\x01"]
-
-
-def object_text(choose: random.Random) -> str:
-    """A JSON object, as a rule with something in it that should not be there, or without something that should."""
-    names = ["pid", "token", "ü", "control", ""]
-    made = {choose.choice(names): choose.choice(VALUES) for _ in range(choose.randrange(5))}
-    text = json.dumps(made, ensure_ascii=choose.random() < 0.5, indent=choose.choice([None, 1]))
-    at = choose.randrange(len(text) + 1)
-    extra = choose.choice(EXTRA)
-    return text[:at] + extra + text[at + choose.randrange(2) :] if choose.random() < 0.6 else text
-
-
-def found(text: str, name: str) -> str:
-    """What msgspec finds in it."""
-    try:
-        value = msgspec.json.decode(text.encode()).get(name)
-    except (msgspec.DecodeError, ValueError, AttributeError):
-        return "refused"
-    if isinstance(value, str):
-        return f"text {value.encode().hex()}".rstrip()
-    return f"int {value}" if type(value) is int and abs(value) < 2**63 else "nothing"
-
-
 def test_flat_json_as_msgspec_reads_it(program: Program) -> None:
-    choose = random.Random(1)
-    texts = (text for _ in range(5000) if not re.search(r"\de\d{3}", text := object_text(choose)))
-    cases = [(text, choose.choice(["pid", "token", "ü"])) for text in texts]
+    cases = list(jsons.cases(5000))
     given = "".join(f"{text.encode().hex()} {name.encode().hex()}\n" for text, name in cases)
     done = subprocess.run(
         ["mono", program("VectorsJson")], input=given, capture_output=True, text=True, check=True
     )
     for (text, name), line in zip(cases, done.stdout.splitlines(), strict=True):
-        assert line.rstrip() == found(text, name), (text, name)
+        assert line.rstrip() == jsons.found(text, name), (text, name)

@@ -152,6 +152,17 @@ def test_whatever_ends_it_ends_the_sound_and_does_not_hang(
     assert game.end() == 0
 
 
+def test_a_session_is_ended_and_begun_by_hand(real: Server, game: Game) -> None:
+    since = time.perf_counter()
+    assert game.do("disconnect")["took"] < END
+    assert silent(real, since) - since < LEASE
+    assert game.status()["status"] == "Stopped"
+    for word in ("connect", "reconnect"):
+        game.do(word)
+        game.event("connected")
+        sounds(game)
+
+
 def test_the_end_does_not_wait_for_a_server_that_hangs(real: Server, game: Game) -> None:
     real.signal("control", signal.SIGSTOP)
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import signal
 import time
 from typing import TYPE_CHECKING, Any
@@ -16,49 +15,25 @@ from pacinian.bench.faults.server import Server
 
 from . import tools, unreal
 from .game import Game
+from .level import MIRROR, PLACE, YAW, array, level, numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from numpy.typing import NDArray
 
 pytestmark = pytest.mark.timeout(tools.LIMIT)
 
-PLACE, YAW = np.array([120.0, -40.0, 75.0]), 30.0  # of the array in the level [cm], [deg]
-MIRROR = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PATIENCE = 20.0  # [s]
 BALL = np.array([0.0, 0.0, 0.175])  # in the array's frame [m]
 RADIUS = 0.03
 
 
-def turn(yaw: float) -> NDArray[np.float64]:
-    """Unreal's rotation about its z-axis: from x towards y, which is to the right."""
-    c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def level(points: Any) -> NDArray[np.float64]:
-    """From the array's frame [m] to the level [cm], (N, 3)."""
-    local = 100.0 * np.atleast_2d(points) @ MIRROR.T
-    return np.asarray(local @ turn(YAW).T + PLACE)
-
-
-def array(points: Any) -> NDArray[np.float64]:
-    """From the level [cm] to the array's frame [m], (N, 3)."""
-    return np.asarray((np.atleast_2d(points) - PLACE) @ turn(YAW) @ MIRROR / 100.0)
-
-
 @pytest.fixture(scope="module")
 def program() -> Path:
     """The game, compiled without a warning; the editor's part with it."""
-    tools.need("cmake", "ninja", "g++", "pkg-config")
-    folder = unreal.STUBS.parent / "build" / "layer"
-    unreal.generate(folder / "headers")
-    settings = "-DCMAKE_BUILD_TYPE=Debug", f"-DHEADERS={folder / 'headers'}"
-    tools.run("cmake", "-S", unreal.STUBS, "-B", folder, "-G", "Ninja", *settings)
-    tools.run("cmake", "--build", folder, "--target", "play")
-    return folder / "play"
+    unreal.generate(tools.CPP / "build" / "release" / "headers")
+    return tools.release("play") / "play"
 
 
 @pytest.fixture(scope="module")
@@ -84,10 +59,6 @@ def play(program: Path, server: Server) -> Iterator[Callable[..., Game]]:
         with game:
             if game.process.poll() is None:
                 assert game.end() == 0
-
-
-def numbers(given: Any) -> str:
-    return " ".join(f"{x:.6f}" for x in np.ravel(given))
 
 
 def touch(game: Game) -> pc.Hand:
@@ -174,6 +145,37 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
         game.do("intensity 1")
         wait(lambda: onlooker.status().solver == "auto" and onlooker.status().intensity == 1.0)
     assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_an_open_hand_feels_as_a_tracked_one_does(play: Callable[..., Game]) -> None:
+    game = play()
+    connected(game)
+    game.do(f"open {numbers(level([0.0, -0.03, 0.215]))}")
+    told = sounds(game)
+    felt = array(np.reshape(told["samples"], (-1, 3))) - BALL
+    assert np.all((felt[:, 2] > 0.0) & (np.abs(np.linalg.norm(felt, axis=1) - RADIUS) < 0.02))
+    assert game.until(lambda s: s["emitted"] > 0.5)["wrong"] == ""
+    game.do("stm")
+    sounds(game)
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
+    play: Callable[..., Game], server: Server
+) -> None:
+    game = play("handless")
+    connected(game)
+    game.do("press point 100000")  # more than the server allows
+    game.do("place point 0 0 22 0 1")
+    game.do("refresh ball")
+    game.do("play point")  # in one message with the ball
+    assert "radiation_pressure" in game.event("refused")["message"] + game.status()["problem"]
+    with pc.Client(server.file, name="onlooker") as onlooker:
+        wait(lambda: onlooker.status().objects == ("ball",))
+        game.until(lambda s: s["faulty"] != "")
+        game.do("press point 3")
+        wait(lambda: set(onlooker.status().objects) == {"ball", "Things.Point"})
+    assert game.until(lambda s: s["faulty"] == "")["wrong"] == ""
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "disc", "mesh 6 4 1"])

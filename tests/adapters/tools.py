@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 ADAPTERS = Path(__file__).resolve().parents[2] / "adapters"
 CORE = ADAPTERS / "unity" / "Runtime" / "Core"
 CSHARP = ADAPTERS / "csharp"
+CPP = ADAPTERS / "cpp"
 LIMIT = 300.0  # [s] for a compiler
 
 
@@ -64,3 +65,17 @@ def core(folder: Path, *, defines: Iterable[str] = ()) -> Path:
     made = csharp(folder / "Pacinian.dll", CORE.rglob("*.cs"), defines=defines)
     shutil.copy(CSHARP / "Pacinian.dll.config", folder)
     return made
+
+
+def cmake(kind: str, targets: Iterable[str], *settings: str, source: Path = CPP) -> Path:
+    """The folder in which programs are built in that way; what is built already stays."""
+    need("cmake", "ninja", "g++", "pkg-config")
+    folder = CPP / "build" / kind
+    run("cmake", "-S", source, "-B", folder, "-G", "Ninja", *settings)
+    run("cmake", "--build", folder, "--target", *targets)
+    return folder
+
+
+def release(*targets: str) -> Path:
+    """The folder with `play` of the Unreal plugin's stand-ins, and that of the client's programs in it: `core`."""
+    return cmake("release", targets, "-DCMAKE_BUILD_TYPE=Release", source=CPP / "stubs")

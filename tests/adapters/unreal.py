@@ -15,7 +15,7 @@ SOURCE = PLUGIN / "Source"
 STUBS = tools.ADAPTERS / "cpp" / "stubs"
 MODULES = "PacinianCore", "Pacinian", "PacinianEditor"
 
-CLASS = re.compile(r"^class (?:PACINIAN_API )?(\w+) : public (\w+) \{$")
+CLASS = re.compile(r"^(?:class|struct) (?:PACINIAN_API )?(\w+)(?: : public (\w+))? \{$")
 MEMBER = re.compile(r"^ {2}(UPROPERTY|UFUNCTION)\((.*)\)$")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
@@ -31,7 +31,7 @@ class Member(NamedTuple):
 
 
 class Class(NamedTuple):
-    """A class with GENERATED_BODY. line: of that, from 1."""
+    """A class or structure with GENERATED_BODY. base: "" for a structure. line: of that body, from 1."""
 
     name: str
     base: str
@@ -58,7 +58,7 @@ def classes(header: Path) -> list[Class]:
     name = base = ""
     for i, line in enumerate(lines):
         if match := CLASS.match(line):
-            name, base = match.groups()
+            name, base = match[1], match[2] or ""
         elif line.strip() == "GENERATED_BODY()":
             found.append(Class(name, base, i + 1, []))
         elif found and (match := MEMBER.match(line)):
@@ -86,7 +86,7 @@ def generate(folder: Path) -> None:
     for header in sorted((SOURCE / "Pacinian" / "Public").glob("*.h")):
         made = f"#undef CURRENT_FILE_ID\n#define CURRENT_FILE_ID {header.stem}\n"
         for each in classes(header):
-            body = f"STUB_BODY({each.name}, {each.base}) private:"
+            body = f"STUB_BODY({each.name}, {each.base}) private:" if each.base else ""
             made += f"#define {header.stem}_{each.line}_GENERATED_BODY {body}\n"
         _write(folder / f"{header.stem}.generated.h", made)
 

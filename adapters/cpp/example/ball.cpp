@@ -161,7 +161,7 @@ int main(int count, char** arguments) {
   example::thread = example::game;
   pacinian::Options options;
   options.name = "ball";
-  options.connection = argument(1, "");
+  options.connection_path = argument(1, "");
   options.clock = [] {
     if (example::thread == example::others) example::thread = example::worker;
     return pacinian::steady_clock();

@@ -63,7 +63,7 @@ class Game {
       timed([&] { done = client_.put(name, scene::point(n[0], n[1], n[2], n[3])); });
     } else if (what == "heavy") {
       wire::Object object = scene::rain(static_cast<int>(n[0]));
-      timed([&] { done = client_.put(name, std::move(object), n[1] > 0.0 ? n[1] : 1.0); });
+      timed([&] { done = client_.put(name, std::move(object)); });
     } else if (what == "move") {
       timed([&] { done = client_.move(name, scene::pose(n[0], n[1], n[2])); });
     } else if (what == "envelope") {
@@ -158,9 +158,9 @@ bool read(std::string& waiting, double seconds) {
 int main(int count, char** arguments) {
   pacinian::Options options;
   options.name = "driver";
-  if (count > 1 && std::string(arguments[1]) != "-") options.connection = arguments[1];
+  if (count > 1 && std::string(arguments[1]) != "-") options.connection_path = arguments[1];
   if (count > 2 && std::atof(arguments[2]) > 0.0) options.lease = std::atof(arguments[2]);
-  if (count > 3) options.scene = arguments[3];
+  if (count > 3) options.life = std::atof(arguments[3]);
   Game game(std::move(options));
   std::string waiting;
   for (double due = pacinian::steady_clock();;) {

@@ -38,7 +38,7 @@ namespace Pacinian.Tests
             {
                 ConnectionPath = arguments[0] == "-" ? "" : arguments[0],
                 Lease = Number(arguments[1]),
-                Scene = arguments.Length > 2 ? arguments[2] : "",
+                Life = Number(arguments[2]),
                 Name = "driver",
             }).Run();
             return 0;

@@ -7,13 +7,11 @@ namespace Pacinian.Haptics.Editing
     /// <summary>GameObject > Pacinian.</summary>
     internal static class Creating
     {
-        [MenuItem("GameObject/Pacinian/Rig (server and array)", false, 10)]
-        internal static void Rig(MenuCommand command)
+        [MenuItem("GameObject/Pacinian/Array", false, 10)]
+        internal static void Array(MenuCommand command)
         {
-            GameObject rig = Made(command, "Haptic Rig", typeof(HapticServer));
-            GameObject array = Made(new MenuCommand(rig), "Array Origin", typeof(ArrayOrigin), typeof(ArrayAlignment));
+            GameObject array = Made(command, "Haptic Array", typeof(ArrayOrigin), typeof(HapticServer), typeof(EmissionView));
             array.transform.localPosition = new Vector3(0f, 0.8f, 0.4f);
-            Selection.activeObject = rig;
         }
 
         [MenuItem("GameObject/Pacinian/Point", false, 11)]
@@ -32,8 +30,8 @@ namespace Pacinian.Haptics.Editing
         [MenuItem("GameObject/Pacinian/Hand (without a tracker)", false, 13)]
         internal static void Hand(MenuCommand command)
         {
-            GameObject hand = Made(command, "Haptic Hand", typeof(OpenHand), typeof(HapticHand));
-            hand.GetComponent<HapticHand>().Provider = hand.GetComponent<OpenHand>();
+            GameObject hand = Made(command, "Haptic Hand", typeof(HapticHand));
+            hand.GetComponent<HapticHand>().Source = HapticHandSource.Open;
         }
 
         [MenuItem("GameObject/Pacinian/Quiet Zone", false, 14)]

@@ -16,8 +16,10 @@ namespace Pacinian.Haptics.Editing
         /// <inheritdoc/>
         public override void OnInspectorGUI()
         {
-            DrawDefaultInspector();
             HapticEffect effect = (HapticEffect)target;
+            serializedObject.Update();
+            DrawPropertiesExcluding(serializedObject, effect.Strength == HapticStrength.Force ? "radiationPressure" : "force");
+            serializedObject.ApplyModifiedProperties();
             if (EditorApplication.isPlaying)
             {
                 EditorGUILayout.LabelField("Known to the server as", effect.WireName);

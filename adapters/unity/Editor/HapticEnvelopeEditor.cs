@@ -8,13 +8,13 @@ namespace Pacinian.Haptics.Editing
     {
         private static readonly string[][] Fields = // of each EnvelopeKind
         {
-            new[] { "high" },
+            new[] { "level" },
             new[] { "frequency", "low", "high" },
             new[] { "frequency", "low", "high", "duty" },
-            new[] { "width", "period", "rise", "low", "high" },
+            new[] { "width", "period", "start", "rise", "low", "high" },
             new[] { "lowFrequency", "highFrequency", "low", "high", "seed" },
             new[] { "preset" },
-            new[] { "clip", "loop", "loudness" },
+            new[] { "clip", "samples", "rate", "loop", "mode" },
         };
 
         /// <inheritdoc/>

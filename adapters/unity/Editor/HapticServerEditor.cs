@@ -18,7 +18,7 @@ namespace Pacinian.Haptics.Editing
         public override void OnInspectorGUI()
         {
             HapticServer server = (HapticServer)target;
-            Wire.Abilities told = server.Capabilities;
+            Wire.Abilities told = HapticServer.Capabilities;
             serializedObject.Update();
             DrawPropertiesExcluding(serializedObject, "m_Script", "solver", "backend");
             Choose("Solver", "solver", told == null ? null : told.Solvers);
@@ -46,12 +46,12 @@ namespace Pacinian.Haptics.Editing
 
         private static void Tell(HapticServer server)
         {
-            Wire.State state = server.State;
+            Wire.State state = server.Client == null ? null : server.Client.State;
             EditorGUILayout.LabelField("Status", server.Status + (server.Armed ? ", armed" : ""));
             EditorGUILayout.LabelField("Latency", Milliseconds(server.Latency));
-            if (server.Client != null && server.Status == ClientStatus.Connected)
+            if (server.IsConnected)
             {
-                EditorGUILayout.LabelField("Lease", Milliseconds(server.Client.Lease));
+                EditorGUILayout.LabelField("Lease", Milliseconds(server.GrantedLease));
                 EditorGUILayout.LabelField("Server", server.Client.Server);
             }
             if (state != null)
@@ -71,6 +71,10 @@ namespace Pacinian.Haptics.Editing
         {
             EditorGUILayout.BeginHorizontal();
             GUI.enabled = EditorApplication.isPlaying;
+            if (GUILayout.Button("Reconnect"))
+            {
+                server.Reconnect();
+            }
             if (GUILayout.Button("Arm"))
             {
                 server.Arm();

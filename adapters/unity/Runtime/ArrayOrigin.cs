@@ -6,20 +6,25 @@ namespace Pacinian.Haptics
     /// <summary>
     /// Where the array stands: its middle is here, its sound goes up (y). Make it a child of the tracked space, as of the
     /// XR Origin's camera offset, so that it stays when the player is teleported. Without one it stands at the origin.
+    /// Its pose there is found by touching known points of the array, and kept between sessions.
     /// </summary>
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-900)]
     [AddComponentMenu("Pacinian/Array Origin")]
-    public sealed class ArrayOrigin : MonoBehaviour
+    public sealed partial class ArrayOrigin : MonoBehaviour
     {
+        private const float Length = 0.57f, Width = 0.46f; // [m] of the gizmo, while no server has told of its array
+
         private static ArrayOrigin s_current;
 
-        [SerializeField, Tooltip("Where its place is kept, in the game's persistent data; empty: it is not kept.")]
-        private string file = "pacinian-array.json";
-        [SerializeField, Tooltip("Stands where it was stored, if it was.")]
-        private bool loadOnEnable = true;
-        [SerializeField, Tooltip("Of the gizmo, while no server has told of its array: x, z [m].")]
-        private Vector2 size = new Vector2(0.57f, 0.46f);
+        [SerializeField, Tooltip("Points to touch, from the array's middle, y up [m]: 3 or more. Empty: the array's corners.")]
+        private Vector3[] knownPoints = new Vector3[0];
+        [SerializeField, Tooltip("By which the alignment is kept on this computer.")]
+        private string calibrationName = "default";
+        [SerializeField, Tooltip("Stands where it was kept, if it was.")]
+        private bool loadOnStart = true;
+        [SerializeField, Tooltip("Draws the array, as the server tells of it.")]
+        private bool drawArray = true;
 
         /// <summary>The one that is enabled; null if there is none.</summary>
         public static ArrayOrigin Current
@@ -39,33 +44,32 @@ namespace Pacinian.Haptics
             get { return InWorld.Inverse; }
         }
 
-        /// <summary>Where its place is kept; "" if it is not.</summary>
-        public string Path
+        /// <summary>Points to touch, in the order in which they are touched, in this frame [m]; none: the array's corners.</summary>
+        public Vector3[] KnownPoints
         {
-            get { return file.Length == 0 ? "" : System.IO.Path.Combine(Application.persistentDataPath, file); }
+            get { return knownPoints; }
+            set { knownPoints = value ?? new Vector3[0]; }
         }
 
-        /// <summary>How well it was aligned when it was stored [m]; 0 if that is not known.</summary>
-        public float Residual { get; internal set; }
-
-        /// <summary>Stores where it stands; "", or why that cannot be.</summary>
-        public string Save()
+        /// <summary>By which the alignment is kept on this computer.</summary>
+        public string CalibrationName
         {
-            return file.Length == 0 ? "no file is given" : StoredPose.Of(transform, Residual).Save(Path);
+            get { return calibrationName; }
+            set { calibrationName = value ?? ""; }
         }
 
-        /// <summary>Stands where it was stored; "", or why that cannot be.</summary>
-        public string Load()
+        /// <summary>Whether it stands where it was kept, when it is enabled.</summary>
+        public bool LoadOnStart
         {
-            string problem = "no file is given";
-            StoredPose pose = file.Length == 0 ? null : StoredPose.Load(Path, out problem);
-            if (pose != null)
-            {
-                transform.localPosition = pose.Position;
-                transform.localRotation = pose.Rotation;
-                Residual = pose.residual;
-            }
-            return problem;
+            get { return loadOnStart; }
+            set { loadOnStart = value; }
+        }
+
+        /// <summary>Whether the array is drawn, by gizmos.</summary>
+        public bool DrawArray
+        {
+            get { return drawArray; }
+            set { drawArray = value; }
         }
 
         internal static void Forget()
@@ -80,8 +84,8 @@ namespace Pacinian.Haptics
                 Debug.LogWarning("Pacinian: there is an Array Origin already; this one is used now", this);
             }
             s_current = this;
-            string problem = loadOnEnable && file.Length > 0 && File.Exists(Path) ? Load() : "";
-            if (problem.Length > 0)
+            string problem = "";
+            if (loadOnStart && File.Exists(Path) && !LoadCalibration(out problem))
             {
                 Debug.LogWarning("Pacinian: " + problem, this);
             }
@@ -94,14 +98,17 @@ namespace Pacinian.Haptics
 
         private void OnDrawGizmos()
         {
-            HapticServer server = HapticServer.Current;
-            Wire.Abilities told = server == null ? null : server.Capabilities;
+            if (!drawArray)
+            {
+                return;
+            }
+            Wire.Abilities told = HapticServer.Capabilities;
             Rigid frame = Frames.Of(transform);
             Gizmos.color = new Color(0.2f, 0.8f, 0.4f);
             if (told == null)
             {
                 Gizmos.matrix = Matrix4x4.TRS(transform.position, transform.rotation, Vector3.one);
-                Gizmos.DrawWireCube(Vector3.zero, new Vector3(size.x, 0.01f, size.y));
+                Gizmos.DrawWireCube(Vector3.zero, new Vector3(Length, 0.01f, Width));
                 Gizmos.matrix = Matrix4x4.identity;
             }
             int count = told == null ? 0 : told.Positions.Numbers / 3;
@@ -110,6 +117,11 @@ namespace Pacinian.Haptics
                 Gizmos.DrawSphere(Frames.Back(frame.Point(told.Positions.Point(i))), 0.004f);
             }
             Gizmos.DrawLine(transform.position, transform.position + transform.rotation * new Vector3(0f, 0.2f, 0f));
+            for (int i = 0; i < _points.Length; i++)
+            {
+                Gizmos.color = i < _touched.Count ? Color.green : Color.yellow;
+                Gizmos.DrawSphere(transform.position + transform.rotation * _points[i], 0.006f);
+            }
         }
     }
 }

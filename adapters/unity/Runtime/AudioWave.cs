@@ -4,35 +4,39 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>An audio clip as an envelope: mono, at a rate that skin can follow.</summary>
+    /// <summary>Audio as an envelope: mono, at a rate that skin can follow.</summary>
     internal static class AudioWave
     {
         private const int Fast = 8000; // [Hz] is enough: skin feels nothing above 1 kHz
 
         /// <summary>Null, and why, if there are no samples; a clip that is too long is cut, which is told, too.</summary>
-        public static Wave Of(AudioClip clip, bool loop, bool loudness, out string problem)
+        public static Wave Of(AudioClip clip, out string problem)
         {
-            problem = clip == null ? "has no clip" : "";
-            float[] data = clip == null ? null : new float[clip.samples * clip.channels];
-            if (clip != null && !clip.GetData(data, 0))
+            float[] data = new float[clip.samples * clip.channels];
+            if (!clip.GetData(data, 0))
             {
                 problem = "its clip cannot be read: set Load Type to Decompress On Load";
+                return null;
             }
-            if (problem.Length > 0 || data.Length == 0)
+            return Of(data, clip.frequency, clip.channels, out problem);
+        }
+
+        /// <summary>The same, of samples of so many channels, each at that rate [Hz].</summary>
+        public static Wave Of(float[] data, float rate, int channels, out string problem)
+        {
+            problem = data.Length == 0 ? "has no clip and no samples" : "";
+            if (data.Length == 0)
             {
                 return null;
             }
-            int group = Math.Max(1, clip.frequency / Fast), step = group * clip.channels;
+            int group = Math.Max(1, (int)(rate / Fast)), step = group * channels;
             int count = Math.Max(1, data.Length / step);
             if (count > Protocol.MostValues)
             {
                 count = Protocol.MostValues;
-                problem = "its clip is cut after " + count * group / clip.frequency + " s";
+                problem = "its wave is cut after " + (int)(count * group / rate) + " s";
             }
-            Wave made = new Wave
-            {
-                Rate = (double)clip.frequency / group, Loop = loop, Mode = loudness ? WaveMode.Loudness : WaveMode.Waveform,
-            };
+            Wave made = new Wave { Rate = (double)rate / group };
             made.Samples.Reserve(4 * count);
             for (int i = 0; i < count; i++)
             {

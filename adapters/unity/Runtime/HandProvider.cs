@@ -2,7 +2,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Where a tracked hand comes from, if it is not 26 transforms: derive from this for another tracker.</summary>
+    /// <summary>Where a tracked hand comes from: derive from this for another tracker.</summary>
     public abstract class HandProvider : MonoBehaviour
     {
         /// <summary>

@@ -19,7 +19,7 @@ namespace Pacinian.Haptics
         /// <summary>Each frame, with the session's number and the way from the world to the array. now: [s].</summary>
         internal void Send(HapticClient client, int session, Rigid toArray, double now)
         {
-            Playing = Playing && !(duration > 0f && now - _begin >= duration);
+            Expire(now);
             Rigid pose = toArray * Frames.Of(transform);
             bool near = Frames.InReach(pose.Position);
             if (_there != session)
@@ -62,6 +62,15 @@ namespace Pacinian.Haptics
                     continue;
                 }
                 effect._changed = true;
+            }
+        }
+
+        private void Expire(double now)
+        {
+            if (Playing && duration > 0f && now - _begin >= duration)
+            {
+                Playing = false;
+                Finished?.Invoke();
             }
         }
 
@@ -108,15 +117,15 @@ namespace Pacinian.Haptics
             Movement movement;
             if (_velocity.Next(pose, now, out movement))
             {
-                movement.Moving = movement.Moving && tellVelocity;
+                movement.Moving = movement.Moving && predictMotion;
                 client.Move(_name, movement);
             }
         }
 
         private void Describe(Felt felt, double now)
         {
-            felt.RadiationPressure = unit == HapticUnit.Pascal ? (double?)strength : null;
-            felt.Force = unit == HapticUnit.Newton ? (double?)strength : null;
+            felt.RadiationPressure = strength == HapticStrength.RadiationPressure ? (double?)radiationPressure : null;
+            felt.Force = strength == HapticStrength.Force ? (double?)force : null;
             felt.Envelope = Shape();
             felt.Technique = technique.Message;
             felt.Material.Stiffness = stiffness > 0f ? (double?)stiffness : null;

@@ -3,14 +3,14 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What <see cref="HapticEffect.Strength"/> is measured in.</summary>
-    public enum HapticUnit
+    /// <summary>What is given of an effect's strength.</summary>
+    public enum HapticStrength
     {
-        /// <summary>Radiation pressure [Pa].</summary>
-        Pascal,
+        /// <summary>Radiation pressure, everywhere the same.</summary>
+        RadiationPressure,
 
-        /// <summary>Force, over the whole of it [N].</summary>
-        Newton,
+        /// <summary>A force, over the whole of it.</summary>
+        Force,
     }
 
     /// <summary>Something to be felt: what points, surfaces and volumes have in common.</summary>
@@ -20,81 +20,39 @@ namespace Pacinian.Haptics
 
         private static int s_count;
 
-        [SerializeField, Min(0f), Tooltip("Radiation pressure [Pa], or force over the whole of it [N].")]
-        private float strength = 8f;
-        [SerializeField]
-        private HapticUnit unit = HapticUnit.Pascal;
+        [SerializeField, Tooltip("By which the server knows it, at most 64 characters; empty: made of the object's name.")]
+        private string effectName = "";
+        [SerializeField, Tooltip("Whether it has a radiation pressure or a force.")]
+        private HapticStrength strength = HapticStrength.RadiationPressure;
+        [SerializeField, Min(0f), Tooltip("How hard it presses where it is touched [Pa].")]
+        private float radiationPressure = 8f;
+        [SerializeField, Min(0f), Tooltip("How hard it presses altogether [N].")]
+        private float force = 0.005f;
         [SerializeField, Tooltip("How strong it is over time; constant unless given.")]
         private HapticEnvelope envelope;
         [SerializeField]
         private HapticTechnique technique = new HapticTechnique();
-        [SerializeField, Min(0f), Tooltip("Pressure for each metre of depth [Pa/m]; 0: the whole is felt 2 mm deep.")]
-        private float stiffness;
-        [SerializeField, Range(0f, 0.1f), Tooltip("How far outside of it it is felt already [m].")]
-        private float reach;
-        [SerializeField, Tooltip("Higher ones get samples first.")]
-        private int priority;
         [SerializeField, Min(0f), Tooltip("It is over after so long [s]; 0: it stays.")]
         private float duration;
+        [SerializeField, Tooltip("Higher ones come first where the array cannot do all.")]
+        private int priority;
+        [SerializeField, Min(0f), Tooltip("Pressure for each metre of depth [Pa/m]; 0: the whole is felt 2 mm deep.")]
+        private float stiffness;
+        [SerializeField, Range(0f, 10f), Tooltip("How far outside of it it is felt already [m].")]
+        private float reach;
         [SerializeField, Tooltip("Begins when it is enabled; else when Play is called.")]
         private bool playOnEnable = true;
-        [SerializeField, Tooltip("Tells how fast it moves, so that the server goes on between two frames.")]
-        private bool tellVelocity = true;
+        [SerializeField, Tooltip("Tells how it moves, so that it is felt where it will be, not where it was.")]
+        private bool predictMotion = true;
 
-        /// <summary>Radiation pressure [Pa] or force [N].</summary>
-        public float Strength
-        {
-            get { return strength; }
-            set { strength = value; Changed(); }
-        }
-
-        /// <summary>What the strength is measured in.</summary>
-        public HapticUnit Unit
-        {
-            get { return unit; }
-            set { unit = value; Changed(); }
-        }
-
-        /// <summary>How strong it is over time; null: constant.</summary>
-        public HapticEnvelope Envelope
-        {
-            get { return envelope; }
-            set { envelope = value; }
-        }
-
-        /// <summary>How its samples are presented in time. Call <see cref="Changed"/> after changing it.</summary>
-        public HapticTechnique Technique
-        {
-            get { return technique; }
-            set { technique = value ?? new HapticTechnique(); Changed(); }
-        }
-
-        /// <summary>Higher ones get samples first.</summary>
-        public int Priority
-        {
-            get { return priority; }
-            set { priority = value; Changed(); }
-        }
-
-        /// <summary>It is over after so long [s]; 0: it stays. From the next <see cref="Play"/> on.</summary>
-        public float Duration
-        {
-            get { return duration; }
-            set { duration = value; }
-        }
-
-        /// <summary>Whether it begins when it is enabled.</summary>
-        public bool PlayOnEnable
-        {
-            get { return playOnEnable; }
-            set { playOnEnable = value; }
-        }
+        /// <summary>Its duration is over.</summary>
+        public event System.Action Finished;
 
         /// <summary>Whether it is to be felt now.</summary>
         public bool Playing { get; private set; }
 
         /// <summary>By which the server knows it, as in `pacinian watch`; "" while disabled.</summary>
-        public string WireName
+        internal string WireName
         {
             get { return _name; }
         }
@@ -107,7 +65,7 @@ namespace Pacinian.Haptics
         {
             Playing = isActiveAndEnabled;
             _begin = Time.realtimeSinceStartupAsDouble;
-            Changed();
+            Refresh();
         }
 
         /// <summary>It is felt no more.</summary>
@@ -117,7 +75,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Its shape or settings have changed: the server is told with the next frame.</summary>
-        public void Changed()
+        public void Refresh()
         {
             _changed = true;
         }
@@ -125,15 +83,11 @@ namespace Pacinian.Haptics
         /// <summary>The largest radiation pressure that is emitted for it now [Pa], as the server says; 0 if none is.</summary>
         public float Emitted
         {
-            get
-            {
-                HapticServer server = HapticServer.Current;
-                return server == null || server.State == null ? 0f : EmittedGizmos.Most(server.State, _name);
-            }
+            get { return Haptics.Emitted.Most(Haptics.Emitted.Now, _name); }
         }
 
         /// <summary>Its shape, without what all have; null, and why, if it has none.</summary>
-        protected abstract Wire.Felt Shaped(out string problem);
+        protected internal abstract Wire.Felt Shaped(out string problem);
 
         /// <summary>One of the same kind, to be read into.</summary>
         protected abstract Wire.Felt Blank();
@@ -151,8 +105,10 @@ namespace Pacinian.Haptics
         protected virtual void OnEnable()
         {
             s_count = s_count == int.MaxValue ? 1 : s_count + 1;
-            string own = gameObject.name;
-            _name = (own.Length > 48 ? own.Substring(0, 48) : own) + " " + s_count;
+            string own = effectName.Length > 0 ? effectName : gameObject.name;
+            int longest = effectName.Length > 0 ? 64 : 48;
+            own = own.Length > longest ? own.Substring(0, longest) : own;
+            _name = effectName.Length > 0 ? own : own + " " + s_count;
             _known = _there = 0;
             _velocity.Forget();
             All.Add(this);
@@ -178,7 +134,7 @@ namespace Pacinian.Haptics
         /// <summary>It was changed in the inspector.</summary>
         protected virtual void OnValidate()
         {
-            Changed();
+            Refresh();
         }
     }
 }

@@ -7,7 +7,7 @@ namespace Pacinian.Haptics
     /// <summary>The course of an envelope.</summary>
     public enum EnvelopeKind
     {
-        /// <summary>The same at all times: high.</summary>
+        /// <summary>The same at all times.</summary>
         Constant,
 
         /// <summary>Up and down.</summary>
@@ -31,26 +31,31 @@ namespace Pacinian.Haptics
 
     /// <summary>How strong something is over time: an asset that many effects may share.</summary>
     [CreateAssetMenu(menuName = "Pacinian/Haptic Envelope", fileName = "Envelope")]
-    public sealed class HapticEnvelope : ScriptableObject
+    public sealed partial class HapticEnvelope : ScriptableObject
     {
         /// <summary>The same at all times.</summary>
         internal static readonly IEnvelope Steady = new Constant();
 
         [SerializeField] private EnvelopeKind kind = EnvelopeKind.Sine;
+        [SerializeField, Range(0f, 1f), Tooltip("How strong, always.")] private float level = 1f;
+        [SerializeField, Range(0f, 1000f), Tooltip("[Hz]; skin feels 5 to 500 Hz, best about 200 Hz.")] private float frequency = 150f;
         [SerializeField, Range(0f, 1f)] private float low;
         [SerializeField, Range(0f, 1f)] private float high = 1f;
-        [SerializeField, Range(0f, 1000f), Tooltip("[Hz]")] private float frequency = 150f;
         [SerializeField, Range(0f, 1f), Tooltip("Share of a period that is high.")] private float duty = 0.5f;
-        [SerializeField, Min(0.0001f), Tooltip("How long it is high [s].")] private float width = 0.05f;
+        [SerializeField, Min(0.001f), Tooltip("How long a pulse is [s].")] private float width = 0.05f;
         [SerializeField, Min(0f), Tooltip("After which it comes again [s]; 0: only once.")] private float period;
+        [SerializeField, Tooltip("When it first comes [s].")] private float start;
         [SerializeField, Min(0f), Tooltip("How long it takes up, and again down, within the width [s].")] private float rise;
-        [SerializeField, Range(0f, 1000f), Tooltip("[Hz]")] private float lowFrequency = 20f;
+        [SerializeField, Range(0f, 1000f), Tooltip("[Hz]")] private float lowFrequency = 50f;
         [SerializeField, Range(1f, 1000f), Tooltip("[Hz]")] private float highFrequency = 250f;
-        [SerializeField, Min(0)] private int seed;
-        [SerializeField] private PresetName preset = PresetName.Trembling;
-        [SerializeField] private AudioClip clip;
+        [SerializeField, Min(0), Tooltip("The same is the same noise.")] private int seed;
+        [SerializeField] private PresetName preset = PresetName.Impulsive;
+        [SerializeField, Tooltip("In place of samples and rate.")] private AudioClip clip;
+        [SerializeField, Tooltip("A recorded wave, -1 to 1.")] private float[] samples = new float[0];
+        [SerializeField, Min(1f), Tooltip("Of these samples [Hz].")] private float rate = 1000f;
         [SerializeField, Tooltip("Again and again, else once.")] private bool loop = true;
-        [SerializeField, Tooltip("Follows how loud the clip is, not its waveform.")] private bool loudness;
+        [SerializeField, Tooltip("Whether the pressure follows the wave itself, or how loud it is.")]
+        private WaveMode mode = WaveMode.Waveform;
 
         [NonSerialized] private IEnvelope _message;
 
@@ -59,48 +64,6 @@ namespace Pacinian.Haptics
 
         /// <summary>Why it is not as it was meant; "" if it is.</summary>
         public string Problem { get; private set; } = "";
-
-        /// <summary>Its course.</summary>
-        public EnvelopeKind Kind
-        {
-            get { return kind; }
-            set { kind = value; Changed(); }
-        }
-
-        /// <summary>Of sine and square [Hz].</summary>
-        public float Frequency
-        {
-            get { return frequency; }
-            set { frequency = value; Changed(); }
-        }
-
-        /// <summary>How weak and strong it is, 0..1.</summary>
-        public float Low
-        {
-            get { return low; }
-            set { low = value; Changed(); }
-        }
-
-        /// <inheritdoc cref="Low"/>
-        public float High
-        {
-            get { return high; }
-            set { high = value; Changed(); }
-        }
-
-        /// <summary>Of kind Wave.</summary>
-        public AudioClip Clip
-        {
-            get { return clip; }
-            set { clip = value; Changed(); }
-        }
-
-        /// <summary>Of kind Preset.</summary>
-        public PresetName Preset
-        {
-            get { return preset; }
-            set { preset = value; Changed(); }
-        }
 
         /// <summary>As the wire has it; the same object until it changes.</summary>
         internal IEnvelope Message
@@ -138,11 +101,23 @@ namespace Pacinian.Haptics
                 case EnvelopeKind.Preset: return new Wire.Preset { Name = preset };
                 case EnvelopeKind.Wave:
                     string problem;
-                    IEnvelope wave = AudioWave.Of(clip, loop, loudness, out problem);
+                    Wave wave = clip == null
+                        ? AudioWave.Of(samples, Mathf.Clamp(rate, 1f, 1e6f), 1, out problem)
+                        : AudioWave.Of(clip, out problem);
                     Problem = problem;
-                    return wave ?? Steady;
-                default: return new Constant { Level = top };
+                    return Played(wave) ?? Steady;
+                default: return new Constant { Level = Mathf.Clamp01(level) };
             }
+        }
+
+        private IEnvelope Played(Wave wave)
+        {
+            if (wave != null)
+            {
+                wave.Loop = loop;
+                wave.Mode = mode;
+            }
+            return wave;
         }
 
         private Pulse Pulsed(double bottom, double top)
@@ -150,7 +125,7 @@ namespace Pacinian.Haptics
             double wide = Mathf.Max(width, 1e-4f);
             return new Pulse
             {
-                Width = wide, Period = period > 0f ? (double?)Math.Max(period, wide) : null,
+                Width = wide, Start = start, Period = period > 0f ? (double?)Math.Max(period, wide) : null,
                 Rise = Math.Min(Mathf.Max(rise, 0f), 0.5 * wide), Low = bottom, High = top,
             };
         }

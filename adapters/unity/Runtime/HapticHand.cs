@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A tracked hand: from then on only hands feel the scene. One for each.</summary>
+    /// <summary>A hand, of 26 joints in OpenXR's order. From the first on only hands feel the scene.</summary>
     [AddComponentMenu("Pacinian/Haptic Hand")]
     public sealed class HapticHand : MonoBehaviour
     {
@@ -17,21 +17,20 @@ namespace Pacinian.Haptics
         internal static readonly List<HapticHand> All = new List<HapticHand>();
 
         [SerializeField] private HandFrameSide side = HandFrameSide.Right;
-        [SerializeField, Tooltip("Where the joints come from; else the transforms below.")]
+        [SerializeField] private HapticHandSource source = HapticHandSource.Tracker;
+        [SerializeField, Tooltip("Of source Tracker; empty: the one beside it.")]
         private HandProvider provider;
-        [SerializeField, Tooltip("26, in OpenXR's order: palm, wrist, thumb (4), index, middle, ring, little (5 each).")]
-        private Transform[] joints = new Transform[0];
-        [SerializeField, Tooltip("Tells how fast it moves, so that the server goes on between two frames.")]
-        private bool tellVelocity = true;
+        [SerializeField, Tooltip("Tells how it moves, so that it feels where it will be, not where it was.")]
+        private bool predictMotion = true;
 
         private readonly HandFrame _frame = new HandFrame();
         private readonly Vector3[] _positions = new Vector3[Count];
         private readonly float[] _radii = new float[Count];
         private Vec3 _middle;
         private double _time;
-        private bool _followed;
+        private bool _followed, _given;
 
-        /// <summary>Whether it was tracked in the last frame.</summary>
+        /// <summary>Whether its joints were known in the last frame.</summary>
         public bool Tracked { get; private set; }
 
         /// <summary>Which it is.</summary>
@@ -41,22 +40,54 @@ namespace Pacinian.Haptics
             set { side = value; }
         }
 
-        /// <summary>Where the joints come from; null: from transforms.</summary>
+        /// <summary>Where it comes from.</summary>
+        public HapticHandSource Source
+        {
+            get { return source; }
+            set { source = value; }
+        }
+
+        /// <summary>Of source Tracker; null: the one beside it.</summary>
         public HandProvider Provider
         {
             get { return provider; }
             set { provider = value; }
         }
 
-        /// <summary>26 transforms, in OpenXR's order.</summary>
-        public Transform[] Joints
+        /// <summary>Whether it feels where it will be, not where it was.</summary>
+        public bool PredictMotion
         {
-            get { return joints; }
-            set { joints = value ?? new Transform[0]; }
+            get { return predictMotion; }
+            set { predictMotion = value; }
+        }
+
+        /// <summary>Of source Game: where the 26 joints are, in the world [m]: palm, wrist, thumb from the wrist on, index...</summary>
+        public void SetJoints(IList<Vector3> positions)
+        {
+            _given = positions.Count == Count;
+            for (int i = 0; i < Count && _given; i++)
+            {
+                _positions[i] = positions[i];
+            }
+        }
+
+        /// <summary>Of source Game: how thick the 26 joints are [m]; none: an adult's.</summary>
+        public void SetRadii(IList<float> radii)
+        {
+            for (int i = 0; i < Count; i++)
+            {
+                _radii[i] = radii.Count == Count ? radii[i] : 0f;
+            }
+        }
+
+        /// <summary>Of source Game: it is not tracked any more, and feels nothing.</summary>
+        public void SetLost()
+        {
+            _given = false;
         }
 
         /// <summary>The place of a joint in the last frame in which it was tracked, in the world [m].</summary>
-        public Vector3 Joint(int index)
+        internal Vector3 Joint(int index)
         {
             return _positions[index];
         }
@@ -83,23 +114,14 @@ namespace Pacinian.Haptics
 
         private bool Look()
         {
-            if (provider != null)
+            switch (source)
             {
-                return provider.isActiveAndEnabled && provider.TryGet(_positions, _radii) && Finite();
+                case HapticHandSource.Game: return _given && Finite();
+                case HapticHandSource.Open: return OpenHand.Write(transform, side, _positions, _radii);
+                default:
+                    provider = provider == null ? GetComponent<HandProvider>() : provider;
+                    return provider != null && provider.isActiveAndEnabled && provider.TryGet(_positions, _radii) && Finite();
             }
-            if (joints.Length != Count)
-            {
-                return false;
-            }
-            for (int i = 0; i < Count; i++)
-            {
-                if (joints[i] == null || !joints[i].gameObject.activeInHierarchy)
-                {
-                    return false;
-                }
-                _positions[i] = joints[i].position;
-            }
-            return Finite();
         }
 
         private bool Finite()
@@ -128,7 +150,7 @@ namespace Pacinian.Haptics
         private void WriteVelocity(Vec3 middle, double now)
         {
             double step = now - _time;
-            if (tellVelocity && Tracked && _followed && step > 0.0 && step < Longest)
+            if (predictMotion && Tracked && _followed && step > 0.0 && step < Longest)
             {
                 Vec3 velocity = (1.0 / step) * (middle - _middle);
                 if (velocity.Length < Fastest)

@@ -7,21 +7,21 @@ namespace Pacinian.Haptics
     [AddComponentMenu("Pacinian/Haptic Point")]
     public sealed class HapticPoint : HapticEffect
     {
-        [SerializeField, Range(0.001f, 0.05f), Tooltip("Of the disc that it presses on [m].")]
-        private float radius = 0.00425f;
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Of the disc that it presses on [m]; a focus of 40 kHz is about 8.5 mm wide.")]
+        private float diameter = 0.0085f;
 
         /// <summary>Of the disc that it presses on [m].</summary>
-        public float Radius
+        public float Diameter
         {
-            get { return radius; }
-            set { radius = value; Changed(); }
+            get { return diameter; }
+            set { diameter = value; Refresh(); }
         }
 
         /// <inheritdoc/>
-        protected override Felt Shaped(out string problem)
+        protected internal override Felt Shaped(out string problem)
         {
             problem = "";
-            return new Point { Area = System.Math.PI * radius * radius };
+            return new Point { Area = 0.25 * System.Math.PI * diameter * diameter };
         }
 
         /// <inheritdoc/>

@@ -33,9 +33,13 @@ namespace Pacinian.Haptics
             Rigid toArray = ArrayOrigin.ToArray;
             _changing.Send(Client, solver, backend, intensity, now);
             SendZones(toArray);
-            for (int i = 0; i < HapticEffect.All.Count; i++)
+            for (int i = 0; i < HapticEffect.All.Count && Client != null; i++) // what is raised may end it
             {
                 HapticEffect.All[i].Send(Client, _session, toArray, now);
+            }
+            if (Client == null)
+            {
+                return;
             }
             SendHands(toArray, now);
             if (_arms)
@@ -88,14 +92,6 @@ namespace Pacinian.Haptics
             {
                 _zonesSession = _session;
                 Client.Quiet(_zones);
-            }
-        }
-
-        private void OnDrawGizmos()
-        {
-            if (drawEmitted && State != null)
-            {
-                EmittedGizmos.Draw(State, ArrayOrigin.InWorld);
             }
         }
     }

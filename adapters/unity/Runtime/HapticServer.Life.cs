@@ -21,6 +21,14 @@ namespace Pacinian.Haptics
                 return;
             }
             Current = this;
+            if (connectOnPlay)
+            {
+                Open();
+            }
+        }
+
+        private void Open()
+        {
             _session = 0;
             _again = false;
             _wanted = armOnConnect;
@@ -46,16 +54,11 @@ namespace Pacinian.Haptics
 
         private void Close()
         {
-            HapticClient client = Client;
-            Client = null;
             if (ReferenceEquals(Current, this))
             {
                 Current = null;
             }
-            if (client != null)
-            {
-                client.Dispose();
-            }
+            Disconnect();
         }
 
         private void OnConnected()

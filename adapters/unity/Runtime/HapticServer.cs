@@ -17,10 +17,12 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Who this is, for people; empty: the product's name.")]
         private string clientName = "";
         [SerializeField, Tooltip("Clients that give the same name share a scene; empty: one of its own.")]
-        private string sharedScene = "";
+        private string sceneName = "";
         [SerializeField, Tooltip("Silence if no frame comes for so long [s]; 0: the server's, which is the most.")]
-        [Range(0f, 1f)]
+        [Range(0f, 10f)]
         private float lease;
+        [SerializeField, Tooltip("Connects when it is enabled; else when Connect is called.")]
+        private bool connectOnPlay = true;
         [SerializeField, Tooltip("The first connection makes the scene felt.")]
         private bool armOnConnect = true;
         [SerializeField, Tooltip("Also after the connection was lost, or the game froze, if it was armed before.")]
@@ -33,8 +35,6 @@ namespace Pacinian.Haptics
         private string solver = "";
         [SerializeField, Tooltip("Empty: the server's.")]
         private string backend = "";
-        [SerializeField, Tooltip("Draws what the server says that it emits, not what was asked for.")]
-        private bool drawEmitted = true;
 
         private bool _wanted;
 
@@ -59,85 +59,7 @@ namespace Pacinian.Haptics
         /// <summary>The engine-free client, for what is not here; null while this is disabled.</summary>
         public HapticClient Client { get; private set; }
 
-        /// <summary>How it stands with the server.</summary>
-        public ClientStatus Status
-        {
-            get { return Client == null ? ClientStatus.Stopped : Client.Status; }
-        }
-
-        /// <summary>Why there is no session and what to do, or what the server last refused; "" if all is well.</summary>
-        public string Problem
-        {
-            get { return Status == ClientStatus.Connected ? _refused : Client == null ? "" : Client.Problem; }
-        }
-
-        /// <summary>Whether this game's scene may be felt.</summary>
-        public bool Armed
-        {
-            get { return Client != null && Client.Armed; }
-        }
-
-        /// <summary>Median round trip to the server [s].</summary>
-        public double Latency
-        {
-            get { return Client == null ? 0.0 : Client.Latency; }
-        }
-
-        /// <summary>What the server says that it emits; null before the first, good until the next frame.</summary>
-        public Wire.State State
-        {
-            get { return Client == null ? null : Client.State; }
-        }
-
-        /// <summary>What the server can do; null until it has told.</summary>
-        public Wire.Abilities Capabilities
-        {
-            get { return Client == null ? null : Client.Capabilities; }
-        }
-
-        /// <summary>Factor on all radiation pressures, 0..1; told to the server at most ten times a second.</summary>
-        public float Intensity
-        {
-            get { return intensity; }
-            set { intensity = Mathf.Clamp01(value); }
-        }
-
-        /// <summary>Solver and backend by their names in the capabilities; "": as it is.</summary>
-        public string Solver
-        {
-            get { return solver; }
-            set { solver = value ?? ""; }
-        }
-
-        /// <inheritdoc cref="Solver"/>
-        public string Backend
-        {
-            get { return backend; }
-            set { backend = value ?? ""; }
-        }
-
-        /// <summary>Whether the first connection makes the scene felt. Before this is enabled.</summary>
-        public bool ArmOnConnect
-        {
-            get { return armOnConnect; }
-            set { armOnConnect = value; }
-        }
-
-        /// <summary>Whether it sounds again after a loss or a freeze, if it was armed before.</summary>
-        public bool ArmAgainAfterLoss
-        {
-            get { return armAgainAfterLoss; }
-            set { armAgainAfterLoss = value; }
-        }
-
-        /// <summary>Connection file; "": where a server on this machine writes it. Before this is enabled.</summary>
-        public string ConnectionFile
-        {
-            get { return connectionFile; }
-            set { connectionFile = value ?? ""; }
-        }
-
-        /// <summary>This scene is to be felt. False: there is no session.</summary>
+        /// <summary>This scene is to be felt, as <see cref="TakeOver"/> says. False: there is no session.</summary>
         public bool Arm()
         {
             bool asked = Client != null && Client.Arm(takeOver);
@@ -150,6 +72,34 @@ namespace Pacinian.Haptics
         {
             _wanted = false;
             return Client != null && Client.Disarm();
+        }
+
+        /// <summary>Begins to connect, with the settings as they are now.</summary>
+        public void Connect()
+        {
+            if (Client == null && ReferenceEquals(Current, this))
+            {
+                Open();
+            }
+        }
+
+        /// <summary>Ends the session: silence. It waits for half a second at most.</summary>
+        public void Disconnect()
+        {
+            HapticClient client = Client;
+            Client = null;
+            _session = 0;
+            if (client != null)
+            {
+                client.Dispose();
+            }
+        }
+
+        /// <summary>A new session in place of the one there is.</summary>
+        public void Reconnect()
+        {
+            Disconnect();
+            Connect();
         }
 
         /// <summary>Silence at once, whoever owns the output, until <see cref="ResetOutput"/>. Also while disabled.</summary>
@@ -166,7 +116,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Ends the connection of whatever instance has one: silence. It waits for half a second at most.</summary>
-        public static void ShutDown()
+        internal static void ShutDown()
         {
             if (Current is object)
             {
@@ -182,7 +132,7 @@ namespace Pacinian.Haptics
                 ConnectionPath = connectionFile,
                 Name = string.IsNullOrEmpty(name) ? "Unity" : name.Length > 64 ? name.Substring(0, 64) : name,
                 Version = Application.version.Length > 64 ? "" : Application.version,
-                Scene = sharedScene,
+                Scene = sceneName,
                 Lease = lease,
             };
         }

@@ -3,31 +3,88 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A surface that presses evenly: the mesh of this object's MeshFilter, on the side that is seen.</summary>
-    [RequireComponent(typeof(MeshFilter))]
+    /// <summary>What a haptic surface is.</summary>
+    public enum HapticSurfaceShape
+    {
+        /// <summary>A mesh, felt on the side that is seen.</summary>
+        Mesh,
+
+        /// <summary>A rectangle in this object's x and z, felt from above.</summary>
+        Rectangle,
+
+        /// <summary>A disc in this object's x and z, felt from above.</summary>
+        Disc,
+    }
+
+    /// <summary>A surface that presses evenly.</summary>
     [AddComponentMenu("Pacinian/Haptic Surface")]
     public sealed class HapticSurface : HapticEffect
     {
-        [SerializeField, Range(0.001f, 0.2f), Tooltip("How far below it a hand still feels it [m].")]
+        [SerializeField]
+        private HapticSurfaceShape shape = HapticSurfaceShape.Mesh;
+        [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
+        private UnityEngine.Mesh mesh;
+        [SerializeField, Tooltip("Of a rectangle, along x and z [m].")]
+        private Vector2 size = new Vector2(0.1f, 0.1f);
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Of a disc [m].")]
+        private float radius = 0.05f;
+        [SerializeField, Range(0.0001f, 1f), Tooltip("How far below it a hand still feels it [m].")]
         private float thickness = 0.02f;
 
-        private UnityEngine.Mesh _mesh;
         private Vector3 _scale;
+
+        /// <summary>What it is.</summary>
+        public HapticSurfaceShape Shape
+        {
+            get { return shape; }
+            set { shape = value; Refresh(); }
+        }
+
+        /// <summary>Of shape Mesh; null: that of the MeshFilter beside it.</summary>
+        public UnityEngine.Mesh Mesh
+        {
+            get { return mesh; }
+            set { mesh = value; Refresh(); }
+        }
+
+        /// <summary>Of a rectangle, along x and z [m].</summary>
+        public Vector2 Size
+        {
+            get { return size; }
+            set { size = value; Refresh(); }
+        }
+
+        /// <summary>Of a disc [m].</summary>
+        public float Radius
+        {
+            get { return radius; }
+            set { radius = value; Refresh(); }
+        }
 
         /// <summary>How far below it a hand still feels it [m].</summary>
         public float Thickness
         {
             get { return thickness; }
-            set { thickness = value; Changed(); }
+            set { thickness = value; Refresh(); }
         }
 
         /// <inheritdoc/>
-        protected override Felt Shaped(out string problem)
+        protected internal override Felt Shaped(out string problem)
         {
-            _mesh = GetComponent<MeshFilter>().sharedMesh;
+            problem = "";
             _scale = transform.lossyScale;
-            Wire.Mesh shape = MeshShape.Of(_mesh, _scale, out problem);
-            return shape == null ? null : new Surface { Shape = shape, Thickness = thickness };
+            IShell made;
+            switch (shape)
+            {
+                case HapticSurfaceShape.Rectangle:
+                    made = new Rectangle { Width = size.x * Mathf.Abs(_scale.x), Height = size.y * Mathf.Abs(_scale.z) };
+                    break;
+                case HapticSurfaceShape.Disc:
+                    made = new Disc { Radius = radius * Mathf.Max(Mathf.Abs(_scale.x), Mathf.Abs(_scale.z)) };
+                    break;
+                default: made = MeshShape.Of(MeshShape.Near(this, mesh), _scale, out problem); break;
+            }
+            return made == null ? null : new Surface { Shape = made, Thickness = thickness };
         }
 
         /// <inheritdoc/>

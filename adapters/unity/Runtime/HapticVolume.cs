@@ -4,50 +4,89 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A volume that presses evenly: this object's colliders, of which each is a box, sphere, capsule or closed mesh.</summary>
+    /// <summary>What a haptic volume is.</summary>
+    public enum HapticVolumeShape
+    {
+        /// <summary>This object's colliders: boxes, spheres, capsules and closed meshes.</summary>
+        Colliders,
+
+        /// <summary>A closed mesh.</summary>
+        Mesh,
+    }
+
+    /// <summary>Where a haptic volume is felt.</summary>
+    public enum HapticFelt
+    {
+        /// <summary>On its outside, and a bit below.</summary>
+        Shell,
+
+        /// <summary>Everywhere inside, too.</summary>
+        Interior,
+    }
+
+    /// <summary>A volume that presses evenly.</summary>
     [AddComponentMenu("Pacinian/Haptic Volume")]
     public sealed class HapticVolume : HapticEffect
     {
-        [SerializeField, Range(0.001f, 0.2f), Tooltip("How far inside a hand still feels it [m].")]
+        [SerializeField]
+        private HapticVolumeShape shape = HapticVolumeShape.Colliders;
+        [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
+        private UnityEngine.Mesh mesh;
+        [SerializeField, Range(0.0001f, 1f), Tooltip("How far inside a hand still feels it [m].")]
         private float thickness = 0.02f;
-        [SerializeField, Tooltip("All of it is felt, not only its shell.")]
-        private bool interior;
+        [SerializeField]
+        private HapticFelt felt = HapticFelt.Shell;
 
         private readonly List<Collider> _colliders = new List<Collider>();
         private Vector3 _scale;
+
+        /// <summary>What it is.</summary>
+        public HapticVolumeShape Shape
+        {
+            get { return shape; }
+            set { shape = value; Refresh(); }
+        }
+
+        /// <summary>Of shape Mesh, closed; null: that of the MeshFilter beside it.</summary>
+        public UnityEngine.Mesh Mesh
+        {
+            get { return mesh; }
+            set { mesh = value; Refresh(); }
+        }
 
         /// <summary>How far inside a hand still feels it [m].</summary>
         public float Thickness
         {
             get { return thickness; }
-            set { thickness = value; Changed(); }
+            set { thickness = value; Refresh(); }
         }
 
-        /// <summary>Whether all of it is felt, not only its shell.</summary>
-        public bool Interior
+        /// <summary>Where it is felt.</summary>
+        public HapticFelt Felt
         {
-            get { return interior; }
-            set { interior = value; Changed(); }
+            get { return felt; }
+            set { felt = value; Refresh(); }
         }
 
         /// <inheritdoc/>
-        protected override Felt Shaped(out string problem)
+        protected internal override Wire.Felt Shaped(out string problem)
         {
             _scale = transform.lossyScale;
-            GetComponents(_colliders);
-            ISolid shape = ColliderShape.Of(_colliders, _scale, out problem);
-            VolumeFelt felt = interior ? VolumeFelt.Interior : VolumeFelt.Shell;
-            return shape == null ? null : new Volume { Shape = shape, Thickness = thickness, Felt = felt };
+            VolumeFelt where = felt == HapticFelt.Interior ? VolumeFelt.Interior : VolumeFelt.Shell;
+            ISolid made = shape == HapticVolumeShape.Mesh
+                ? MeshShape.Of(MeshShape.Near(this, mesh), _scale, out problem)
+                : Collided(out problem);
+            return made == null ? null : new Volume { Shape = made, Thickness = thickness, Felt = where };
         }
 
         /// <inheritdoc/>
-        protected override Felt Blank()
+        protected override Wire.Felt Blank()
         {
             return new Volume();
         }
 
         /// <inheritdoc/>
-        protected override void Place(Felt felt, Rigid pose)
+        protected override void Place(Wire.Felt felt, Rigid pose)
         {
             Wire.Pose made = ((Volume)felt).Pose;
             made.Position = pose.Position;
@@ -58,6 +97,12 @@ namespace Pacinian.Haptics
         protected override bool Reshaped()
         {
             return transform.lossyScale != _scale;
+        }
+
+        private ISolid Collided(out string problem)
+        {
+            GetComponents(_colliders);
+            return ColliderShape.Of(_colliders, _scale, out problem);
         }
     }
 }

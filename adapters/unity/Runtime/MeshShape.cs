@@ -29,6 +29,13 @@ namespace Pacinian.Haptics
             return problem.Length > 0 ? null : made;
         }
 
+        /// <summary>The mesh that is given, or else that of the MeshFilter beside a component; null if it has none.</summary>
+        public static Mesh Near(Component component, Mesh given)
+        {
+            MeshFilter filter = given == null ? component.GetComponent<MeshFilter>() : null;
+            return filter == null ? given : filter.sharedMesh;
+        }
+
         private static int[] Weld(Vector3[] vertices, Vector3 scale, Wire.Mesh made)
         {
             Dictionary<Vector3, int> known = new Dictionary<Vector3, int>();

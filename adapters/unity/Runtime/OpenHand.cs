@@ -1,10 +1,10 @@
+using Pacinian.Wire;
 using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>An open hand in place of a tracked one: its palm is here and faces down, its fingers point forward.</summary>
-    [AddComponentMenu("Pacinian/Open Hand (without a tracker)")]
-    public sealed class OpenHand : HandProvider
+    /// <summary>An open hand in place of a tracked one: its palm is at a transform and faces down, its fingers point forward.</summary>
+    internal static class OpenHand
     {
         private static readonly float[] Right = // right, up, forward of each joint [mm]
         {
@@ -21,24 +21,16 @@ namespace Pacinian.Haptics
             8.5f, 7, 6.5f, 5.5f,
         };
 
-        [SerializeField, Tooltip("A left hand.")] private bool left;
-
-        /// <summary>Whether it is a left hand.</summary>
-        public bool Left
+        /// <summary>Writes its joints [m], in the world, and radii [m].</summary>
+        public static bool Write(Transform at, HandFrameSide side, Vector3[] positions, float[] radii)
         {
-            get { return left; }
-            set { left = value; }
-        }
-
-        /// <inheritdoc/>
-        public override bool TryGet(Vector3[] positions, float[] radii)
-        {
-            Vector3 palm = transform.position;
-            Quaternion turned = transform.rotation;
+            float mirror = side == HandFrameSide.Left ? -0.001f : 0.001f;
+            Vector3 palm = at.position;
+            Quaternion turned = at.rotation;
             for (int i = 0; i < HapticHand.Count; i++)
             {
-                float x = left ? -Right[3 * i] : Right[3 * i];
-                positions[i] = palm + turned * (0.001f * new Vector3(x, Right[3 * i + 1], Right[3 * i + 2]));
+                Vector3 joint = new Vector3(mirror * Right[3 * i], 0.001f * Right[3 * i + 1], 0.001f * Right[3 * i + 2]);
+                positions[i] = palm + turned * joint;
                 radii[i] = 0.001f * Radii[i];
             }
             return true;

@@ -10,8 +10,8 @@ namespace Pacinian.Haptics
     {
         internal static readonly List<QuietZone> All = new List<QuietZone>();
 
-        [SerializeField, Range(0f, 1f), Tooltip("Of the ball [m].")] private float radius = 0.12f;
-        [SerializeField, Min(0f), Tooltip("The most sound pressure in it [Pa].")] private float pressure = 60f;
+        [SerializeField, Range(0f, 1f), Tooltip("Of the ball [m].")] private float radius = 0.1f;
+        [SerializeField, Min(0f), Tooltip("The most sound pressure in it [Pa]; 20 Pa are 120 dB.")] private float pressure = 20f;
 
         /// <summary>Of the ball [m].</summary>
         public float Radius

@@ -9,7 +9,7 @@ namespace Pacinian.Haptics
     internal sealed class StoredPose
     {
         public float x, y, z, qx, qy, qz, qw;
-        public float residual;
+        public float residual, worst;
 
         public Vector3 Position
         {
@@ -21,12 +21,15 @@ namespace Pacinian.Haptics
             get { return new Quaternion(qx, qy, qz, qw); }
         }
 
-        /// <summary>Of a transform. residual: of the alignment [m].</summary>
-        public static StoredPose Of(Transform transform, float residual)
+        /// <summary>Of a transform. residual, worst: of the alignment [m].</summary>
+        public static StoredPose Of(Transform transform, float residual, float worst)
         {
             Vector3 p = transform.localPosition;
             Quaternion q = transform.localRotation;
-            return new StoredPose { x = p.x, y = p.y, z = p.z, qx = q.x, qy = q.y, qz = q.z, qw = q.w, residual = residual };
+            return new StoredPose
+            {
+                x = p.x, y = p.y, z = p.z, qx = q.x, qy = q.y, qz = q.z, qw = q.w, residual = residual, worst = worst,
+            };
         }
 
         /// <summary>Writes it, whole or not at all; "", or why that cannot be.</summary>

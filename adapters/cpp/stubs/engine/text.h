@@ -48,12 +48,19 @@ struct FTCHARToUTF8 {
 #define UTF8_TO_TCHAR(x) FUTF8ToTCHAR(x).Get()
 #define TCHAR_TO_UTF8(x) FTCHARToUTF8(x).Get()
 
+namespace ESearchCase {
+enum Type { CaseSensitive, IgnoreCase };
+}
+
 class FString {
  public:
   FString() = default;
   FString(const TCHAR* Given) : Made(Given) {}
   const TCHAR* operator*() const { return Made.c_str(); }
   bool IsEmpty() const { return Made.empty(); }
+  void Reset() { Made.clear(); }
+  /// The engine's does not look at case unless it is told to.
+  bool StartsWith(const FString& Given, ESearchCase::Type) const { return Made.rfind(Given.Made, 0) == 0; }
   FString Left(int32 Count) const { return Made.substr(0, Count); }
   FString Right(int32 Count) const { return Made.size() <= std::size_t(Count) ? Made : Made.substr(Made.size() - Count); }
   friend FString operator+(const FString& A, const FString& B) { return A.Made + B.Made; }

@@ -103,6 +103,8 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "solver") server->SetSolver(word(from));
   if (what == "backend") server->SetBackend(word(from));
   if (what == "intensity") server->SetIntensity(static_cast<float>(vector(from).X));
+  if (what == "open") rest.Reset(), hand->Source = EHapticHandSource::Open, open(from);
+  if (what == "stm") volume->Technique.Kind = EHapticTechnique::STM, volume->Refresh();
   if (what == "lost") rest.Reset(), hand->SetLost();
   if (what == "handless") world->destroy(player), player = nullptr;
   if (what == "sway") from >> sway;
@@ -120,6 +122,13 @@ void Level::place(std::istream& from) {
   USceneComponent* moved = what == "ball" ? ball : what == "array" ? static_cast<USceneComponent*>(array->Origin) : named(what);
   moved->SetRelativeTransform(FTransform(FQuat(FRotator{0.0, yaw, 0.0}), at, FVector(scale, scale, scale)));
   tell(R"({"did": "place"})");
+}
+
+/// The player, whose hand is an open one, is there [cm].
+void Level::open(std::istream& from) {
+  auto* root = player->CreateDefaultSubobject<USceneComponent>(TEXT("Root"));
+  player->SetRootComponent(root);
+  root->SetRelativeTransform(FTransform(array->Origin->GetComponentTransform().GetRotation(), vector(from)));
 }
 
 void Level::joints(std::istream& from) {
@@ -147,11 +156,12 @@ void Level::effect(const std::string& what, std::istream& from) {
   if (what == "rectangle") plate->Shape = EHapticSurface::Rectangle;
   if (what == "disc") plate->Shape = EHapticSurface::Disc;
   if (what == "mesh") plate->Mesh = volume->Mesh = NewObject<UStaticMesh>(things), surface(from);
-  if (what != "play" && what != "silence" && what != "press" && what != "duration" && what != "tremble") return;
+  if (what != "play" && what != "silence" && what != "press" && what != "duration" && what != "tremble" && what != "refresh") return;
   from >> name;
   UHapticEffectComponent* found = named(name);
   if (what == "play") found->Play();
   if (what == "silence") found->Stop();
+  if (what == "refresh") found->Refresh();
   if (what == "press") found->SetRadiationPressure(static_cast<float>(vector(from).X));
   if (what == "duration") from >> found->Duration;
   if (what != "tremble") return;
@@ -212,8 +222,10 @@ void Level::status() {
   array->View->GetSamples(places, pressures);
   std::ostringstream made;
   made << R"({"status": ")" << states[int(server->GetStatus())] << R"(", "output": ")" << outputs[int(server->GetOutput())]
-       << R"(", "armed": )" << (server->IsArmed() ? "true" : "false") << R"(, "lease": )" << server->GetLease()
+       << R"(", "armed": )" << (server->IsArmed() ? "true" : "false") << R"(, "lease": )" << server->GetGrantedLease()
        << R"(, "latency": )" << server->GetLatency() << R"(, "solvers": )" << server->GetSolvers().Num()
+       << R"(, "emitted": )" << volume->GetEmitted() << R"(, "wrong": )" << quoted(volume->GetProblem())
+       << R"(, "faulty": )" << quoted(point->GetProblem())
        << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")
        << R"(, "samples": )" << numbers(places) << R"(, "problem": )" << quoted(server->GetProblem()) << "}";
   tell(made.str());

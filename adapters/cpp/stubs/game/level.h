@@ -29,6 +29,7 @@ class Level {
  private:
   void place(std::istream& rest);
   void joints(std::istream& rest);
+  void open(std::istream& rest);
   void zone(std::istream& rest);
   void effect(const std::string& word, std::istream& rest);
   void surface(std::istream& rest);

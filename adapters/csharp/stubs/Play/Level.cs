@@ -13,6 +13,7 @@ namespace Pacinian.Tests
         public readonly HapticVolume Ball;
         public readonly HapticPoint Point;
         public readonly HapticEnvelope Hum;
+        public readonly EmissionView View;
         public readonly GameObject Array, Hand, Head;
 
         /// <summary>file: of the connection.</summary>
@@ -27,6 +28,7 @@ namespace Pacinian.Tests
             Array.transform.localPosition = new Vector3(1f, 0.8f, 2f);
             Array.transform.localRotation = Quaternion.AngleAxis(40f, new Vector3(0.2f, 1f, 0.1f));
             Array.AddComponent<ArrayOrigin>();
+            View = Array.AddComponent<EmissionView>();
 
             Hum = ScriptableObject.CreateInstance<HapticEnvelope>();
             GameObject ball = Above("ball", new Vector3(0f, Height, 0f));
@@ -39,7 +41,7 @@ namespace Pacinian.Tests
             Point.Duration = 1f;
 
             Hand = Above("hand", Vector3.zero);
-            Hand.AddComponent<HapticHand>().Provider = Hand.AddComponent<OpenHand>();
+            Hand.AddComponent<HapticHand>().Source = HapticHandSource.Open;
             Head = Above("head", new Vector3(0f, 0.6f, -0.4f));
             Head.AddComponent<QuietZone>();
             Wave(0.0);

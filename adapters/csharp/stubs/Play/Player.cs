@@ -90,6 +90,9 @@ namespace Pacinian.Tests
                 case "reload": AssemblyReloadEvents.Raise(); break;
                 case "disable": _level.Server.enabled = false; break;
                 case "enable": _level.Server.enabled = true; break;
+                case "connect": _level.Server.Connect(); break;
+                case "disconnect": _level.Server.Disconnect(); break;
+                case "reconnect": _level.Server.Reconnect(); break;
                 case "arm": done = _level.Server.Arm(); break;
                 case "disarm": done = _level.Server.Disarm(); break;
                 case "stop": _level.Server.EmergencyStop(); break;
@@ -99,14 +102,14 @@ namespace Pacinian.Tests
                 case "wave": _waves = name == "on"; break;
                 case "ball": _level.Ball.enabled = name == "on"; break;
                 case "point": _level.Point.Play(); break;
-                case "both": _level.Point.Play(); _level.Ball.Strength = Number(name); break;
-                case "strength": _level.Ball.Strength = Number(name); break;
+                case "both": _level.Point.Play(); _level.Ball.RadiationPressure = Number(name); break;
+                case "strength": _level.Ball.RadiationPressure = Number(name); break;
                 case "hum": _level.Hum.Frequency = Number(name); break;
-                case "hand": _level.Hand.GetComponent<OpenHand>().enabled = name == "on"; break;
+                case "hand": _level.Hand.GetComponent<HapticHand>().Source = name == "on" ? HapticHandSource.Open : HapticHandSource.Tracker; break;
                 case "hands": _level.Hand.GetComponent<HapticHand>().enabled = name == "on"; break;
                 case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
                 case "still": _still = true; break;
-                case "gizmos": Gizmos.Spheres.Clear(); _level.Server.SendMessage("OnDrawGizmos"); break;
+                case "gizmos": Gizmos.Spheres.Clear(); _level.View.SendMessage("OnDrawGizmos"); break;
                 case "warm": _longest = 0.0; _bytes = _frames = _worst = 0; break;
                 case "status": Tell(); return;
                 case "end": _ends = true; break;
@@ -128,7 +131,7 @@ namespace Pacinian.Tests
         private void Tell()
         {
             HapticServer server = _level == null ? null : _level.Server;
-            Wire.State state = server == null ? null : server.State;
+            Wire.State state = server == null || server.Client == null ? null : server.Client.State;
             ClientJson.Say(
                 "status", server == null ? "" : server.Status.ToString(), "problem", server == null ? "" : server.Problem,
                 "armed", server != null && server.Armed, "longest", _longest,

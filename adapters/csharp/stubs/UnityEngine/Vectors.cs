@@ -122,6 +122,11 @@ namespace UnityEngine
             get { return new Color(1f, 0.92f, 0.016f); }
         }
 
+        public static Color blue
+        {
+            get { return new Color(0f, 0f, 1f); }
+        }
+
         public static Color red
         {
             get { return new Color(1f, 0f, 0f); }
@@ -146,6 +151,11 @@ namespace UnityEngine
         public static float Clamp(float value, float low, float high)
         {
             return value < low ? low : value > high ? high : value;
+        }
+
+        public static float Abs(float value)
+        {
+            return Math.Abs(value);
         }
 
         public static float Clamp01(float value)

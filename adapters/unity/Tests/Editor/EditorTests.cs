@@ -13,11 +13,13 @@ namespace Pacinian.Haptics.Tests
         [Test]
         public void TheMenuMakesWhatASceneNeeds()
         {
-            Creating.Rig(new MenuCommand(null));
+            Creating.Array(new MenuCommand(null));
             GameObject rig = Made();
             Assert.IsNotNull(rig.GetComponent<HapticServer>());
+            Assert.IsNotNull(rig.GetComponent<ArrayOrigin>());
+            Assert.IsNotNull(rig.GetComponent<EmissionView>());
             Creating.Hand(new MenuCommand(rig));
-            Assert.IsTrue(Made().GetComponent<HapticHand>().Provider == Made().GetComponent<OpenHand>());
+            Assert.IsTrue(Made().GetComponent<HapticHand>().Source == HapticHandSource.Open);
             Assert.IsTrue(Made().transform.parent == rig.transform);
             Creating.Ball(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<HapticVolume>());

@@ -15,13 +15,16 @@ namespace Pacinian.Haptics.Tests
             _space.transform.position = new Vector3(5f, 1f, -3f);
             _space.transform.rotation = Quaternion.AngleAxis(70f, Vector3.up);
             _array.transform.SetParent(_space.transform, false);
-            _array.AddComponent<ArrayAlignment>();
+            _array.AddComponent<ArrayOrigin>().KnownPoints = new[]
+            {
+                new Vector3(-0.285f, 0f, -0.23f), new Vector3(0.285f, 0f, -0.23f), new Vector3(0.285f, 0f, 0.23f),
+            };
         }
 
         [TearDown]
         public void Clean()
         {
-            File.Delete(_array.GetComponent<ArrayOrigin>().Path);
+            _array.GetComponent<ArrayOrigin>().ForgetCalibration();
             UnityEngine.Object.DestroyImmediate(_array);
             UnityEngine.Object.DestroyImmediate(_space);
         }
@@ -39,36 +42,47 @@ namespace Pacinian.Haptics.Tests
         [Test]
         public void TouchingKnownPointsFindsItAndItStays()
         {
-            ArrayAlignment alignment = _array.GetComponent<ArrayAlignment>();
+            ArrayOrigin origin = _array.GetComponent<ArrayOrigin>();
+            string problem;
             GameObject truth = new GameObject("where it really stands");
             truth.transform.SetParent(_space.transform, false);
             truth.transform.localPosition = new Vector3(0.3f, 0.75f, 0.5f);
             truth.transform.localRotation = Quaternion.AngleAxis(30f, new Vector3(1f, 2f, 0.5f));
-            foreach (Vector3 point in alignment.KnownPoints)
+            Assert.IsTrue(origin.BeginAlignment());
+            Vector3 point;
+            while (origin.GetNextPoint(out point))
             {
-                alignment.Touch(truth.transform.TransformPoint(point));
+                origin.TouchPoint(truth.transform.TransformPoint(point));
             }
-            Assert.AreEqual("", alignment.Problem);
+            Assert.AreEqual(3, origin.Touched);
+            Assert.IsTrue(origin.FinishAlignment(out problem), problem);
             Same(truth.transform);
-            Assert.IsTrue(alignment.Worst < 1e-4f);
+            Assert.IsTrue(origin.Worst < 1e-4f);
+            Assert.IsTrue(origin.SaveCalibration(out problem), problem);
 
             _array.transform.localPosition = Vector3.zero;
             _array.transform.localRotation = Quaternion.identity;
-            Assert.AreEqual("", _array.GetComponent<ArrayOrigin>().Load());
+            Assert.IsTrue(origin.LoadCalibration(out problem), problem);
             Same(truth.transform);
+            origin.ForgetCalibration();
+            Assert.IsFalse(origin.LoadCalibration(out problem));
             UnityEngine.Object.DestroyImmediate(truth);
         }
 
         [Test]
-        public void PointsOnALineAreRefusedAndItBeginsAgain()
+        public void PointsOnALineAreRefused()
         {
-            ArrayAlignment alignment = _array.GetComponent<ArrayAlignment>();
+            ArrayOrigin origin = _array.GetComponent<ArrayOrigin>();
+            string problem;
+            origin.BeginAlignment();
             for (int i = 0; i < 3; i++)
             {
-                alignment.Touch(new Vector3(0.1f * i, 0f, 0f));
+                origin.TouchPoint(new Vector3(0.1f * i, 0f, 0f));
             }
-            Assert.IsTrue(alignment.Problem.Contains("touch others farther apart"), alignment.Problem);
-            Assert.AreEqual(0, alignment.Touched);
+            Assert.IsFalse(origin.FinishAlignment(out problem));
+            Assert.IsTrue(problem.Contains("touch others farther apart"), problem);
+            origin.CancelAlignment();
+            Assert.AreEqual(0, origin.Touched);
             Assert.AreEqual(0.0, _array.transform.localPosition.magnitude, 0.0);
         }
 
@@ -80,7 +94,9 @@ namespace Pacinian.Haptics.Tests
         {
             ArrayOrigin origin = _array.GetComponent<ArrayOrigin>();
             File.WriteAllText(origin.Path, text);
-            Assert.IsTrue(origin.Load().Contains(says), origin.Load());
+            string problem;
+            Assert.IsFalse(origin.LoadCalibration(out problem));
+            Assert.IsTrue(problem.Contains(says), problem);
             Assert.AreEqual(0.0, _array.transform.localPosition.magnitude, 0.0);
         }
 

@@ -41,9 +41,27 @@ namespace Pacinian.Haptics.Tests
             HapticPoint point = _owner.AddComponent<HapticPoint>();
             Assert.IsTrue(point.Playing);
             Assert.IsTrue(point.WireName.StartsWith("effect "));
+            point.Force = 0.01f;
+            Assert.IsTrue(point.Strength == HapticStrength.Force);
             point.enabled = false;
             Assert.IsFalse(point.Playing);
             point.Play();
+            Assert.IsFalse(point.Playing);
+        }
+
+        [Test]
+        public void ItIsToldOnceThatItsDurationIsOver()
+        {
+            HapticPoint point = _owner.AddComponent<HapticPoint>();
+            int finished = 0;
+            point.Finished += () => finished++;
+            point.Duration = 0.5f;
+            point.Play();
+            for (double late = 1.0; late < 3.0; late++)
+            {
+                point.Send(null, 1, Rigid.Identity, Time.realtimeSinceStartupAsDouble + late);
+            }
+            Assert.AreEqual(1, finished);
             Assert.IsFalse(point.Playing);
         }
 
@@ -52,8 +70,7 @@ namespace Pacinian.Haptics.Tests
         {
             _owner.transform.position = new Vector3(1f, 2f, 3f);
             HapticHand hand = _owner.AddComponent<HapticHand>();
-            OpenHand open = _owner.AddComponent<OpenHand>();
-            hand.Provider = open;
+            hand.Source = HapticHandSource.Open;
             HandFrame frame = hand.Frame(Rigid.Identity, 0.0);
             Assert.IsTrue(hand.Tracked);
             Assert.AreEqual(78, frame.Joints.Numbers);
@@ -65,10 +82,32 @@ namespace Pacinian.Haptics.Tests
             _owner.transform.position = new Vector3(1.01f, 2f, 3f);
             frame = hand.Frame(Rigid.Identity, 0.01);
             Assert.AreEqual(1.0, frame.Velocities.Single(0), 1e-3);
-            open.enabled = false;
+            hand.Source = HapticHandSource.Tracker;
             frame = hand.Frame(Rigid.Identity, 0.02);
             Assert.IsFalse(hand.Tracked);
             Assert.AreEqual(0, frame.Joints.Numbers + frame.Radii.Numbers + frame.Velocities.Numbers);
+        }
+
+        [Test]
+        public void TheGameMayGiveTheJoints()
+        {
+            HapticHand hand = _owner.AddComponent<HapticHand>();
+            hand.Source = HapticHandSource.Game;
+            hand.Frame(Rigid.Identity, 0.0);
+            Assert.IsFalse(hand.Tracked);
+            hand.SetJoints(new Vector3[HapticHand.Count]);
+            Assert.AreEqual(78, hand.Frame(Rigid.Identity, 0.0).Joints.Numbers);
+            Assert.AreEqual(0, hand.Frame(Rigid.Identity, 0.0).Radii.Numbers);
+            float[] radii = new float[HapticHand.Count];
+            for (int i = 0; i < radii.Length; i++)
+            {
+                radii[i] = 0.008f;
+            }
+            hand.SetRadii(radii);
+            Assert.AreEqual(26, hand.Frame(Rigid.Identity, 0.0).Radii.Numbers);
+            hand.SetLost();
+            Assert.AreEqual(0, hand.Frame(Rigid.Identity, 0.0).Joints.Numbers);
+            Assert.IsFalse(hand.Tracked);
         }
     }
 }

@@ -49,7 +49,7 @@ namespace Pacinian.Haptics.Tests
         public void AClipIsMonoAndSlowEnough()
         {
             string problem;
-            Wave wave = AudioWave.Of(Tone(48000, 2, 4800), true, false, out problem);
+            Wave wave = AudioWave.Of(Tone(48000, 2, 4800), out problem);
             Assert.AreEqual(8000.0, wave.Rate, 0.0);
             Assert.AreEqual(800, wave.Samples.Numbers);
             Assert.AreEqual(0.25, wave.Samples.Single(0), 1e-6, "mean of 0.5 and 0");
@@ -59,12 +59,14 @@ namespace Pacinian.Haptics.Tests
         public void AClipThatIsTooLongIsCutAndOneThatIsMissingIsTold()
         {
             string problem;
-            Wave wave = AudioWave.Of(Tone(8000, 1, 300000), false, false, out problem);
+            Wave wave = AudioWave.Of(Tone(8000, 1, 300000), out problem);
             Assert.AreEqual(Protocol.MostValues, wave.Samples.Numbers);
-            Assert.AreEqual("its clip is cut after 25 s", problem);
+            Assert.AreEqual("its wave is cut after 25 s", problem);
             _envelope.Kind = EnvelopeKind.Wave;
             Assert.IsTrue(_envelope.Message is Constant);
-            Assert.AreEqual("has no clip", _envelope.Problem);
+            Assert.AreEqual("has no clip and no samples", _envelope.Problem);
+            _envelope.Samples = new[] { 0f, 1f, -1f };
+            Assert.AreEqual(1000.0, ((Wave)_envelope.Message).Rate, 0.0);
         }
 
         private static AudioClip Tone(int rate, int channels, int samples)

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "Emitted.h"
 #include "Engine/World.h"
 #include "Envelopes.h"
 #include "GameFramework/Actor.h"
@@ -65,9 +66,14 @@ void UHapticEffectComponent::SetEnvelope(UHapticEnvelope* NewEnvelope) {
   bEnveloped = true;
 }
 
-void UHapticEffectComponent::Refresh() {
-  bReshaped = true;
-  bComplained = false;
+void UHapticEffectComponent::Refresh() { bReshaped = true; }
+
+FString UHapticEffectComponent::GetProblem() const { return Complaint; }
+
+float UHapticEffectComponent::GetEmitted() const {
+  const TSharedPtr<FHapticLink> Link = Haptic::LinkOf(this);
+  const wire::State* State = Haptic::Fresh(Link);
+  return State && Sent ? Haptic::Strongest(*State, Sent->Name) : 0.0f;
 }
 
 #if WITH_EDITOR
@@ -114,11 +120,26 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
 }
 
+void UHapticEffectComponent::Refuse(const FString& Path, const FString& Message) {
+  const FString Objects(TEXT("$.objects["));
+  if (!Sent || !Path.StartsWith(Objects, ESearchCase::CaseSensitive)) return;
+  if (!Path.StartsWith(Objects + Haptic::Text(Sent->Name) + TEXT("]"), ESearchCase::CaseSensitive)) {
+    bReshaped = true;
+    return;
+  }
+  const uint32 Known = Session;
+  Remove();
+  Session = Known;
+  Complaint = Message;
+}
+
 bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
   FString Problem;
-  if (!Describe(*Sent, Problem)) {
-    if (!bComplained) UE_LOG(LogPacinian, Warning, TEXT("%s cannot be felt: %s"), *GetName(), *Problem);
-    bComplained = true;
+  const bool bDescribed = Describe(*Sent, Problem);
+  if (!bDescribed && Problem != Complaint)
+    UE_LOG(LogPacinian, Warning, TEXT("%s cannot be felt: %s"), *GetName(), *Problem);
+  Complaint = Problem;
+  if (!bDescribed) {
     Remove();
     return false;
   }
@@ -128,6 +149,7 @@ bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
   else
     Felt.radiation_pressure = FMath::Clamp(RadiationPressure, 0.0f, 1e6f);
   Felt.envelope = Haptic::ToWire(Envelope);
+  Felt.technique = Haptic::ToWire(Technique);
   Felt.priority = FMath::Clamp(Priority, -1000000, 1000000);
   Felt.material.reach = FMath::Clamp(0.01 * Reach, 0.0, 10.0);
   if (Stiffness > 0.0f) Felt.material.stiffness = Stiffness;

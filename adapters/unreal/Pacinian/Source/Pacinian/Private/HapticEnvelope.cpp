@@ -2,6 +2,10 @@
 
 #include "Envelopes.h"
 
+THIRD_PARTY_INCLUDES_START
+#include "pacinian/wire/protocol.h"
+THIRD_PARTY_INCLUDES_END
+
 namespace wire = pacinian::wire;
 
 namespace Haptic {
@@ -29,10 +33,23 @@ wire::Noise Noise(const UHapticEnvelope& Given) {
   return Made;
 }
 
+constexpr int32 Fast = 8000;  // [Hz] is enough: skin feels nothing above 1 kHz
+
+/// So many samples become one.
+int32 Group(const UHapticEnvelope& Given) { return FMath::Max(1, static_cast<int32>(Given.Rate) / Fast); }
+
+int32 Groups(const UHapticEnvelope& Given) { return FMath::Max(1, Given.Samples.Num() / Group(Given)); }
+
 wire::Wave Wave(const UHapticEnvelope& Given) {
   wire::Wave Made;
-  for (const float Sample : Given.Samples) wire::append(Made.samples, FMath::Clamp(Sample, -1.0f, 1.0f));
-  Made.rate = Given.Rate;
+  const int32 Each = Group(Given), Count = FMath::Min(Groups(Given), static_cast<int32>(wire::MOST_VALUES));
+  for (int32 i = 0; i < Count; ++i) {
+    const int32 End = FMath::Min((i + 1) * Each, Given.Samples.Num());
+    float Sum = 0.0f;
+    for (int32 j = i * Each; j < End; ++j) Sum += Given.Samples[j];
+    wire::append(Made.samples, FMath::Clamp(Sum / static_cast<float>(End - i * Each), -1.0f, 1.0f));
+  }
+  Made.rate = FMath::Clamp(Given.Rate, 1.0f, 1e6f) / static_cast<double>(Each);
   Made.loop = Given.bLoop;
   Made.mode = Given.Mode == EHapticWave::Loudness ? wire::WaveMode::loudness : wire::WaveMode::waveform;
   return Made;
@@ -64,6 +81,14 @@ wire::Envelope ToWire(const UHapticEnvelope* Envelope) {
 }
 
 }  // namespace Haptic
+
+FString UHapticEnvelope::GetProblem() const {
+  if (Kind != EHapticEnvelope::Wave) return FString();
+  if (Samples.Num() == 0) return FString(TEXT("has no samples"));
+  const int32 Most = static_cast<int32>(wire::MOST_VALUES);
+  if (Haptic::Groups(*this) <= Most) return FString();
+  return FString::Printf(TEXT("its wave is cut after %d s"), static_cast<int32>(Most * Haptic::Group(*this) / Rate));
+}
 
 static_assert(static_cast<int>(wire::PresetName::impulsive) == static_cast<int>(EHapticPreset::Impulsive));
 static_assert(static_cast<int>(wire::PresetName::rapturous) == static_cast<int>(EHapticPreset::Rapturous));

@@ -1,16 +1,22 @@
 #include "HapticHandComponent.h"
 
+#include "Components/SceneComponent.h"
 #include "Engine/Engine.h"
+#include "Engine/World.h"
+#include "GameFramework/Actor.h"
 #include "HapticScene.h"
 #include "HeadMountedDisplayTypes.h"
 #include "IXRTrackingSystem.h"
 #include "Link.h"
+#include "OpenHand.h"
 
 namespace wire = pacinian::wire;
 
 namespace {
 
-constexpr int32 Count = 26;  // joints
+constexpr int32 Count = 26;        // joints
+constexpr double Longest = 0.1;    // [s] between two frames of one movement
+constexpr double Fastest = 10.0;  // [m/s]
 
 }  // namespace
 
@@ -49,16 +55,42 @@ void UHapticHandComponent::Track() {
 
 void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
   if (Source == EHapticHandSource::Tracker) Track();
+  const USceneComponent* Root = GetOwner()->GetRootComponent();
+  if (Source == EHapticHandSource::Open)
+    Haptic::OpenHand(Root ? Root->GetComponentTransform() : FTransform::Identity, Side == EHapticSide::Left, Joints, Radii);
   wire::HandFrame& Frame = Hand.Frame;
   Frame.side = Side == EHapticSide::Left ? wire::HandFrameSide::left : wire::HandFrameSide::right;
   Frame.joints.clear();
   Frame.radii.clear();
-  if (!IsTracked()) return;
+  Frame.velocities.clear();
+  if (!IsTracked()) {
+    Time = -1.0;
+    return;
+  }
   for (const FVector& Joint : Joints) {
     const pacinian::Vec3 At = Space.Into(Joint);
     for (const double Value : {At.x, At.y, At.z}) wire::append(Frame.joints, static_cast<float>(Value));
   }
+  Predict(Hand);
   if (Radii.Num() != Count) return;
   for (const float Radius : Radii)
     wire::append(Frame.radii, static_cast<float>(pacinian::unreal::metres * FMath::Clamp(Radius, 0.1f, 10.0f)));
+}
+
+/// How its middle has moved since it was told last.
+void UHapticHandComponent::Predict(FHapticHand& Hand) {
+  FVector Sum = FVector::ZeroVector;
+  for (std::size_t i = 0; i < Count; ++i)
+    Sum = Sum + FVector(wire::float_at(Hand.Frame.joints, 3 * i), wire::float_at(Hand.Frame.joints, 3 * i + 1),
+                        wire::float_at(Hand.Frame.joints, 3 * i + 2));
+  const double Now = GetWorld()->GetTimeSeconds(), Step = Now - Time;
+  const FVector Moved = (1.0 / Count) * Sum - Middle;
+  Middle = (1.0 / Count) * Sum;
+  const bool bFollowed = Time >= 0.0 && Step > 0.0 && Step < Longest;
+  Time = Now;
+  if (!bPredictMotion || !bFollowed) return;
+  const FVector Velocity = (1.0 / Step) * Moved;
+  if (!(Velocity.Size() < Fastest)) return;
+  for (const double Value : {Velocity.X, Velocity.Y, Velocity.Z})
+    wire::append(Hand.Frame.velocities, static_cast<float>(Value));
 }

@@ -53,13 +53,19 @@ void UHapticServerComponent::Connect() {
     OnLost.Broadcast(Haptic::Text(Why));
   };
   On.ended = [this](const pacinian::Refusal& Told) { Ended(Haptic::Text(Told.code), Haptic::Text(Told.message)); };
-  On.refused = [this](const pacinian::Refusal& Told) {
-    UE_LOG(LogPacinian, Warning, TEXT("Refused (%s): %s; %s"), *Haptic::Text(Told.code), *Haptic::Text(Told.message),
-           *Haptic::Text(Told.advice));
-    OnRefused.Broadcast(Haptic::Text(Told.code), Haptic::Text(Told.message), Haptic::Text(Told.advice));
-  };
+  On.refused = [this](const pacinian::Refusal& Told) { Refused(Told); };
   On.state_changed = [this](const wire::State&) { OnStateChanged.Broadcast(); };
   Link->Client.start();
+}
+
+void UHapticServerComponent::Refused(const pacinian::Refusal& Told) {
+  const FString Code = Haptic::Text(Told.code), Message = Haptic::Text(Told.message), Advice = Haptic::Text(Told.advice);
+  const FString Path = Haptic::Text(Told.path);
+  Complaint = FString::Printf(TEXT("%s: %s (%s); %s"), *Code, *Message, *Path, *Advice);
+  UE_LOG(LogPacinian, Warning, TEXT("Refused: %s"), *Complaint);
+  if (const UHapticScene* Scene = UHapticScene::Of(this))
+    for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene->Effects) Effect->Refuse(Path, Message);
+  OnRefused.Broadcast(Code, Message, Advice);
 }
 
 void UHapticServerComponent::Disconnect() { Leave(); }
@@ -77,8 +83,9 @@ void UHapticServerComponent::Begun() {
   static uint32 Sessions = 0;
   if (!Link) return;
   Link->Session = ++Sessions;
+  Complaint.Reset();
   Choose(true, true, true);
-  if (bFirst ? bArmOnConnect : bArmAgainAfterLoss && bWanted) Arm(bTakeOver);
+  if (bFirst ? bArmOnConnect : bArmAgainAfterLoss && bWanted) Arm();
   bFirst = false;
   UE_LOG(LogPacinian, Log, TEXT("Connected to %s"), *Haptic::Text(Link->Client.server()));
   OnConnected.Broadcast();
@@ -93,8 +100,8 @@ void UHapticServerComponent::Ended(const FString& Code, const FString& Message) 
   OnEnded.Broadcast(Code, Message);
 }
 
-bool UHapticServerComponent::Arm(bool bTake) {
-  bWanted = Link && Link->Client.arm(bTake);
+bool UHapticServerComponent::Arm() {
+  bWanted = Link && Link->Client.arm(bTakeOver);
   return bWanted;
 }
 

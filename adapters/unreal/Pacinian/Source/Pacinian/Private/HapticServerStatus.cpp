@@ -8,6 +8,8 @@ bool UHapticServerComponent::IsConnected() const { return Link && Link->Session 
 
 bool UHapticServerComponent::IsArmed() const { return Link && Link->Client.armed(); }
 
+pacinian::Client* UHapticServerComponent::GetClient() const { return Link ? &Link->Client : nullptr; }
+
 EHapticStatus UHapticServerComponent::GetStatus() const {
   if (!Link) return EHapticStatus::Stopped;
   switch (Link->Client.status()) {
@@ -23,13 +25,16 @@ EHapticStatus UHapticServerComponent::GetStatus() const {
   return EHapticStatus::Stopped;
 }
 
-FString UHapticServerComponent::GetProblem() const { return Link ? Haptic::Text(Link->Client.problem()) : FString(); }
-
-float UHapticServerComponent::GetLatency() const {
-  return Link ? static_cast<float>(1e3 * Link->Client.latency()) : 0.0f;
+FString UHapticServerComponent::GetProblem() const {
+  if (IsConnected()) return Complaint;
+  return Link ? Haptic::Text(Link->Client.problem()) : FString();
 }
 
-float UHapticServerComponent::GetLease() const { return Link ? static_cast<float>(Link->Client.lease()) : 0.0f; }
+float UHapticServerComponent::GetLatency() const {
+  return Link ? static_cast<float>(Link->Client.latency()) : 0.0f;
+}
+
+float UHapticServerComponent::GetGrantedLease() const { return Link ? static_cast<float>(Link->Client.lease()) : 0.0f; }
 
 EHapticOutput UHapticServerComponent::GetOutput() const {
   const pacinian::wire::State* State = Link ? Link->Client.state() : nullptr;

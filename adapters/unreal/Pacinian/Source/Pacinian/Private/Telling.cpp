@@ -38,7 +38,7 @@ TArray<FString> Names(const std::vector<wire::Plugin>& Plugins) {
 pacinian::Options Wanted(const UHapticServerComponent& Server) {
   pacinian::Options Options;
   const FString Name = Server.ClientName.IsEmpty() ? FString(FApp::GetProjectName()) : Server.ClientName;
-  Options.connection = Text(Server.ConnectionFile);
+  Options.connection_path = Text(Server.ConnectionFile);
   Options.name = Text(Name.IsEmpty() ? FString(TEXT("Unreal")) : Name.Left(Longest));
   Options.scene = Text(Server.SceneName.Left(Longest));
   Options.version = "Unreal";

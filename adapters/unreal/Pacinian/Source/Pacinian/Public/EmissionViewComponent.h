@@ -25,10 +25,6 @@ class PACINIAN_API UEmissionViewComponent : public UActorComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bDrawHands = true;
 
-  /** Of a sample [pixels]. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "1", ClampMax = "50"))
-  float PointSize = 10.0f;
-
   /** The points that are pressed on now, in the level [cm], and how hard [Pa]. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void GetSamples(TArray<FVector>& Positions, TArray<float>& Pressures) const;

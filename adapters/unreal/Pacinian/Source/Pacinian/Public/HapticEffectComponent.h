@@ -2,6 +2,7 @@
 
 #include "Components/SceneComponent.h"
 #include "CoreMinimal.h"
+#include "HapticTechnique.h"
 #include "HapticTypes.h"
 
 #include "HapticEffectComponent.generated.h"
@@ -40,6 +41,10 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics")
   TObjectPtr<UHapticEnvelope> Envelope;
 
+  /** How its samples are presented in time. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
+  FHapticTechnique Technique;
+
   /** For how long it can be felt once it plays [s]. 0: until Stop. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", Units = "s"))
   float Duration = 0.0f;
@@ -75,6 +80,14 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UFUNCTION(BlueprintPure, Category = "Haptics")
   bool IsPlaying() const;
 
+  /** Why it cannot be felt, and what to do. Empty if it can. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  FString GetProblem() const;
+
+  /** The largest radiation pressure that is emitted for it now [Pa], as the server says; 0 if none is. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  float GetEmitted() const;
+
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetRadiationPressure(float Pressure);
 
@@ -99,6 +112,10 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   /** Tells the server of it. Called by the server component in each frame. */
   void Send(const FHapticFrame& Frame);
 
+  /** The server would not take an object, nor what came with it in one message: that one is not told again until it
+   * changes, all others are. Path: of the field that is wrong. Called by the server component. */
+  void Refuse(const FString& Path, const FString& Message);
+
  protected:
   /** Its shape, as the server knows it. False, with the problem, if it has none. */
   virtual bool Describe(FHapticBody&, FString&) const PURE_VIRTUAL(UHapticEffectComponent::Describe, return false;);
@@ -111,11 +128,11 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   void Remove();
 
   TSharedPtr<FHapticBody> Sent;
+  FString Complaint;        ///< why it cannot be felt
   double Began = 0.0;       ///< of the world's time [s]
   uint32 Session = 0;       ///< for which it was described; 0: it has to be
   bool bShown = false;      ///< the server has it, since then
   bool bReshaped = false;   ///< since then
   bool bEnveloped = false;  ///< its envelope is another since then
   bool bMoving = false;     ///< as the server was told
-  bool bComplained = false;
 };

@@ -96,4 +96,8 @@ class PACINIAN_API UHapticEnvelope : public UDataAsset {
 
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (EditCondition = "Kind == EHapticEnvelope::Wave", EditConditionHides))
   EHapticWave Mode = EHapticWave::Waveform;
+
+  /** Why it is not as it was meant. Empty if it is. */
+  UFUNCTION(BlueprintPure, Category = "Envelope")
+  FString GetProblem() const;
 };

@@ -16,6 +16,8 @@ enum class EHapticHandSource : uint8 {
   Tracker,
   /** The game calls Set Joints. */
   Game,
+  /** An open hand: its palm is where the actor is and faces down, its fingers point along X. */
+  Open,
 };
 
 /**
@@ -32,6 +34,10 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
 
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticHandSource Source = EHapticHandSource::Tracker;
+
+  /** Tells the server how it moves, so that it feels where it will be, not where it was. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay)
+  bool bPredictMotion = true;
 
   /** Where the 26 joints are, in the level [cm], in OpenXR's order: palm, wrist, thumb from the wrist on, index... */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
@@ -57,7 +63,10 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
 
  private:
   void Track();
+  void Predict(FHapticHand& Hand);
 
   TArray<FVector> Joints;
   TArray<float> Radii;
+  FVector Middle = FVector::ZeroVector;  ///< of the joints when they were told, in the array's frame [m]
+  double Time = -1.0;                    ///< of that, of the world [s]; negative: never
 };

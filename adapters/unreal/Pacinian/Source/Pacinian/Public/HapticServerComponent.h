@@ -13,6 +13,10 @@ DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(FHapticRefused, const FString&, C
                                                const FString&, Advice);
 DECLARE_DYNAMIC_MULTICAST_DELEGATE(FHapticStateChanged);
 
+namespace pacinian {
+class Client;
+struct Refusal;
+}
 struct FHapticLink;
 
 /**
@@ -104,9 +108,9 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Reconnect();
 
-  /** Lets the scene be felt. bTake: take the output from another program that has it. False: not connected. */
+  /** Lets the scene be felt, as bTakeOver says. False: not connected. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
-  bool Arm(bool bTake = false);
+  bool Arm();
 
   /** Silence, softly; another program may have the output. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
@@ -139,17 +143,17 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UFUNCTION(BlueprintPure, Category = "Haptics")
   EHapticStatus GetStatus() const;
 
-  /** Why it is not connected, and what to do. Empty while all is well. */
+  /** Why it is not connected and what to do, or what the server last refused. Empty while all is well. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetProblem() const;
 
-  /** Median round trip to the server [ms]; 0 before the first. */
+  /** Median round trip to the server [s]; 0 before the first. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetLatency() const;
 
   /** From the game's last frame to silence, as agreed with the server [s]; 0 without a session. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
-  float GetLease() const;
+  float GetGrantedLease() const;
 
   UFUNCTION(BlueprintPure, Category = "Haptics")
   EHapticOutput GetOutput() const;
@@ -170,17 +174,22 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   virtual void PostEditChangeProperty(FPropertyChangedEvent& Event) override;
 #endif
 
+  /** For C++: the engine-free client, for what is not here; null while it is not connected. */
+  pacinian::Client* GetClient() const;
+
   /** For the other components: the connection, or null. */
   const TSharedPtr<FHapticLink>& GetLink() const { return Link; }
 
  private:
   void Begun();
+  void Refused(const pacinian::Refusal& Told);
   void Ended(const FString& Code, const FString& Message);
   void Choose(bool bIntensity, bool bSolver, bool bBackend);
   void Leave();
 
   TSharedPtr<FHapticLink> Link;
   FDelegateHandle Exit;
+  FString Complaint;     ///< what the server last refused in this session
   bool bFirst = false;   ///< no session since Connect
   bool bWanted = false;  ///< armed, and not disarmed since
 };

@@ -39,7 +39,7 @@ FText FHapticServerDetails::Output() const {
 
 FText FHapticServerDetails::Latency() const {
   if (!Server.IsValid() || !Server->IsConnected()) return FText();
-  return FText::Format(LOCTEXT("Milliseconds", "{0} ms"), FText::AsNumber(Server->GetLatency()));
+  return FText::Format(LOCTEXT("Milliseconds", "{0} ms"), FText::AsNumber(1e3f * Server->GetLatency()));
 }
 
 FText FHapticServerDetails::Problem() const {

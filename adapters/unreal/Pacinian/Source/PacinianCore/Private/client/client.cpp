@@ -42,8 +42,8 @@ bool Client::Inside::tell(Act act) {
 }
 
 template <class Act>
-bool Client::Inside::command(double ttl, Act act) {
-  const Stamp stamp{options.clock(), ttl, true};
+bool Client::Inside::command(Act act) {
+  const Stamp stamp{options.clock(), options.life, true};
   return tell([&](Outbox& box, Requests&) { act(box, stamp); });
 }
 
@@ -51,13 +51,12 @@ bool Client::Inside::ask(Request request) {
   return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
 }
 
-bool Client::put(std::string_view name, wire::Object object, double ttl) {
+bool Client::put(std::string_view name, wire::Object object) {
   return in_->command(
-      ttl, [&](Outbox& box, Stamp stamp) { box.put(name, std::move(object), stamp); });
+      [&](Outbox& box, Stamp stamp) { box.put(name, std::move(object), stamp); });
 }
 
-bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion,
-                  double ttl) {
+bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion) {
   if (!finite(pose.position) || !finite(pose.rotation)) return false;
   if (motion && !(finite(motion->velocity) && finite(motion->angular_velocity))) return false;
   client::Place place{};
@@ -69,33 +68,32 @@ bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Mot
     speed[i + 3] = limited(motion->angular_velocity[i], fastest);
   }
   for (std::size_t i = 0; i < 4; ++i) place[i + 3] = static_cast<float>(pose.rotation[i]);
-  return in_->command(ttl, [&](Outbox& box, Stamp stamp) {
+  return in_->command([&](Outbox& box, Stamp stamp) {
     box.move(name, place, motion ? &speed : nullptr, stamp);
   });
 }
 
-bool Client::remove(std::string_view name, double ttl) {
-  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.remove(name, stamp); });
+bool Client::remove(std::string_view name) {
+  return in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); });
 }
 
-bool Client::clear(double ttl) {
-  return in_->command(ttl, [](Outbox& box, Stamp stamp) { box.clear(stamp); });
+bool Client::clear() {
+  return in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); });
 }
 
-bool Client::envelope(std::string_view name, const wire::Envelope& envelope, double ttl) {
-  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.envelope(name, envelope, stamp); });
+bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
+  return in_->command([&](Outbox& box, Stamp stamp) { box.envelope(name, envelope, stamp); });
 }
 
-bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen,
-                   double ttl) {
-  return in_->command(ttl, [&](Outbox& box, Stamp stamp) {
+bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen) {
+  return in_->command([&](Outbox& box, Stamp stamp) {
     stamp.time = std::min(seen.value_or(stamp.time), stamp.time);
     box.hands(hands, stamp);
   });
 }
 
-bool Client::quiet(const std::vector<wire::Zone>& zones, double ttl) {
-  return in_->command(ttl, [&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); });
+bool Client::quiet(const std::vector<wire::Zone>& zones) {
+  return in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); });
 }
 
 bool Client::arm(bool take) { return in_->ask({Request::Kind::arm, take}); }

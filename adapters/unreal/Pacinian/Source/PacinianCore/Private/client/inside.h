@@ -18,7 +18,7 @@ struct Client::Inside {
   template <class Act>
   bool tell(Act act);
   template <class Act>
-  bool command(double ttl, Act act);
+  bool command(Act act);
   bool ask(client::Request request);
   void dispatch(client::Event& event, const Events& on);
   void stopped(const std::string& problem);

@@ -55,7 +55,7 @@ void Stopper::remember(const Connection& connection) {
 }
 
 bool Stopper::find(Connection& found, std::string& problem) {
-  if (found.read(options_.connection, problem)) return true;
+  if (found.read(options_.connection_path, problem)) return true;
   const std::lock_guard<std::mutex> guard(lock_);
   found = remembered_;
   return !found.control.empty();

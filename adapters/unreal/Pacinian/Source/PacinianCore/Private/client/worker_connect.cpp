@@ -34,7 +34,7 @@ void Worker::connect(double now) {
 bool Worker::open(Loss& loss) {
   open_ = true;
   held_ = never;
-  if (!connection_.read(options_.connection, loss.why)) return false;
+  if (!connection_.read(options_.connection_path, loss.why)) return false;
   states_.open(context_, ZMQ_SUB);
   states_.set(ZMQ_SUBSCRIBE, wire::State::tag);
   return control_.open(context_, connection_, connection_.control, true, loss) &&

@@ -24,7 +24,6 @@ namespace pacinian {
 /// falls silent. After a loss nothing resumes: objects must be put again, and the output armed.
 ///
 /// What returns bool is false, and does nothing, without a session; what the server refuses is told by `on.refused`.
-/// ttl: what the server would do later than so long after it was asked is dropped [s].
 class Client {
  public:
   PACINIANCORE_API explicit Client(Options options = {});
@@ -61,22 +60,21 @@ class Client {
   PACINIANCORE_API double age(const wire::State& state) const;
 
   /// An object of that name: new, or in place of the one before.
-  PACINIANCORE_API bool put(std::string_view name, wire::Object object, double ttl = 1.0);
+  PACINIANCORE_API bool put(std::string_view name, wire::Object object);
   /// A new pose. motion: from now on; unless given it stands still. What is beyond 10 m or 100 m/s is taken for that.
   PACINIANCORE_API bool move(std::string_view name, const wire::Pose& pose,
-                             const wire::Motion* motion = nullptr, double ttl = 1.0);
-  PACINIANCORE_API bool remove(std::string_view name, double ttl = 1.0);
+                             const wire::Motion* motion = nullptr);
+  PACINIANCORE_API bool remove(std::string_view name);
   /// Takes away all objects, hands and quiet zones of this client.
-  PACINIANCORE_API bool clear(double ttl = 1.0);
+  PACINIANCORE_API bool clear();
   /// How strong an object that is there is over time, from now on.
-  PACINIANCORE_API bool envelope(std::string_view name, const wire::Envelope& envelope,
-                                 double ttl = 1.0);
+  PACINIANCORE_API bool envelope(std::string_view name, const wire::Envelope& envelope);
   /// All hands that are tracked, in place of those before; from then on only hands feel the scene.
   /// seen: when, by the client's clock [s]; now unless given.
   PACINIANCORE_API bool hands(const std::vector<wire::HandFrame>& hands,
-                              std::optional<double> seen = std::nullopt, double ttl = 1.0);
+                              std::optional<double> seen = std::nullopt);
   /// All quiet zones of this client, in place of those before.
-  PACINIANCORE_API bool quiet(const std::vector<wire::Zone>& zones, double ttl = 1.0);
+  PACINIANCORE_API bool quiet(const std::vector<wire::Zone>& zones);
 
   /// This client's scene is to be felt, as long as `tick` is called. take: from its owner, if need be.
   PACINIANCORE_API bool arm(bool take = false);

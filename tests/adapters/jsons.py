@@ -1,0 +1,50 @@
+"""JSON objects, sound and not, and what msgspec finds in them: for readers in other languages."""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+VALUES: list[Any] = [
+    *("", "a", "tcp://127.0.0.1:5555", 'q"\\/\n\t\x7f', "ü𝄞", 0, -7, 2**40, 2**70, 1.5, -0.0, 1e30),
+    *(True, False, None, [], {}, [1, [2.5, {"a": "b"}]], {"pid": 3}),
+]
+EXTRA = ["", "0", "-", ".", "e", "+", '"', "\\u", "\\ud800", "\\udc00", ",", "}", "]", ":", "\x01"]
+OVERFLOWING = re.compile(r"\de\d{3}")  # numbers that msgspec finds too large, and a scanner skips
+
+
+def cases(count: int) -> Iterator[tuple[str, str]]:
+    """At most so many texts, the same each time, each with a name to be looked for."""
+    choose = random.Random(1)
+    for _ in range(count):
+        text, name = _text(choose), choose.choice(["pid", "token", "ü"])
+        if not OVERFLOWING.search(text):
+            yield text, name
+
+
+def _text(choose: random.Random) -> str:
+    """A JSON object, as a rule with something in it that should not be there, or without something that should."""
+    names = ["pid", "token", "ü", "control", ""]
+    made = {choose.choice(names): choose.choice(VALUES) for _ in range(choose.randrange(5))}
+    text = json.dumps(made, ensure_ascii=choose.random() < 0.5, indent=choose.choice([None, 1]))
+    at = choose.randrange(len(text) + 1)
+    extra = choose.choice(EXTRA)
+    return text[:at] + extra + text[at + choose.randrange(2) :] if choose.random() < 0.6 else text
+
+
+def found(text: str, name: str) -> str:
+    """What msgspec finds in it."""
+    try:
+        value = msgspec.json.decode(text.encode()).get(name)
+    except (msgspec.DecodeError, ValueError, AttributeError):
+        return "refused"
+    if isinstance(value, str):
+        return f"text {value.encode().hex()}".rstrip()
+    return f"int {value}" if type(value) is int and abs(value) < 2**63 else "nothing"
