@@ -11,6 +11,8 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+import pacinian as pc
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
@@ -132,6 +134,15 @@ def begin(
 ) -> Game:
     """A game of a connection file. lease: 0: the server's [s]. life: of its commands [s]. more: its environment."""
     return Game([*program, file, str(lease), str(life)], {**os.environ, **more})
+
+
+def free(file: Path) -> None:
+    """Wait until nobody owns the output of this server: not even a game that was killed just now."""
+    with pc.Client(file, timeout=PATIENCE) as client:
+        end = time.monotonic() + PATIENCE
+        while owner := client.status().owner:
+            assert time.monotonic() < end, owner
+            time.sleep(0.01)
 
 
 def fill(game: Game, wire: Slow) -> None:

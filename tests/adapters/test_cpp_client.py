@@ -15,7 +15,7 @@ from pacinian.bench.faults.server import Server
 from pacinian.wire import replies
 
 from . import test_csharp_client, test_csharp_connecting, tools
-from .game import Game, begin
+from .game import Game, begin, free
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -108,6 +108,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 @pytest.fixture
 def player(start: Start, real: Server) -> Iterator[Game]:
     """A game of that server, with a point that is felt."""
+    free(real.file)
     with start(real.file) as made:
         made.do("start")
         play(made)

@@ -164,7 +164,8 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
     fill(game, wire)
     server.close()
     told = game.event("lost")
-    assert "has gone" in told["message"]
+    # of whichever connection is seen first: one whose handshake waits in the wire cannot tell
+    assert "has gone" in told["message"] or "no Pacinian server" in told["message"]
     assert "nothing of this session goes on" in told["message"]
     for line in ("put ball 0 0 0.2 5", "move ball 0 0 0.2", "arm", "clear", "field at 0 0 0"):
         assert not game.do(line)["done"]

@@ -10,6 +10,7 @@ import pytest
 
 from pacinian.bench.faults.server import Server
 
+from .game import free
 from .silence import heard, silent
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 @pytest.fixture
 def game(real: Server, start: Callable[..., Game]) -> Iterator[Game]:
     """One whose ball sounds."""
+    free(real.file)
     with start(real.file) as made:
         made.do("start")
         made.event("connected")

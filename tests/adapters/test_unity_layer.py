@@ -15,7 +15,7 @@ import pytest
 from pacinian.bench.faults.server import Server
 
 from . import tools, unity
-from .game import Game
+from .game import Game, free
 from .silence import heard, silent
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 @pytest.fixture
 def game(real: Server, built: unity.Built) -> Iterator[Game]:
     """A level whose ball is touched."""
+    free(real.file)
     with Game(["mono", "--debug", built.player, real.file]) as made:
         made.do("play")
         made.event("connected")

@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.bench.faults.server import Server
 
 from . import tools, unreal
-from .game import Game
+from .game import Game, free
 from .level import MIRROR, PLACE, YAW, array, level, numbers
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 @pytest.fixture
 def play(program: Path, server: Server) -> Iterator[Callable[..., Game]]:
     """Starts the game, which is ended in any case."""
+    free(server.file)
     games: list[Game] = []
 
     def start(*words: str) -> Game:
