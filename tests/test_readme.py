@@ -18,11 +18,11 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 BLOCKS = PYTHON.findall(README)
-PAGES = ["README.md", "docs/touch.md", "docs/scenes.md", "docs/server.md"]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SHOWN = [
-    pytest.param(page, block, id=f"{page}-{i}")
+    pytest.param(block, id=f"{page.relative_to(ROOT)}-{i}")
     for page in PAGES
-    for i, block in enumerate(PYTHON.findall((ROOT / page).read_text()))
+    for i, block in enumerate(PYTHON.findall(page.read_text()))
 ]
 
 
@@ -33,9 +33,8 @@ def server() -> Iterator[str]:
         yield str(running.connection)
 
 
-@pytest.mark.parametrize(("page", "block"), SHOWN)
+@pytest.mark.parametrize("block", SHOWN)
 def test_its_python_runs(
-    page: str,
     block: str,
     request: pytest.FixtureRequest,
     monkeypatch: pytest.MonkeyPatch,
@@ -43,7 +42,7 @@ def test_its_python_runs(
 ) -> None:
     if "pc.Client(" in block:
         monkeypatch.setenv(VARIABLE, request.getfixturevalue("server"))
-    exec(compile(block, page, "exec"), {"__name__": "readme"})
+    exec(compile(block, "page", "exec"), {"__name__": "readme"})
     if "print" in block:
         assert capsys.readouterr().out
 
@@ -57,7 +56,7 @@ def test_its_first_example_makes_what_it_says(capsys: pytest.CaptureFixture[str]
 
 
 def test_its_links_lead_somewhere() -> None:
-    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+    for page in PAGES:
         for link in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text()):
             assert (page.parent / link).exists(), f"{page.name}: {link}"
 
