@@ -1,16 +1,19 @@
-"""Four points that press with 20 Pa each, 20 cm above nine AUTD units."""
+"""The strongest focus that nine AUTD units can make 20 cm above them."""
+
+import sys
 
 import numpy as np
 
 import pacinian as pc
+from pacinian import plot
 
-array = pc.autd(3, 3)  # 2241 transducers
-air = pc.Air(temperature=22.0, humidity=0.4)
-points = np.array(
-    [[0.03, 0.03, 0.2], [-0.03, 0.03, 0.2], [-0.03, -0.03, 0.2], [0.03, -0.03, 0.2]]
-)  # [m]
-amplitudes = pc.sound_pressure(np.full(4, 20.0), air)  # [Pa] of sound for 20 Pa on skin
-solution = pc.solve(array, points, amplitudes, medium=air)
-print(solution)
-p = pc.field(array, solution.gains, points, medium=air)
-print(pc.radiation_pressure(p, air))  # [20. 20. 20. 20.]
+array, air = pc.autd(3, 3), pc.Air()
+point = np.array([[0.0, 0.0, 0.2]])  # [m]
+solution = pc.solve(array, point, [1.0], scale="max", medium=air)
+p = pc.field(array, solution.gains, point, medium=air)  # complex [Pa]
+print(
+    f"{pc.sound_pressure_level(p)[0]:.0f} dB SPL, {pc.radiation_pressure(p, air)[0]:.0f} Pa on skin"
+)
+print(f"{solution.solver}: {solution.saturation:.0%} of {len(array)} transducers at full drive")
+page = plot.slices(array, solution.gains, point, air, "One focus")
+plot.save(page, sys.argv[1] if len(sys.argv) > 1 else "focus.png")

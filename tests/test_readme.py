@@ -2,7 +2,6 @@
 
 import json
 import re
-import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -64,27 +63,6 @@ def test_its_links_lead_somewhere() -> None:
 def test_its_solver_is_short() -> None:
     (solver,) = (block for block in BLOCKS if "register_solvers" in block)
     assert len([line for line in solver.splitlines() if line.strip()]) <= 15
-
-
-def test_the_focus_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    runpy.run_path(str(ROOT / "examples" / "focus.py"))
-    assert "ok" in capsys.readouterr().out
-
-
-def test_the_touch_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    runpy.run_path(str(ROOT / "examples" / "touch.py"))
-    out = capsys.readouterr().out
-    assert "2000 ticks" in out
-    assert " 0 faults" in out
-    assert "too faint to feel" in out
-
-
-def test_the_client_example_runs(
-    server: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv(VARIABLE, server)
-    runpy.run_path(str(ROOT / "examples" / "client.py"))
-    assert "samples" in capsys.readouterr().out
 
 
 def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:

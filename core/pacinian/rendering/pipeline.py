@@ -130,11 +130,11 @@ class Pipeline:
         self.player.solve(samples, t, limits, SHARE * self.period)
         if not self.turns.solves:  # whether anything has moved was not looked at
             skipped[kept] = before
-        self._made = made
         self._look()
         self.stages.enter("drive")
         rows = self.player.rows(t)
         self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
+        self._made = made
         return self._frame
 
     def same(self, frame: Frame) -> bool:

@@ -1,0 +1,43 @@
+"""A session with a hand, recorded; then played, and rendered again: the same frames, bit for bit."""
+
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.plot import figure, save
+
+ball = pc.Volume(
+    shape=pc.Sphere(0.03),
+    pose=pc.Pose((0.0, 0.0, 0.175)),
+    radiation_pressure=8.0,  # [Pa]
+    envelope=pc.Sine(150.0),
+    name="ball",
+)
+REST = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+
+
+def session(t: float) -> pc.Scene:
+    """The scene at time t [s]: the hand goes to and fro over the ball."""
+    hand = REST.moved(pc.Pose((0.05 * math.sin(math.tau * t), 0.0, 0.0)))
+    return pc.Scene((ball,), hands=(hand,))
+
+
+with tempfile.TemporaryDirectory() as folder:
+    file = Path(folder) / "session.pac"
+    report = pc.Renderer(pc.autd(3, 3), session, recorder=pc.Recorder(file)).run(1.0)
+    recording = pc.Recording(file)
+    ticks, differ = pc.rerender(recording)
+    print(f"{report.ticks} ticks recorded, {ticks} rendered again, {differ} differ")
+    can = recording.capability
+    drive = np.array([np.mean(np.abs(frame.gains(can)[-1]) ** 2) for frame in recording])
+page = figure(6.0, 2.6)
+panel = page.subplots()
+panel.plot(np.arange(len(drive)), 1e2 * drive, lw=0.6)
+panel.set(
+    xlabel="time [ms]", ylabel="mean drive power [% of full]", title="A hand session, replayed"
+)
+save(page, sys.argv[1] if len(sys.argv) > 1 else "hand_session.png")

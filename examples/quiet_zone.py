@@ -1,0 +1,43 @@
+"""The same three points with and without a quiet zone where an ear is: the solver keeps it, and pays little."""
+
+import sys
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.plot import figure, save
+
+array, air = pc.autd(3, 3), pc.Air()
+points = np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2], [0.0, 0.03, 0.2]])  # [m]
+amplitudes = pc.sound_pressure([15.0, 15.0, 15.0], air)  # peak sound pressure [Pa]
+# a ball of points, a quarter of a wavelength apart, in a side lobe of the pattern
+middle, reach, step = np.array([0.05, 0.0, 0.2]), 0.006, air.wavelength(40e3) / 4.0
+grid = np.mgrid[-reach:reach:step, -reach:reach:step, -reach:reach:step]
+ear = middle + grid.reshape(3, -1).T
+loudest = 20.0  # peak sound pressure [Pa]
+
+
+def at_ear(solution: pc.Solution) -> float:
+    """The loudest that the ear gets [dB SPL]."""
+    p = pc.field(array, solution.gains, ear, medium=air)
+    return float(pc.sound_pressure_level(p).max())
+
+
+free = pc.solve(array, points, amplitudes, medium=air)
+limits = pc.Limits(gain=1.0, quiet=(ear, loudest))
+kept = pc.solve(array, points, amplitudes, limits=limits, solver="lagrange", medium=air)
+print(f"without: {at_ear(free):.1f} dB at the ear, error {free.error:.2%}")
+print(f"with:    {at_ear(kept):.1f} dB at the ear, error {kept.error:.2%}, {kept.status}")
+line = np.linspace(-0.06, 0.08, 400)  # [m] through two points and the ear
+row = np.stack([line, 0 * line, 0 * line + 0.2], axis=-1)
+page = figure(6.0, 3.4)
+panel = page.subplots()
+for solution, name in ((free, "without"), (kept, "with the quiet zone")):
+    level = pc.sound_pressure_level(pc.field(array, solution.gains, row, medium=air))
+    panel.plot(1e3 * line, level, lw=1.0, label=name)
+panel.axvspan(*(1e3 * (middle[0] + np.array([-reach, reach]))), color="0.85", label="ear")
+panel.set(
+    xlabel="x [mm]", ylabel="sound pressure level [dB]", title="A quiet zone", ylim=(90, None)
+)
+panel.legend(loc="upper left", fontsize=8)
+save(page, sys.argv[1] if len(sys.argv) > 1 else "quiet_zone.png")

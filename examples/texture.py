@@ -1,0 +1,36 @@
+"""A hand that strokes a plate with ridges 12 mm apart: what is felt, and where."""
+
+import sys
+
+import pacinian as pc
+from pacinian import plot
+from pacinian.testing import ManualClock
+
+plate = pc.Surface(
+    shape=pc.Rectangle(0.24, 0.16),
+    texture=pc.grating(0.012),  # [m] from ridge to ridge
+    pose=pc.Pose((0.0, 0.0, 0.204)),
+    radiation_pressure=8.0,  # [Pa]
+    envelope="trembling",
+    name="plate",
+)
+array, clock = pc.autd(3, 3), ManualClock()
+REST = pc.Hand.open("right", pc.Pose.turned("x", -12.0, (0.0, -0.08, 0.23)))
+
+
+def stroke(t: float) -> pc.Scene:
+    """The scene at time t [s]: the hand moves by 10 cm a second."""
+    hand = REST.moved(pc.Pose((0.1 * t, 0.0, 0.0)))
+    return pc.Scene((plate,), hands=(hand,))
+
+
+with pc.Renderer(array, stroke, governed=False, clock=clock) as renderer:
+    for tick in range(100):
+        clock.time = tick * renderer.period
+        renderer.tick(clock.time)
+    samples, gains = renderer.samples, renderer.emitted
+assert samples is not None
+P = samples.radiation_pressure
+print(f"{len(P)} samples, {P.min():.1f} to {P.max():.1f} Pa by the ridge that each is on")
+page = plot.scene(array, renderer.shown, samples, gains, t=clock.time, title="A textured plate")
+plot.save(page, sys.argv[1] if len(sys.argv) > 1 else "texture.png", 256)

@@ -1,0 +1,65 @@
+"""Every example runs, says what it says, and draws its picture."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from pacinian.testing import serving
+from pacinian.wire.connection import VARIABLE
+
+ROOT = Path(__file__).parents[1]
+SAYS = {
+    "focus": "dB SPL",
+    "control_points": "ok",
+    "quiet_zone": "at the ear",
+    "stm_circle": "30 mm across",
+    "fingertip_wav": "on the fingertip",
+    "texture": "by the ridge",
+    "hand_session": " 0 differ",
+    "custom_solver": "superposition",
+    "own_array": "at the focus",
+}
+UNSEEN = {"touch", "client"}
+
+
+def test_all_are_run() -> None:
+    assert {path.stem for path in (ROOT / "examples").glob("*.py")} == {*SAYS, *UNSEEN}
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_it_says_and_draws(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = tmp_path / "it.png"
+    monkeypatch.setattr("sys.argv", [name, str(picture)])
+    runpy.run_path(str(ROOT / f"examples/{name}.py"))
+    assert SAYS[name] in capsys.readouterr().out
+    with Image.open(picture) as drawn:
+        assert len(drawn.convert("L").getcolors(256) or []) > 20
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_the_page_shows_it(name: str) -> None:
+    page = (ROOT / "docs/examples.md").read_text()
+    assert f"../examples/{name}.py" in page
+    assert f"pictures/example-{name}.png" in page
+
+
+def test_a_loop_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(ROOT / "examples/touch.py"))
+    out = capsys.readouterr().out
+    ticks = int(re.match(r"(\d+) ticks", out)[1])  # type: ignore[index]
+    missed = re.search(r"(\d+) missed ticks", out)
+    assert ticks + (int(missed[1]) if missed else 0) == 2000
+    assert " 0 faults" in out
+    assert "too faint to feel" in out
+
+
+def test_a_game(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    with serving() as running:
+        monkeypatch.setenv(VARIABLE, str(running.connection))
+        runpy.run_path(str(ROOT / "examples/client.py"))
+    assert re.search(r"\d+ samples", capsys.readouterr().out)
