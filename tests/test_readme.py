@@ -38,7 +38,10 @@ def test_its_python_runs(
     request: pytest.FixtureRequest,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
 ) -> None:
+    monkeypatch.chdir(tmp_path)  # for what they write
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     if "pc.Client(" in block:
         monkeypatch.setenv(VARIABLE, request.getfixturevalue("server"))
     exec(compile(block, "page", "exec"), {"__name__": "readme"})

@@ -184,6 +184,7 @@ UNUSED = {
     "Lissajous": "of Path, and of STM through the client",
     "Polyline": "of Path, and of STM through the client",
     "Field": "through the client's Field",
+    "Show": "of viewers, which draw what others have put; a game knows what it put",
     "Clear": "through the client's Clear; effects remove what they have put",
     "Status": "of tools without a subscription; here the state comes by itself",
     "FrameState": "of drawings of the array's phases: nothing subscribes to it here",

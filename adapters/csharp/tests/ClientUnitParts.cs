@@ -168,7 +168,8 @@ namespace Pacinian.Tests
             ClientUnit.Holds(Problems.Version(2).EndsWith("update the client", StringComparison.Ordinal));
             ClientUnit.Holds(Problems.Version(0).EndsWith("update the server", StringComparison.Ordinal));
             Refusal why = Problems.Of(new Error { Code = Code.Version, Message = "no" });
-            ClientUnit.Equal("version: no; update the older of the two: this client speaks 1.0", why.ToString());
+            string ours = Protocol.Major + "." + Protocol.Minor;
+            ClientUnit.Equal("version: no; update the older of the two: this client speaks " + ours, why.ToString());
             ClientUnit.Holds(Problems.Of(new DllNotFoundException("libzmq")).Contains("not installed"));
         }
     }

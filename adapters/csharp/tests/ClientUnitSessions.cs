@@ -80,6 +80,20 @@ namespace Pacinian.Tests
             ClientUnit.Equal("", _wire.Said());
         }
 
+        public void AServerThatWasThereHasGoneWhateverItsOtherConnectionsSay()
+        {
+            foreach (Ending ending in new[] { Ending.Nobody, Ending.Foreign, Ending.Gone })
+            {
+                _wire.End = Ending.None;
+                _now += 3.0;
+                Connect();
+                _wire.End = ending;
+                Step(0.001);
+                ClientUnit.Holds(_shared.News.Standing.Problem.Contains("has gone; nothing of this session goes on"));
+                ClientUnit.Equal(ClientStatus.Connecting, _shared.News.Standing.Status);
+            }
+        }
+
         public void AfterALossNothingResumes()
         {
             Connect();

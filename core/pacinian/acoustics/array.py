@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
 from pacinian.checks import integer, length, near, number, numbers
 from pacinian.errors import ArgumentError
+from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
@@ -20,6 +21,7 @@ PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
 HINGE = 1e-9  # [m]; a transducer this near is on the hinge
 FAINTEST = 1e-3  # of its kind's strength; below, a transducer is dead
+DOTS = 5000  # at most, in a notebook's small picture
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
 
 
@@ -87,6 +89,27 @@ class Array:
     def __repr__(self) -> str:
         size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(self.positions, axis=0))
         return f"<Array of {len(self)} transducers, {size} mm, {self.transducer.frequency / 1e3:g} kHz>"
+
+    @card
+    def _repr_html_(self) -> Card:
+        size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(self.positions, axis=0))
+        kind = self.transducer
+        rows = {
+            "size": f"{size} mm",
+            "centre": " ".join(f"{1e3 * s:.0f}" for s in self.centre) + " mm",
+            "frequency": f"{kind.frequency / 1e3:g} kHz",
+            "strength of each": f"{kind.pressure:g} Pa at 1 m",
+            "differences": "none" if self.response is None else "calibrated",
+        }
+        return Card(f"Array of {len(self)} transducers", rows, draw=self._draw)
+
+    def _draw(self, panel: Any) -> None:
+        """Where they are, seen along the axis that most of them face."""
+        along = int(np.abs(self.normals).mean(axis=0).argmax())
+        i, j = (k for k in range(3) if k != along)
+        r = 1e3 * self.positions[:: 1 + len(self) // DOTS]
+        panel.plot(r[:, i], r[:, j], ".", ms=1.5)
+        panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]", aspect="equal")
 
     def __add__(self, other: object) -> Array:
         """Both arrays' transducers, in order; they must be of one kind."""

@@ -22,7 +22,7 @@ from numpy import float32 as f4
 from pacinian.acoustics.compiled import compiled
 
 if TYPE_CHECKING:
-    from pacinian.types import Gains, Indices, Levels, Numbers, Singles
+    from pacinian.types import Gains, Indices, Numbers, Singles
 
 TILE = 256
 NEAREST = f4(1e-30)  # [m^2]; keeps 1 / r finite on a transducer
@@ -156,39 +156,3 @@ def field(
             im += sum_im
         out[m] = complex(re, im)
         touches[m] = touching
-
-
-@compiled("void(c8[::1], i8, i8, f4, f4[::1], u2[::1], u2[::1])", finite=False)
-def quantise(
-    g: Gains, phases: int, amplitudes: int, ceiling: np.float32, threshold: Singles,
-    phase: Levels, amplitude: Levels,
-) -> None:  # fmt: skip
-    """Round gains to device levels: phase 0..phases - 1, amplitude 0..amplitudes - 1.
-
-    ceiling: the gain limit; an amplitude is never rounded up beyond it. threshold: for each, 0..1, from how far
-    below a level its amplitude is rounded up to it: 0.5 rounds to the nearest, 0 down. NaN becomes amplitude 0.
-    """
-    top = f4(amplitudes - 1)
-    highest = np.floor(ceiling * top + f4(1e-3))  # a limit that is a level but for rounding is one
-    for i in range(g.size):
-        re, im = g[i].real, g[i].imag
-        a, b = abs(re), abs(im)
-        t = min(a, b) / max(max(a, b), f4(1e-30))  # arctan(t) / 2 pi on 0..1
-        u = t * t
-        turn = t * (f4(0.15915482) + u * (f4(-0.05304561) + u * (f4(0.0317404) + u * (f4(-0.02210987)
-            + u * (f4(0.01528151) + u * (f4(-0.00881427) + u * (f4(0.0034233) + u * f4(-0.00063029))))))))  # fmt: skip
-        turn = f4(0.25) - turn if b > a else turn
-        turn = f4(0.5) - turn if re < f4(0.0) else turn
-        turn = f4(1.0) - turn if im < f4(0.0) else turn
-        level = np.rint(turn * f4(phases))
-        level = level if level < f4(phases) else f4(0.0)
-        size = min(np.floor(np.sqrt(re * re + im * im) * top + threshold[i]), highest)
-        phase[i] = np.uint16(level if level > f4(0.0) else f4(0.0))
-        amplitude[i] = np.uint16(size if size > f4(0.0) else f4(0.0))
-
-
-@compiled("void(u2[::1], u2[::1], c8[::1], f4[::1], c8[::1])")
-def dequantise(phase: Levels, amplitude: Levels, unit: Gains, size: Singles, out: Gains) -> None:
-    """Write the gains that levels stand for, (N,); unit, size: what each phase and amplitude level is."""
-    for i in range(out.size):
-        out[i] = size[amplitude[i]] * unit[phase[i]]

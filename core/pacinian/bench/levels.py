@@ -12,6 +12,7 @@ import numpy as np
 
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.propagation import field, matrix
+from pacinian.plugins.backend import Capability
 from pacinian.rendering.drive import thresholds
 from pacinian.session import solve
 
@@ -19,19 +20,24 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes, Floats, Indices
 
 GOLDEN = (5.0**0.5 - 1.0) / 2.0
 SEEDS = 12
 LEVELS = 0.05, 0.3, 0.8
 HEIGHT, AWAY = 0.2, 0.025  # [m]
 ROWS = 2  # frames a tick, at 2 kHz
+WIDTHS = np.unique(np.rint(512.0 / np.pi * np.arcsin(np.arange(256) / 255.0)))  # of 512 a period
+AUTD3 = tuple(np.sin(np.pi * WIDTHS / 512.0).tolist())
+PULSES = tuple(np.sin(0.5 * np.pi * np.arange(65) / 64.0).tolist())
 DEVICES = {
-    "256 phases, 256 amplitudes": (256, 256),
-    "256 phases, 320 amplitudes": (256, 320),
-    "128 phases, 65 amplitudes": (128, 65),
-    "16 phases, 16 amplitudes": (16, 16),
-    "32 phases, on or off": (32, 2),
+    "256 phases, 256 amplitudes": Capability(256, 256),
+    "256 phases, AUTD3's 203 amplitudes": Capability(256, AUTD3),
+    "640 phases, 320 amplitudes": Capability(640, 320),
+    "128 phases, 65 amplitudes": Capability(128, 65),
+    "128 phases, OpenMPD's 65 amplitudes": Capability(128, PULSES),
+    "16 phases, 16 amplitudes": Capability(16, 16),
+    "32 phases, on or off": Capability(32, 2),
 }
 ARRAYS: dict[str, Callable[[], Array]] = {
     "16 x 16": lambda: lattice(0.1575, 0.1575, 0.0105),
@@ -40,49 +46,49 @@ ARRAYS: dict[str, Callable[[], Array]] = {
 }
 
 
-def nearest(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def nearest(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """Each gain (N,) to its own nearest level, as (1, N) rows."""
-    return _levels(g, np.full(len(g), 0.5), phases, amplitudes)[None]
+    return _levels(g, np.full(len(g), 0.5), can)[None]
 
 
-def fixed(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def fixed(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """Amplitudes by thresholds that differ from transducer to transducer, and stay: what is done."""
-    return _levels(g, thresholds(len(g)).astype(np.float64), phases, amplitudes)[None]
+    return _levels(g, thresholds(len(g)).astype(np.float64), can)[None]
 
 
-def golden(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def golden(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """The same with thresholds of low discrepancy, which have a pattern."""
     golden: Floats = np.arange(1, len(g) + 1, dtype=np.float64) * GOLDEN % 1.0
-    return _levels(g, golden, phases, amplitudes)[None]
+    return _levels(g, golden, can)[None]
 
 
-def random(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def random(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """Amplitudes by random thresholds, new in each row."""
     rng = np.random.default_rng(1)
-    rows = [_levels(g, rng.uniform(size=len(g)), phases, amplitudes) for _ in range(ROWS)]
+    rows = [_levels(g, rng.uniform(size=len(g)), can) for _ in range(ROWS)]
     return np.array(rows)
 
 
-def in_time(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def in_time(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """Each transducer's error is added to what it is asked in the next row."""
     rows: list[Complexes] = []
     rest = np.zeros_like(g)
     for _ in range(ROWS):
-        rows.append(nearest(g + rest, B, phases, amplitudes)[0])
+        rows.append(nearest(g + rest, B, can)[0])
         rest = rest + g - rows[-1]
     return np.array(rows)
 
 
-def in_space(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Complexes:
+def in_space(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """One transducer after another takes the level that leaves the least error at the control points."""
     made, error = np.zeros_like(g), np.zeros(len(B), np.complex128)
-    steps = np.exp(2j * np.pi * np.arange(phases) / phases)
+    steps = np.exp(2j * np.pi * np.arange(can.phases) / can.phases)
+    sizes, below = can.sizes.astype(np.float64), _below(np.abs(g), can)
     for n in range(len(g)):
-        phase = round(float(np.angle(g[n])) / (2.0 * np.pi) * phases)
-        level = int(abs(g[n]) * (amplitudes - 1))
-        sizes = np.clip(np.arange(level - 1, level + 3), 0, amplitudes - 1) / (amplitudes - 1)
-        turns = steps[(phase + np.arange(-1, 2)) % phases]
-        offered = (sizes[:, None] * turns).ravel()
+        phase = round(float(np.angle(g[n])) / (2.0 * np.pi) * can.phases)
+        near = sizes[np.clip(np.arange(below[n] - 1, below[n] + 3), 0, len(sizes) - 1)]
+        turns = steps[(phase + np.arange(-1, 2)) % can.phases]
+        offered = (near[:, None] * turns).ravel()
         left = error[:, None] + B[:, n, None] * (offered - g[n])
         best = int(np.argmin((np.abs(left) ** 2).sum(axis=0)))
         made[n], error = offered[best], left[:, best]
@@ -92,10 +98,19 @@ def in_space(g: Complexes, B: Complexes, phases: int, amplitudes: int) -> Comple
 WAYS = {f.__name__: f for f in (nearest, fixed, golden, random, in_time, in_space)}
 
 
-def _levels(g: Complexes, half: Floats, phases: int, amplitudes: int) -> Complexes:
-    turn = np.rint(np.angle(g) / (2.0 * np.pi) * phases) / phases
-    size = np.minimum(np.floor(np.abs(g) * (amplitudes - 1) + half), amplitudes - 1)
-    return np.asarray(size / (amplitudes - 1) * np.exp(2j * np.pi * turn), np.complex128)
+def _levels(g: Complexes, half: Floats, can: Capability) -> Complexes:
+    turn = np.rint(np.angle(g) / (2.0 * np.pi) * can.phases) / can.phases
+    size, sizes = np.abs(g), can.sizes.astype(np.float64)
+    i = _below(size, can)
+    share = (size - sizes[i]) / (sizes[i + 1] - sizes[i])
+    level = np.minimum(i + np.floor(share + half), len(sizes) - 1).astype(np.intp)
+    return np.asarray(sizes[level] * np.exp(2j * np.pi * turn), np.complex128)
+
+
+def _below(size: Floats, can: Capability) -> Indices:
+    """The level below each amplitude, never the last one."""
+    found = np.searchsorted(can.sizes, size, "right") - 1
+    return np.asarray(np.clip(found, 0, len(can.sizes) - 2), np.intp)
 
 
 def measured(array: Array, count: int, level: float, seed: int) -> dict[str, Floats]:
@@ -112,9 +127,9 @@ def measured(array: Array, count: int, level: float, seed: int) -> dict[str, Flo
     g = solve(array, q, t).gains.astype(np.complex128)
     p, away = np.abs(B @ g), _away(q)
     found: dict[str, Floats] = {}
-    for device, (phases, amplitudes) in DEVICES.items():
+    for device, can in DEVICES.items():
         for way, make in WAYS.items():
-            rows = make(g, B, phases, amplitudes)
+            rows = make(g, B, can)
             made = rows @ B.T  # (K, M)
             each = np.linalg.norm(np.abs(made) - p, axis=1).mean() / np.linalg.norm(p)
             mean = np.linalg.norm(np.abs(made.mean(axis=0)) - p) / np.linalg.norm(p)

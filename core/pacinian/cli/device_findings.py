@@ -72,24 +72,27 @@ def _frequency(device: DeviceDescription) -> Finding:
 
 def levels(device: DeviceDescription, can: Capability) -> Finding:
     """The levels that the description gives, and those that its backend has."""
-    told = f"{can.phases} phases, {can.amplitudes} amplitudes, {can.rate:g} Hz"
     given = device.levels
-    if given and (given.phases, given.amplitudes) != (can.phases, can.amplitudes):
-        what = f"described: {given.phases} and {given.amplitudes}; {device.backend} has {told}"
+    if given and (given.phases, given.amplitudes) != (can.phases, len(can.sizes)):
+        what = f"described: {given.phases} and {given.amplitudes}; {device.backend} has {can}"
         return Finding("levels", "problem", what, "correct `levels`, or leave it out")
-    return Finding("levels", "ok", told)
+    return Finding("levels", "ok", str(can))
 
 
 def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
     """Whether the boards are there, and others are."""
-    here = [f for f in found if device.backend in ("", f.backend)]
+    ours = [f for f in found if device.backend in ("", f.backend)]
+    here = [f for f in ours if f.title]
+    blind = next((f for f in ours if not f.title), None)
     there = {f.serial: f for f in here}
     made: list[Finding] = []
     for board in device.boards:
         name, one = f"{_name(board)}, connected", there.get(board.serial)
         if not board.serial and len(here) == 1:
             one = here[0]
-        if one is None:
+        if one is None and blind is not None:
+            made.append(Finding(name, "problem", "cannot be looked for", blind.problem))
+        elif one is None:
             others = _some([f.serial or "one without a serial" for f in here]) or "none"
             fix = f"plug it in and switch it on, or correct its serial (connected: {others})"
             made.append(Finding(name, "problem", "not found", fix))
@@ -97,9 +100,9 @@ def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding
             made.append(Finding(name, "problem", one.title, one.problem))
         else:
             made.append(Finding(name, "ok", one.title))
-    ours = {board.serial for board in device.boards}
-    spare = [f.serial for f in here if f.serial and f.serial not in ours]
-    if spare and "" not in ours:
+    serials = {board.serial for board in device.boards}
+    spare = [f.serial for f in here if f.serial and f.serial not in serials]
+    if spare and "" not in serials:
         fix = "describe them, or leave them: they are not driven"
         made.append(Finding("others", "warning", f"not described: {_some(spare)}", fix))
     return made

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.findings import RIGHTS
 from pacinian.cli.running import drawable
 
 if TYPE_CHECKING:
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
 FILE = click.argument("file", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 ADVICE = {
-    "linux": "Rights: `pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
-    "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again.",
+    "linux": f"Rights: {RIGHTS}.",
     "win32": "Driver: give the device WinUSB with Zadig (https://zadig.akeo.ie): Options, List All Devices, "
     "choose it by its name, never a keyboard or a hub.",
     "darwin": "macOS needs no driver and no rights for USB; a serial port must be free of other programs.",
@@ -29,13 +29,14 @@ ADVICE = {
 
 
 @click.group(invoke_without_command=True)
-@click.option("--backend", default="", help="Ask this backend only; else all that are installed.")
+@click.option("--backend", default="", help="Ask this backend only, and import no other.")
 @JSON
 @click.pass_context
 def devices(context: click.Context, backend: str, as_json: bool) -> None:
     """List the devices that are connected; or check or draw a description of one.
 
-    Opens none of them and changes nothing. Exit code 1 if one cannot be used.
+    Opens none of them and changes nothing. Exit code 1 if one that is connected cannot be used, or the backend that is
+    named cannot look; 2 if there is no such backend, or it does not load; else 0, also where nothing is connected.
     """
     if context.invoked_subcommand:
         return
@@ -47,7 +48,7 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
         click.echo(json.dumps({"devices": [asdict(f) for f in found]}))
     else:
         _list(found)
-    if any(f.problem for f in found):
+    if any(f.problem and (f.title or backend) for f in found):
         raise SystemExit(1)
 
 
@@ -61,11 +62,12 @@ def _list(found: list[Found]) -> None:
     for name in ("backend", "serial", "device", "state"):
         table.add_column(name, overflow="fold")
     for f in found:
-        state = "[red]cannot be used[/]" if f.problem else "[green]ready[/]"
-        table.add_row(f.backend, escape(f.serial) or "-", escape(f.title), state)
+        bad = "[red]cannot be used[/]" if f.title else "[yellow]cannot be looked for[/]"
+        state = bad if f.problem else "[green]ready[/]"
+        table.add_row(f.backend, escape(f.serial) or "-", escape(f.title) or "-", state)
     if found:
         console.print(table)
-    else:
+    if not any(f.title for f in found):
         console.print("no device is connected; `simulated` needs none")
     problems = [f for f in found if f.problem]
     for f in problems:

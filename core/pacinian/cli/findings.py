@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 OLDEST = 3, 11
 JITTER = 0.001  # [s] that a sleep may take too long, in 99 of 100
 FEATURES = "avx512f", "avx2", "neon", "asimd"
+RIGHTS = (
+    "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
+    "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
+)
 INSTALL = "`pip install --upgrade pacinian` in a fresh virtual environment"
 
 
@@ -166,10 +170,5 @@ def permissions(devices: int, usable: int) -> Finding:
     """USB devices that there are, and of those that this user may open, on Linux."""
     told = f"{usable} of {devices} USB devices can be opened by you"
     if devices and not usable:
-        fix = (
-            'if you have a USB array, as root: put `SUBSYSTEM=="usb", ATTR{idVendor}=="VVVV", '
-            'TAG+="uaccess"` with its vendor (`lsusb`) in /etc/udev/rules.d/70-pacinian.rules, '
-            "`udevadm control --reload`, and plug it in again"
-        )
-        return Finding("USB permissions", "warning", told, fix)
+        return Finding("USB permissions", "warning", told, f"if you have a USB array: {RIGHTS}")
     return Finding("USB permissions", "ok", told)

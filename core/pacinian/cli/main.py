@@ -24,6 +24,8 @@ from pacinian.cli.soak import soak
 from pacinian.cli.status import status
 from pacinian.cli.stop import stop
 from pacinian.cli.stress import stress
+from pacinian.cli.study import study
+from pacinian.cli.view import view
 from pacinian.cli.watch import watch
 from pacinian.cli.wire import wire
 from pacinian.errors import PacinianError
@@ -46,8 +48,8 @@ def cli() -> None:
 
 COMMANDS = (
     *(demo, render, replay, schema),
-    *(serve, status, watch, stop, keys, doctor),
-    *(devices, plugins, wire, bench, soak, stress, paper),
+    *(serve, status, watch, view, stop, keys, doctor),
+    *(devices, plugins, wire, bench, soak, stress, study, paper),
 )
 for command in COMMANDS:
     cli.add_command(command)

@@ -20,7 +20,6 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
     With --again, its scenes are rendered once more, as fast as it goes, with the decisions that were
     made: on the same machine the frames are the same, bit for bit. Exit code 1 if any differs.
     """
-    from pacinian.acoustics.array import Array
     from pacinian.plugins.registry import backend as make
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.replay import replay as play
@@ -42,7 +41,7 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}
-    count = play(opened, make(backend, **options), Array(opened.positions, opened.normals))
+    count = play(opened, make(backend, **options), opened.array)
     if as_json:
         click.echo(json.dumps({"recording": recording, "backend": backend, "frames": count}))
     else:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
+    from collections.abc import Generator
+
     from pacinian.serving.settings import Settings
 
+FAREWELL = 5.0  # [s] that the viewer may take to end
 PORT = click.IntRange(0, 65535)
 
 
@@ -30,7 +34,8 @@ PORT = click.IntRange(0, 65535)
     "--log-format", type=click.Choice(["console", "json"]), default=None, help="On standard error."
 )
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
-def serve(config: Path | None, **given: Any) -> None:
+@click.option("--view", is_flag=True, help="Open the viewer beside it: see `pacinian view`.")
+def serve(config: Path | None, view: bool, **given: Any) -> None:
     """Run the server that games connect to, until Ctrl-C.
 
     CONFIG is a TOML or JSON file; options go before what it says. Prints where the connection file is, once
@@ -40,11 +45,41 @@ def serve(config: Path | None, **given: Any) -> None:
     from pacinian.serving.settings import Settings, load
 
     settings = _with(load(config) if config else Settings(), given)
+    with contextlib.ExitStack() as stack:
 
-    def ready(path: Path) -> None:
-        click.echo(f"ready: {path}")
+        def ready(path: Path) -> None:
+            click.echo(f"ready: {path}")
+            if view:
+                stack.enter_context(_viewer(path))
 
-    run(settings, ready)
+        run(settings, ready)
+
+
+@contextlib.contextmanager
+def _viewer(connection: Path) -> Generator[None]:
+    """The viewer in a process of its own, which ends with its standard input."""
+    import subprocess
+    import sys
+
+    command = [
+        sys.executable,
+        "-m",
+        "pacinian",
+        "view",
+        "--beside",
+        "--connection",
+        str(connection),
+    ]
+    # a group of its own: Ctrl-C is the server's, which lets the sound fade before all ends
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
+    try:
+        yield
+    finally:
+        try:
+            process.communicate(timeout=FAREWELL)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
 
 
 def _with(settings: Settings, given: dict[str, Any]) -> Settings:

@@ -14,16 +14,23 @@ HEAD = """\
 # For a server without a seat, add to each line: GROUP="plugdev", MODE="0660"
 """
 RULE = (
-    'SUBSYSTEM=="usb", ENV{{DEVTYPE}}=="usb_device", ATTR{{idVendor}}=="{:04x}", '
-    'ATTR{{idProduct}}=="{:04x}", TAG+="uaccess", TEST=="power/control", ATTR{{power/control}}="on"\n'
+    'SUBSYSTEM=="usb", ENV{{DEVTYPE}}=="usb_device", {}, TAG+="uaccess", '
+    'TEST=="power/control", ATTR{{power/control}}="on"\n'
 )
 
 
 def rules(plugins: Plugins) -> str:
     """The text of the rule, with a line for each kind of USB device."""
-    plugins.load()
+    plugins.load(kind="backend")
     text = HEAD
     for (kind, name), offer in sorted(plugins.offers.items()):
         if kind == "backend" and (usb := cast("type[Backend]", offer.cls).usb):
-            text += f"\n# {name}\n" + "".join(RULE.format(*pair) for pair in usb)
+            text += f"\n# {name}\n" + "".join(RULE.format(_match(numbers)) for numbers in usb)
     return text
+
+
+def _match(numbers: tuple[int, ...]) -> str:
+    """Vendor and product, or class, subclass and protocol of an interface."""
+    if len(numbers) == 2:
+        return 'ATTR{{idVendor}}=="{:04x}", ATTR{{idProduct}}=="{:04x}"'.format(*numbers)
+    return 'ENV{{ID_USB_INTERFACES}}=="*:{:02x}{:02x}{:02x}:*"'.format(*numbers)

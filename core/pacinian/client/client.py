@@ -128,6 +128,14 @@ class Client(Connected):
         pairs = unpack(answer.pressures, 2).astype(np.float64)
         return np.asarray(pairs[:, 0] + 1j * pairs[:, 1])
 
+    def show(self, scene: str = "", since: int = 0) -> replies.Shown:
+        """Objects of the scene that is felt, or was felt last, whoever put them, and where they are.
+
+        scene, since: `scene` and `version` of the last answer: what was told then is not told again.
+        """
+        command = self._made(commands.Show, 1.0, scene=scene, since=since)
+        return self._live().tell(command, replies.Shown)
+
     def arm(self, take: bool = False) -> None:
         """This client's scene is to be felt, for as long as `renew` is called. take: from its owner, if need be."""
         self._live().arm(take)

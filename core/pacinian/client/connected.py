@@ -6,6 +6,7 @@ import itertools
 import os
 import threading
 import time
+import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -96,6 +97,13 @@ class Connected:
         self._check(closed=True)
         self._closed = True
         self._dialogue.close()
+
+    def __del__(self) -> None:
+        """As `close`: a cell of a notebook that is run again finds the output free."""
+        if not self.__dict__.get("_closed", True) and "_dialogue" in self.__dict__:
+            with suppress(Exception):  # not in another thread or process
+                self.close()
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=2)
 
     def __enter__(self) -> Self:
         return self

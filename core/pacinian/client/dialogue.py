@@ -71,6 +71,8 @@ class Dialogue:
                 self._poller.register(self._links[-1].monitor, zmq.POLLIN)
             self._control, self._command = self._links
             self.welcome = self._hello(hello)
+            for link in self._links:
+                link.known = True
         except BaseException:
             self.close()
             raise

@@ -89,6 +89,8 @@ class Link:
         heartbeat: bool = True,
     ) -> None:
         self.at = at
+        self.known = False
+        """Whether its server has answered, on this connection or another: what ends after that has gone."""
         self.socket = made(context, zmq.DEALER, connection)
         for option, value in {**ONCE, **(HEARTBEAT if heartbeat else {})}.items():
             self.socket.setsockopt(option, value)
@@ -135,6 +137,8 @@ class Link:
         event = recv_monitor_message(self.monitor)["event"]
         if event & DENIED:
             why = "refuses the token or key: another server may have been started since"
+        elif self.known:
+            why = "has gone"  # also in the middle of a handshake
         elif event & FOREIGN:
             why = "is no Pacinian server, or wants other security: CURVE keys or a token"
         elif event & zmq.EVENT_CLOSED:

@@ -16,14 +16,16 @@ TWICE = "another one has this serial, so neither can be chosen by it: unplug one
 def connected(plugins: Plugins, backend: str = "") -> list[Found]:
     """Devices that are connected now, by backend and serial; of one backend, or of all.
 
-    A backend that fails to look is told of as a problem; two of one serial are, too. Raises UnknownPlugin and
-    PluginError for a backend that is named.
+    A backend that does not load or fails to look is told of as a problem; two of one serial are, too. Plug-ins that
+    offer no backend are not imported. Raises UnknownPlugin and PluginError for a backend that is named.
     """
+    found: list[Found] = []
     if backend:
         plugins.find("backend", backend)
     else:
-        plugins.load()
-    found: list[Found] = []
+        plugins.load(kind="backend")
+        broken = {**plugins.failed, **plugins.clashes}
+        found += [Found(name, "", "", str(error)) for name, error in sorted(broken.items())]
     for (kind, name), offer in sorted(plugins.offers.items()):
         if kind == "backend" and backend in ("", name):
             found += _asked(cast("type[Backend]", offer.cls))

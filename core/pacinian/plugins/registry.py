@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import functools
 import importlib.metadata
+import importlib.util
 import inspect
 from dataclasses import dataclass
+from importlib.abc import InspectLoader
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import pluggy
 
 from pacinian.errors import ArgumentError, PacinianError, PluginError, UnknownPlugin
+from pacinian.notebook import MOST, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
 from pacinian.plugins.solver import Solver
@@ -72,9 +75,13 @@ class Plugins:
         for name in self.clashes:
             del self._waiting[name]
 
-    def load(self, name: str | None = None) -> None:
-        """Import the plug-in of that name, or all that are not loaded yet; keep what goes wrong."""
-        for point in [p for n, p in self._waiting.items() if name in (None, n)]:
+    def load(self, name: str | None = None, kind: Kind | None = None) -> None:
+        """Import the plug-in of that name, or all that are not loaded yet; keep what goes wrong.
+
+        kind: none but those that may offer such.
+        """
+        points = [p for n, p in self._waiting.items() if name in (None, n)]
+        for point in [p for p in points if kind is None or _may_offer(p, kind)]:
             del self._waiting[point.name]
             try:
                 offers = self._read(point)
@@ -91,6 +98,13 @@ class Plugins:
                         f"two {offer.kind}s are called {offer.name!r}: "
                         f"{twin.cls.__module__} and {offer.cls.__module__}; uninstall one"
                     )
+
+    @card
+    def _repr_html_(self) -> Card:
+        offers = self.list()
+        head = "kind", "name", "settings", "shipped by"
+        table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MOST]]
+        return Card(f"{len(offers)} plug-ins", dict(self.failed), [head, *table], len(offers))
 
     def _read(self, point: EntryPoint) -> list[Offer]:
         manager = pluggy.PluginManager(GROUP)  # one for each, so that what it offers is its own
@@ -151,6 +165,21 @@ class Plugins:
             raise PluginError(
                 f"{kind} {name!r} cannot be made: {type(error).__name__}: {error}"
             ) from error
+
+
+def _may_offer(point: EntryPoint, kind: Kind) -> bool:
+    """Whether its module, which is not imported, speaks of the hook; or cannot be read."""
+    try:
+        spec = importlib.util.find_spec(point.module)
+        loader = spec.loader if spec else None
+        text = loader.get_source(point.module) if isinstance(loader, InspectLoader) else None
+    except (Exception, SystemExit):  # of the package that it is in
+        return True
+    return text is None or f"register_{kind}s" in text or "import *" in text
+
+
+def _settings(offer: Offer) -> str:
+    return ", ".join(k if v is ... else f"{k}={v!r}" for k, v in offer.options.items()) or "none"
 
 
 def _origin(point: EntryPoint) -> str:

@@ -21,6 +21,7 @@ def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
 
 
 SURE = 1.0 / 256.0  # of a level; amplitudes this near to one are rounded to it
+PARTS = 4096  # of 0..1, in each of which the search for a level begins at another one
 
 
 def thresholds(count: int) -> Singles:
@@ -50,8 +51,8 @@ class Quantiser:
         self._made = np.zeros(columns, dtype=np.complex64)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
-        levels = np.arange(capability.amplitudes) / (capability.amplitudes - 1)
-        self._size = levels.astype(np.float32)
+        self._size = capability.sizes.copy()  # kernels take none that is read-only
+        self._inverse = None if capability.even else inverse(self._size)
 
     def frame(
         self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
@@ -67,19 +68,29 @@ class Quantiser:
 
     def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
         """What the device makes of gains (N,); the array is reused."""
-        from pacinian.acoustics import kernels
+        from pacinian.rendering import levels
 
         phase, amplitude = self._look
         self._round(gains, ceiling, down, phase, amplitude)
-        kernels.dequantise(phase, amplitude, self._unit, self._size, self._made)
+        levels.dequantise(phase, amplitude, self._unit, self._size, self._made)
         return self._made
 
     def _round(
         self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels
     ) -> None:
-        from pacinian.acoustics import kernels
+        from pacinian.rendering import levels
 
         can, threshold = self.capability, self._none if down else self._dither
-        kernels.quantise(
-            g, can.phases, can.amplitudes, np.float32(ceiling), threshold, phase, amplitude
-        )
+        top, highest = len(self._size) - 1, can.highest(ceiling)
+        if self._inverse is None:
+            levels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)
+        else:
+            levels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
+
+
+def inverse(size: Singles) -> tuple[Singles, Singles, Levels]:
+    """What `levels.quantise_by` looks amplitudes up in: size, slope, first."""
+    slope = np.append(1.0 / np.diff(size.astype(np.float64)), 0.0).astype(np.float32)
+    starts = np.arange(PARTS + 1, dtype=np.float32) / np.float32(PARTS)
+    first = np.searchsorted(size, starts, side="right") - 1
+    return np.append(size, np.float32(np.inf)), slope, first.astype(np.uint16)

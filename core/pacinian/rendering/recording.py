@@ -7,6 +7,7 @@ that was cut off is whole up to its last complete tick.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -14,7 +15,9 @@ import msgpack
 import numpy as np
 
 from pacinian.errors import ArgumentError, PacinianError, RecordingError
+from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
+from pacinian.rendering.recorded_array import read
 from pacinian.rendering.scene_log import Asked, Reader, Writer
 
 if TYPE_CHECKING:
@@ -121,7 +124,7 @@ class Recorder:
 
 
 class Recording:
-    """A recording to read: the array's layout, the device's capability, and the ticks.
+    """A recording to read: the array, the device's capability, and the ticks.
 
     Raises RecordingError if the file is not one; a cut-off last frame is left out.
     """
@@ -146,6 +149,26 @@ class Recording:
                 raise ValueError("positions and normals are not finite")
         except (KeyError, ValueError, TypeError) as error:
             raise RecordingError(self.path, f"has a damaged header: {error}") from error
+
+    @cached_property
+    def array(self) -> Array:
+        """The array that was driven: its kind of transducers and how each differs, too. Raises RecordingError.
+
+        A directivity of the user's own cannot be recorded: it is then omnidirectional.
+        """
+        try:
+            return read(self.settings, self.positions, self.normals)
+        except Exception as error:  # the bytes may say anything
+            raise RecordingError(self.path, f"has settings of no array: {error}") from error
+
+    @card
+    def _repr_html_(self) -> Card:
+        rows = {
+            "file": f"{self.path}, {self.path.stat().st_size / 1e6:.3g} MB",
+            "array": f"{len(self.positions)} transducers",
+            "device": self.capability,
+        }
+        return Card("Recording", rows)
 
     def __iter__(self) -> Iterator[Frame]:
         """The frames, one at a time."""
@@ -178,7 +201,7 @@ class Recording:
             raise ValueError("the first tick has no frame")
         if phase.shape != amplitude.shape or not phase.size:
             raise ValueError("phases and amplitudes do not fit")
-        if phase.max() >= can.phases or amplitude.max() >= can.amplitudes:
+        if phase.max() >= can.phases or amplitude.max() >= len(can.sizes):
             raise ValueError("levels beyond the device's")
         time, t = float(values["time"]), float(values["t"])
         if not (abs(time) < LATEST and abs(t) < LATEST):

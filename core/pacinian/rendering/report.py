@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from pacinian.notebook import Card, card
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -85,7 +87,7 @@ class Report:
         return float(np.percentile(times, percentile)) * 1e3 if self.ticks else 0.0
 
     def recent(self, count: int) -> Floats:
-        """Times of the last ticks, `count` of them at most, in no order [s]."""
+        """Times of the last ticks, `count` of them at most, in their order [s]."""
         count = min(count, self.ticks, REMEMBERED)
         return self._times[np.arange(self.ticks - count, self.ticks) % REMEMBERED]
 
@@ -95,9 +97,15 @@ class Report:
         return self.late_ticks / max(1, self.ticks)
 
     @property
+    def errors(self) -> Floats:
+        """Relative errors of the emitted sound pressures, of every 64th solve: the last ones, in their order."""
+        count = min(self._measured, REMEMBERED)
+        return self._errors[np.arange(self._measured - count, self._measured) % REMEMBERED]
+
+    @property
     def error(self) -> float:
-        """Median relative error of the emitted sound pressures, of every 64th solve; 0 before the first."""
-        return float(np.median(self._errors[: self._measured])) if self._measured else 0.0
+        """Median of `errors`; 0 before the first."""
+        return float(np.median(self.errors)) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain numbers, for JSON."""
@@ -117,6 +125,27 @@ class Report:
             "fault_count": self.fault_count,
             "interrupted": self.interrupted,
         }
+
+    @card
+    def _repr_html_(self) -> Card:
+        rows = {
+            "late": f"{self.late_ticks} ({self.late_share:.1%})",
+            "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
+            "error": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
+            "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
+            "skipped": ", ".join(f"{n} {name}" for name, n in self.skipped.items() if n)
+            or "nothing",
+            "faults": self.fault_count,
+        }
+        if self.faults:
+            rows["last fault"] = f"{self.faults[-1].stage}: {self.faults[-1].message}"
+        rows |= {"interrupted": "yes"} if self.interrupted else {}
+        return Card(f"{self.ticks} ticks", rows, draw=self._draw if self.ticks else None)
+
+    def _draw(self, panel: Any) -> None:
+        """How many ticks took how long."""
+        panel.hist(1e3 * self.recent(REMEMBERED), bins=50)
+        panel.set(xlabel="tick time [ms]", ylabel="ticks", yscale="log")
 
 
 class Stages:

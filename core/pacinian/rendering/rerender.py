@@ -67,7 +67,7 @@ def rerender(recording: Recording) -> tuple[int, int]:
     """
     device, clock = Kept(recording.capability), Then()
     try:
-        renderer = read(recording.settings, recording.positions, recording.normals, device, clock)
+        renderer = read(recording.settings, recording.array, device, clock)
     except Exception as error:  # the file may say anything
         raise RecordingError(
             recording.path, f"has no settings to render it with again: {error}"

@@ -9,13 +9,14 @@ from pacinian.errors import WireError
 from pacinian.serving.converting import Converter
 from pacinian.serving.fields import Fields
 from pacinian.serving.intake import Client, Peers
-from pacinian.serving.messages import Traffic, scene_number
+from pacinian.serving.messages import Traffic
 from pacinian.serving.newest import newest
 from pacinian.serving.outbox import Outbox
+from pacinian.serving.showing import shown
 from pacinian.serving.things import refused
 from pacinian.serving.world import Refusal, Room
 from pacinian.wire.codec import decode_command, id_of
-from pacinian.wire.commands import Field
+from pacinian.wire.commands import Field, Show
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -163,9 +164,7 @@ class Desk:
         client = self.clients[info.key] = Client(info, self._numbers)
         room = self.rooms.get(info.scene)
         if room is None:
-            room = self.rooms[info.scene] = Room(
-                self._settings, self.converter, scene_number(info.scene)
-            )
+            room = self.rooms[info.scene] = Room(self._settings, self.converter, info.scene)
         room.clients.add(client)
 
     def _leave(self, client: Client) -> None:
@@ -184,6 +183,8 @@ class Desk:
         try:
             if isinstance(command, Field):
                 return self.fields.ask(client, command, self._emitted())
+            if isinstance(command, Show):
+                return shown(self.outbox.room, command)
             room = self.rooms[client.info.scene]
             if not room.do(client, command, now - client.age, now, size):
                 return None

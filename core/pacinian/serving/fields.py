@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.propagation import CHUNK, field
 from pacinian.checks import near, numbers
 from pacinian.errors import ArgumentError, WireError
-from pacinian.plugins.backend import Capability, Frame
+from pacinian.plugins.backend import Frame
 from pacinian.serving.messages import HEAD, FrameHead
 from pacinian.wire.bulk import pack, unpack
 from pacinian.wire.replies import Error, Pressures
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.plugins.backend import Capability
     from pacinian.serving.intake import Client
     from pacinian.serving.messages import Device
     from pacinian.types import Floats, Gains
@@ -38,10 +39,12 @@ class Emitted:
 
     def device(self, device: Device) -> None:
         """How the device is: its levels are those of the next one, if there is one."""
-        generation = device.next or device.generation
-        levels = Capability(device.phases, device.amplitudes)
-        kept = {device.generation: self._devices.get(device.generation, levels)}
-        self._devices = {**kept, generation: levels}
+        known, generation = self._devices, device.next or device.generation
+        levels = known.get(generation) or device.capability
+        self._devices = {
+            device.generation: known.get(device.generation, levels),
+            generation: levels,
+        }
         self._sounding = device.sounding
 
     def gains(self, frame: bytes) -> tuple[Gains, float]:
@@ -55,6 +58,8 @@ class Emitted:
         if capability is None or not self._sounding or not head.rows or not fits:
             return self._silence, head.time
         phase, amplitude = levels.reshape(2, head.rows, head.columns)[:, -1:]
+        if amplitude.max() >= len(capability.sizes):  # which the guard refuses
+            return self._silence, head.time
         return Frame(head.sequence, head.time, phase, amplitude).gains(capability)[0], head.time
 
 

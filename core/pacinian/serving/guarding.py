@@ -213,7 +213,7 @@ class Guard:
             next=self.next,
             name="" if self.backend is None else self.backend.name,
             phases=can.phases,
-            amplitudes=can.amplitudes,
+            amplitudes=len(can.sizes),
             rate=can.rate,
             watchdog=can.watchdog,
             beat=self._clock(),
@@ -228,6 +228,7 @@ class Guard:
             results=results,
             backends=backends,
             reasons=dict(self._reasons),
+            sizes=b"" if can.even else can.sizes.astype("<f4").tobytes(),
         )
 
 
@@ -256,8 +257,6 @@ def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: fl
         )
     levels = np.frombuffer(data, "<u2", offset=HEAD)
     phase, amplitude = levels.reshape(2, head.rows, columns)
-    # as the renderer rounds it, in single precision
-    ceiling = np.floor(np.float32(gain) * np.float32(can.amplitudes - 1) + np.float32(1e-3))
-    if phase.max() >= can.phases or amplitude.max() > ceiling:
+    if phase.max() >= can.phases or amplitude.max() > can.highest(gain):
         raise BackendError(f"a frame with levels beyond the device's, or the gain limit {gain:g}")
     return Frame(head.sequence, head.time, phase, amplitude)

@@ -22,8 +22,10 @@ import zlib
 from typing import Any, NamedTuple
 
 import msgspec
+import numpy as np
 from msgspec import Struct
 
+from pacinian.plugins.backend import Capability
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 from pacinian.wire.time import Technique
@@ -35,7 +37,7 @@ CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `frame_capaci
     "changes": 4 << 20,
     "taken": 64,
     "report": 2 << 20,
-    "device": 1 << 18,
+    "device": 1 << 19,
     "traffic": 1 << 20,
 }
 MOST_ROWS = 64  # of a frame
@@ -258,7 +260,8 @@ class Device(Struct, frozen=True, array_like=True):
     generation 0: there is none. beat: when the guard last went round [s]. fault: of the device, or "". frames: that it
     took. silences: how often sound was ended; reasons: by what. longest_gap: between frames since the output was armed
     last [s]. inputs: the last ones, as in `State`; inputs_until: how many there have been. results: of orders, by
-    "backend number" and "reset number": "" for done, or why not.
+    "backend number" and "reset number": "" for done, or why not. sizes: amplitude of each level, float32; empty where
+    they are even.
     """
 
     generation: int
@@ -281,6 +284,13 @@ class Device(Struct, frozen=True, array_like=True):
     backends: tuple[Plugin, ...] = ()
     """That can be selected."""
     reasons: dict[str, int] = {}
+    sizes: bytes = b""
+
+    @property
+    def capability(self) -> Capability:
+        """What it can do. Raises ArgumentError for what no device can."""
+        table = tuple(np.frombuffer(self.sizes, "<f4").tolist())
+        return Capability(self.phases, table or self.amplitudes, self.rate, self.watchdog)
 
 
 class Traffic(Struct, frozen=True, array_like=True):

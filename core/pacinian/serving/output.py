@@ -135,8 +135,7 @@ class Outputs:
         if not generation:
             raise ArgumentError("backend", "must be open")
         check_rate(device.rate, self._rate)
-        can = Capability(device.phases, device.amplitudes, device.rate, device.watchdog)
-        return self._output(generation, can)
+        return self._output(generation, device.capability)
 
     def _output(self, generation: int, capability: Capability) -> Output:
         return Output(self._file, self._device, self._permit, generation, capability, self._tag)

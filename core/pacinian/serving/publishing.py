@@ -6,19 +6,23 @@ import struct
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import msgspec
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
+from pacinian.devices.description import DIRECTIVITIES
 from pacinian.scene.time.presets import PRESETS
 from pacinian.serving.messages import HEAD, Device, FrameHead, Report, Traffic
 from pacinian.wire.bulk import pack
-from pacinian.wire.replies import Abilities
+from pacinian.wire.replies import Abilities, Sound
 from pacinian.wire.state import ClientState, FrameState, State
 from pacinian.wire.time import Technique
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
     from pacinian.serving.memory import Latest
     from pacinian.serving.sessions import Sessions
     from pacinian.serving.settings import Settings
@@ -90,6 +94,7 @@ class Publisher:
         self._positions, self._normals = pack(array.positions), pack(array.normals)
         self._frequency = float(array.transducer.frequency)
         self._wavelength = medium.wavelength(self._frequency)
+        self._sound = sound(array, medium)
 
     def fault(self, fault: str) -> None:
         """Note one."""
@@ -220,6 +225,7 @@ class Publisher:
             device_rate=device.rate,
             rate=settings.rate,
             limits={name: float(value) for name, value in limits.items()},
+            sound=replace(self._sound, sizes=device.sizes),
         )
 
     def known(self) -> dict[str, tuple[str, ...]]:
@@ -228,6 +234,21 @@ class Publisher:
             "solver": _names(self._view.report.solvers),
             "backend": _names(self._view.device.backends),
         }
+
+
+def sound(array: Array, medium: Air) -> Sound:
+    """How an array sounds in a medium."""
+    kind, response = array.transducer, array.response
+    names = [name for name, D in DIRECTIVITIES.items() if D is kind.directivity]
+    return Sound(
+        pressure=kind.pressure,
+        directivity=names[0] if names else "",
+        response=b"" if response is None else pack(response.view(np.float64)),
+        speed_of_sound=medium.speed_of_sound,
+        density=medium.density,
+        power=medium.power,
+        absorption=medium.beta(kind.frequency),
+    )
 
 
 def techniques() -> tuple[str, ...]:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 FAULTS = 5  # that are told
+EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # [s] between the bins of `State.tick_counts`
 
 
 def state(renderer: Renderer, t: float) -> dict[str, Any]:
@@ -30,6 +31,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
         "late": report.late_ticks,
         "rate": 1.0 / renderer.period,
         "tick_ms": _milliseconds(ticks),
+        "tick_counts": _counts(ticks),
         "frames": report.frames_sent,
         "skipped": dict(report.skipped),
         "faults": tuple(plain(f"{fault.stage}: {fault.message}")[:200] for fault in list(report.faults)[-FAULTS:]),
@@ -67,6 +69,12 @@ def _joints(hand: Hand, t: float) -> Floats | None:
     if hand.lost or hand.time is None:
         return None if hand.lost else hand.joints
     return hand.after(min(max(t - hand.time, 0.0), HOLD)).joints
+
+
+def _counts(ticks: Floats) -> bytes:
+    """How many times in order, (T,) [s], are in each bin."""
+    below = np.searchsorted(ticks, EDGES)
+    return np.diff(below, prepend=0, append=len(ticks)).astype("<u4").tobytes()
 
 
 def _milliseconds(ticks: Floats) -> tuple[float, float, float]:

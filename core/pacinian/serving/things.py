@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from typing import TYPE_CHECKING, cast
 
 import msgspec
 
+from pacinian.acoustics.pose import UPRIGHT
 from pacinian.errors import WireError
 from pacinian.serving.messages import CAPACITIES, MoveObject
 from pacinian.wire.convert import to_scene
-from pacinian.wire.objects import Surface, Volume
+from pacinian.wire.objects import Point, Surface, Volume
 from pacinian.wire.replies import Error
 from pacinian.wire.shapes import (
     Difference,
@@ -44,9 +46,13 @@ SCALARS = {float, int, str, bool, type(None)}
 POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Struct("<3f")
 
 
+NUMBERS = itertools.count(1)
+
+
 class Thing:
     """An object by its name. owner: who put it last. size: what it takes [bytes], but for its share of the message.
 
+    number: counts all things. sent: what it was put as.
     seen: when it was put, until: when it is removed, by our clock [s]. moved: pose, velocities or none, time [s].
     wrapped: an envelope, encoded, that came later. wraps: what makes the one that came
     last, of `waits` [bytes], while that takes. slow: it takes long to convert.
@@ -56,6 +62,7 @@ class Thing:
     def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
         self.name, self.owner, self.size, self.seen = name, owner, bulk(item), seen
         self.item: Object | None = item
+        self.sent, self.number = item, next(NUMBERS)
         self.packed, self.placed = b"", False
         self.default = item.technique is None
         self.until = None if item.duration is None else seen + item.duration
@@ -80,7 +87,8 @@ class Thing:
     def accept(self, packed: bytes) -> None:
         """What it was converted to; it counts while it has an owner."""
         self.packed, self.item = packed, None
-        self.grow(len(packed) + len(self.wrapped) + self.waits - self.size)
+        more = len(packed) + len(self.wrapped) + self.waits + bulk(self.sent)
+        self.grow(more - self.size)
 
     def grow(self, more: int) -> None:
         """It takes so many bytes more, which count while it has an owner."""
@@ -96,6 +104,14 @@ class Thing:
     def leave(self) -> None:
         """It is gone: nothing is converted for it any more."""
         self.item = self.wraps = None
+
+    def pose(self) -> bytes:
+        """Where it was told to be last: x, y, z [m], quaternion x, y, z, w, (7,) float32."""
+        if self.moved is not None:
+            return self.moved[0]
+        if isinstance(self.sent, Point):
+            return POSE.pack(*self.sent.position, *UPRIGHT)
+        return POSE.pack(*self.sent.pose.position, *self.sent.pose.rotation)
 
     def move(self) -> MoveObject | None:
         """Its pose, if that came later than itself."""

@@ -11,6 +11,7 @@ import msgspec
 from pacinian.errors import WireError
 from pacinian.serving import quiet
 from pacinian.serving.converting import Objects, Wraps
+from pacinian.serving.messages import scene_number
 from pacinian.serving.news import MOVED, WRAPPED, News
 from pacinian.serving.things import AT_ONCE, HEAVY, Thing, bulk, check_poses, refused, too_strong
 from pacinian.serving.tracking import Tracked, tracked
@@ -46,8 +47,8 @@ class Room:
     number: of the scene, as permits have it.
     """
 
-    def __init__(self, settings: Settings, converter: Converter, number: int = 0) -> None:
-        self.number = number
+    def __init__(self, settings: Settings, converter: Converter, name: str = "") -> None:
+        self.name, self.number = name, scene_number(name)
         self.things: dict[str, Thing] = {}
         self.hands: dict[Client, Tracked] = {}
         self.zones: dict[Client, tuple[Zone, ...]] = {}

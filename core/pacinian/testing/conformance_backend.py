@@ -106,7 +106,7 @@ class _Kit:
         self._sequence += 1
         N = len(self.array)
         phase = (np.arange(rows * N) % can.phases).astype(np.uint16).reshape(rows, N)
-        level = max(1, round(share * (can.amplitudes - 1))) if share else 0
+        level = max(1, can.highest(share)) if share else 0
         return Frame(self._sequence, self._sequence / can.rate, phase, np.full_like(phase, level))
 
     def refuses(self, what: str, method: Callable[..., Any], *arguments: Any) -> None:

@@ -146,5 +146,15 @@ class Field(Command, frozen=True, kw_only=True, tag="field"):
         check(self)
 
 
-COMMANDS = Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field
-AnyCommand = Put | Move | Remove | Clear | Envelopes | Hands | Quiet | Field
+class Show(Command, frozen=True, kw_only=True, tag="show"):
+    """Asks for the objects of the scene that is felt, or was felt last, whoever put them; since protocol 1.1.
+
+    scene: that the asker knows. since: its `version`, as of the last answer: what was told then is not told again.
+    """
+
+    scene: Annotated[str, Meta(max_length=64)] = ""
+    since: Annotated[int, Meta(ge=0, le=2**53)] = 0
+
+
+COMMANDS = Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field, Show
+AnyCommand = Put | Move | Remove | Clear | Envelopes | Hands | Quiet | Field | Show

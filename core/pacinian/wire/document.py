@@ -22,7 +22,7 @@ CHANNELS: dict[str, tuple[str, tuple[type[Struct], ...], tuple[type[Struct], ...
     "command": (
         "What is to be felt. ROUTER; a message is one part.",
         commands.COMMANDS,
-        (replies.Ok, replies.Error, replies.Pressures),
+        (replies.Ok, replies.Error, replies.Pressures, replies.Shown),
     ),
     "control": (
         "Who may, and whether at all. ROUTER; a message is one part.",

@@ -171,6 +171,7 @@ def _commands() -> tuple[Struct, ...]:
         commands.Hands(session=KEY, sequence=6, time=1.0, hands=(left, commands.HandFrame())),
         commands.Quiet(session=KEY, sequence=300, time=1.0, zones=(zone,)),
         commands.Field(session=KEY, sequence=70_000, time=1.0, id=12, points=CORNERS),
+        commands.Show(session=KEY, sequence=70_001, time=1.0, id=13, scene="room", since=41),
     )
 
 

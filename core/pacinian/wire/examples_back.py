@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.wire import replies, state
+from pacinian.wire import objects, replies, shapes, state
 from pacinian.wire.bulk import pack
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION
 
@@ -17,6 +17,16 @@ KEY = bytes(range(SESSION))
 CORNERS = pack([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.05]])
 HAND = pack(0.001953125 * np.arange(78.0).reshape(26, 3))
 LAGRANGE = replies.Plugin(name="lagrange", summary="Best with limits.", options={"steps": 20})
+SOUND = replies.Sound(
+    pressure=4.386,
+    directivity="t4010a1",
+    response=pack([[1.0, 0.0], [0.5, 0.5], [1.0, 0.0], [0.0, -1.0]]),
+    sizes=pack([0.0, 0.25, 1.0]),
+    speed_of_sound=340.0,
+    density=1.2,
+    power=1.0,
+    absorption=0.125,
+)
 SIMULATED = replies.Plugin(name="simulated")
 
 
@@ -60,6 +70,15 @@ def answers() -> tuple[Struct, ...]:
             device_rate=1000.0,
             rate=1000.0,
             limits={"gain": 1.0, "objects": 256.0},
+            sound=SOUND,
+        ),
+        replies.Shown(
+            id=13,
+            scene="room",
+            version=42,
+            names=("ball", "button"),
+            poses=pack([[0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.1, 0.0, 0.2, 0.0, 1.0, 0.0, 0.0]]),
+            objects={"ball": objects.Volume(shape=shapes.Sphere(0.03), radiation_pressure=8.0)},
         ),
         replies.Pressures(id=12, pressures=pack(np.arange(8.0).reshape(4, 2)), time=1002.0),
     )
@@ -110,6 +129,7 @@ STATE = state.State(
             renewed=0.01,
         ),
     ),
+    tick_counts=np.arange(64, dtype="<u4").tobytes(),
 )
 FRAME = state.FrameState(
     sequence=42,

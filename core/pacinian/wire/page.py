@@ -46,7 +46,7 @@ def _parts() -> dict[str, str]:
         "request fields": _table(control.Request),
         "controls": sections([*control.CONTROLS, control.Choice], control.Request),
         "reply fields": _table(replies.Reply),
-        "replies": sections([*replies.REPLIES, replies.Plugin], replies.Reply),
+        "replies": sections([*replies.REPLIES, replies.Plugin, replies.Sound], replies.Reply),
         "states": sections([*state.STATES, state.ClientState]),
         "felt fields": _table(objects.Felt),
         "objects": sections(objects.OBJECTS, objects.Felt),

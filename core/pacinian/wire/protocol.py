@@ -11,7 +11,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-MAJOR, MINOR = 1, 0
+MAJOR, MINOR = 1, 1
 LONGEST_COMMAND = 1 << 20  # [bytes] of a message on the command socket
 LONGEST_CONTROL = 1 << 16  # [bytes] of a message on the control socket
 LONGEST_REPLY = 1 << 20  # [bytes] of a reply or state
@@ -20,6 +20,7 @@ SESSION = 16  # [bytes] of a session's key
 MOST_OBJECTS = 256  # in one message
 MOST_HANDS = 8
 MOST_ZONES = 16
+MOST_SHOWN = 1024  # objects of a scene that is looked at
 MOST_POINTS = 65_536  # of a query for the field
 MOST_VERTICES = 50_000  # of a mesh
 MOST_FACES = 50_000

@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.protocol import Id, Name, Seconds, Session, Text
+from pacinian.wire.bulk import Rows, check
+from pacinian.wire.objects import Object
+from pacinian.wire.protocol import MOST_SHOWN, Id, Name, Seconds, Session, Text
 
 Code = Literal[
     "malformed",
@@ -110,12 +112,31 @@ class Plugin(Struct, frozen=True, kw_only=True):
     options: dict[str, Any] = {}
 
 
+class Sound(Struct, frozen=True, kw_only=True):
+    """What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).
+
+    pressure: P0, of one transducer at full drive, 1 m before it [Pa]. directivity: D, "omni" or "t4010a1"; empty: not
+    known. response: s, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty: none
+    does. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. speed_of_sound: [m/s].
+    density: [kg/m^3]. power: n. absorption: of the amplitude [1/m].
+    """
+
+    pressure: float
+    directivity: Text
+    response: bytes = b""
+    sizes: bytes = b""
+    speed_of_sound: float
+    density: float
+    power: float
+    absorption: float
+
+
 class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
     """To `capabilities`. solvers, backends: that can be selected. techniques, presets: that there are.
 
     positions, normals: of the transducers, (N, 3) float32 [m]. frequency: of the ultrasound [Hz]. wavelength: [m].
     phases, amplitudes: levels of the device. device_rate: frames per second that it takes [Hz]. rate: ticks per
-    second [Hz]. limits: what no client can exceed, by name.
+    second [Hz]. limits: what no client can exceed, by name. sound: how it sounds; since protocol 1.1.
     """
 
     solvers: tuple[Plugin, ...]
@@ -131,6 +152,7 @@ class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
     device_rate: float
     rate: float
     limits: dict[str, float]
+    sound: Sound | None = None
 
 
 class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
@@ -143,5 +165,25 @@ class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
     time: Seconds
 
 
-REPLIES = Welcome, Ok, Error, Renewed, Abilities, Pressures
-AnyReply = Welcome | Ok | Error | Renewed | Abilities | Pressures
+class Shown(Reply, frozen=True, kw_only=True, tag="shown"):
+    """To `show`. scene: that is felt, or was felt last; empty before the first.
+
+    version: of what was told. names: of the objects that are there, 1024 at most. poses: of these, as they were told
+    last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32. objects: as they were put, by name, of those that are new
+    since; not all, if that would be much: ask again. An object of nearly 1 MiB is left out.
+    """
+
+    scene: Annotated[str, Meta(max_length=64)]
+    version: int
+    names: Annotated[tuple[Name, ...], Meta(max_length=MOST_SHOWN)]
+    poses: Annotated[bytes, Meta(max_length=28 * MOST_SHOWN)]
+    objects: Annotated[dict[Name, Object], Meta(max_length=MOST_SHOWN)]
+
+    BULK = (Rows("poses", 7, each="names"),)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+REPLIES = Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown
+AnyReply = Welcome | Ok | Error | Renewed | Abilities | Pressures | Shown

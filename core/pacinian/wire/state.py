@@ -59,6 +59,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     restarts: of the server's processes, by name. inputs: of each hand update that reached the device since the last
     state, (K, 4) little-endian float64: sequence, the client's time, when it was received and when it was emitted, by
     the server's clock [s]. clients: that are there.
+    tick_counts: how many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-endian
+    uint32; the first and last count what is beyond, too; since protocol 1.1.
     """
 
     id: Id = 0
@@ -93,6 +95,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     restarts: dict[str, int] = {}
     inputs: bytes = b""
     clients: tuple[ClientState, ...] = ()
+    tick_counts: bytes = b""
 
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):

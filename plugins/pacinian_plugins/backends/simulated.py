@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Simulated(pc.Backend):
     """An array that exists in memory only.
 
-    phases, amplitudes: levels; 256 of each, as AUTD3 (the paper's device has 320 amplitudes).
+    phases, amplitudes: levels, as of `pacinian.Capability`; 256 of each, as AUTD3 (the paper's device has 320
+    amplitudes).
     rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. wait: what a delayed
     or stalled frame calls with its seconds.
 
@@ -32,7 +33,7 @@ class Simulated(pc.Backend):
     name: ClassVar[str] = "simulated"
 
     phases: int = 256
-    amplitudes: int = 256
+    amplitudes: int | tuple[float, ...] = 256
     rate: float = 1000.0
     keep: int = 256
     wait: Callable[[float], None] = field(default=time.sleep, repr=False)

@@ -11,11 +11,13 @@ from typing import Any
 
 import click
 import msgpack
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import pacinian as pc
 from pacinian.cli.main import cli
+from pacinian.testing import ManualClock
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ball.toml"
 
@@ -102,12 +104,43 @@ def test_what_another_process_recorded_comes_out_the_same(tmp_path: Path) -> Non
 
 def test_replay_without_json_is_a_line(tmp_path: Path) -> None:
     record = tmp_path / "run.pac"
-    told("render", str(EXAMPLE), "--seconds", "0.05", "--record", str(record))
-    assert "50 frames of 2241 transducers played on simulated" in run("replay", str(record)).stdout
+    ticks = told("render", str(EXAMPLE), "--seconds", "0.05", "--record", str(record))["ticks"]
+    said = f"{ticks} frames of 2241 transducers played on simulated"
+    assert said in run("replay", str(record)).stdout
     record.write_bytes(record.read_bytes()[:200])
     for options in ((), ("--again",)):
         result = run("replay", str(record), *options)
         assert isinstance(result.exception, pc.RecordingError)
+
+
+def test_replay_drives_the_array_as_it_was(tmp_path: Path, monkeypatch: Any) -> None:
+    """Its field is that of transducers of unlike strength, without the dead ones."""
+    from pacinian.plugins import registry
+
+    rng, made = np.random.default_rng(3), []
+    sizes = rng.uniform(0.5, 1.5, 35) * np.exp(1j * rng.uniform(-1.0, 1.0, 35))
+    places = pc.lattice(0.05, 0.05).without([7])
+    array = pc.Array(places.positions, places.normals, pc.T4010A1, sizes)
+    scene = pc.Scene((pc.Point(position=(0.0, 0.0, 0.1), radiation_pressure=1.0),))
+    first: Any = pc.backend("simulated")
+    pc.Renderer(
+        array, scene, backend=first, recorder=pc.Recorder(tmp_path / "run.pac"), clock=ManualClock()
+    ).run(0.02)
+    backend = registry.backend
+    monkeypatch.setattr(
+        registry, "backend", lambda *a, **k: made.append(backend(*a, **k)) or made[-1]
+    )
+    assert told("replay", str(tmp_path / "run.pac"))["frames"] == 20
+    (again,) = made
+    q = rng.uniform([-0.05, -0.05, 0.05], [0.05, 0.05, 0.2], (10, 3))
+    fields = [
+        pc.field(
+            device.array, device.frames[19].gains(device.capability)[-1], q, precision="double"
+        )
+        for device in (first, again)
+    ]
+    assert np.abs(fields[0]).max() > 1.0
+    np.testing.assert_array_equal(*fields)
 
 
 def test_render_lets_the_solver_be_chosen() -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -36,7 +39,7 @@ class Mine(pc.Backend):
     """A backend with devices on a shelf."""
 
     name: ClassVar[str] = "mine"
-    usb = ((0x0403, 0x6014),)
+    usb = (0x0403, 0x6014), (0xFF, 0x41, 0x01)
     shelf: ClassVar[list[Any]] = []
 
     @classmethod
@@ -119,6 +122,54 @@ def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:
     ]
     found = discovery.connected(plugins)
     assert [bool(f.problem) for f in found] == [False, False, True, True]
+
+
+def test_what_cannot_be_looked_for_is_a_row_with_its_fix_and_no_failure(plugins: Any) -> None:
+    Mine.shelf[:] = [pc.Found("mine", "", "", "libusb is not installed: `apt install it`")]
+    plugins.failed["odd"] = pc.PluginError("plug-in 'odd' does not load: ImportError: no odd")
+    code, told = run()
+    assert code == 0
+    assert re.search(r"mine +- +- +cannot be looked for", told)
+    assert re.search(r"odd +- +- +cannot be looked for", told)
+    assert "mine: libusb is not installed: `apt install it`" in told
+    assert "odd: plug-in 'odd' does not load: ImportError" in told
+    assert "no device is connected" in told
+    assert run("--backend", "mine")[0] == 1
+    Mine.shelf += [READY]
+    assert run()[0] == 0
+    Mine.shelf += [DENIED]
+    assert run()[0] == 1
+
+
+def test_boards_are_not_missed_where_nobody_could_look(plugins: Any) -> None:
+    blind = pc.Found("mine", "", "", "install libusb")
+    for boards in ([pc.Board("A")], [pc.Board()]):
+        (found,) = device_findings.connected(described(boards=boards, backend="mine"), [blind])
+        assert (found.level, found.told, found.fix) == (
+            "problem", "cannot be looked for", "install libusb",
+        )  # fmt: skip
+
+
+def test_looking_imports_backends_alone_and_compiles_nothing(tmp_path: Path) -> None:
+    """In an installation whose kernels were never compiled."""
+    code = (
+        "import sys; from pacinian.cli.main import cli; "
+        "cli(['devices', '--json'], standalone_mode=False) if len(sys.argv) == 1 else "
+        "cli(['devices', '--json', '--backend', sys.argv[1]], standalone_mode=False); "
+        "print(sorted(m for m in sys.modules if m.startswith(('numba', 'pacinian_plugins.'))))"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    for backend in ((), ("simulated",)):
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", code, *backend],
+            capture_output=True, text=True, timeout=100, check=True, env=environment,
+        )  # fmt: skip
+        assert "compiling" not in done.stderr
+        assert "numba" not in done.stdout
+        assert "plugins.solvers." not in done.stdout
+        assert "backends.simulated" in done.stdout
+        assert ("usb_autd" in done.stdout) == (not backend)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_backend_that_is_not_there_is_an_error(plugins: Any) -> None:
@@ -252,12 +303,15 @@ def test_the_rule_is_the_one_that_is_shipped() -> None:
 def test_a_rule_names_each_kind_of_device(plugins: Any) -> None:
     code, told = run("udev")
     assert code == 0
-    (line,) = (line for line in told.splitlines() if line and not line.startswith("#"))
-    pairs = [part.strip() for part in line.split(",")]
-    assert pairs[:5] == [
-        'SUBSYSTEM=="usb"', 'ENV{DEVTYPE}=="usb_device"', 'ATTR{idVendor}=="0403"',
-        'ATTR{idProduct}=="6014"', 'TAG+="uaccess"',
-    ]  # fmt: skip
+    by_maker, by_interface = (
+        [part.strip() for part in line.split(",")][:-2]
+        for line in told.splitlines()
+        if line and not line.startswith("#")
+    )
+    usb = ['SUBSYSTEM=="usb"', 'ENV{DEVTYPE}=="usb_device"']
+    maker = ['ATTR{idVendor}=="0403"', 'ATTR{idProduct}=="6014"']
+    assert by_maker == [*usb, *maker, 'TAG+="uaccess"']
+    assert by_interface == [*usb, 'ENV{ID_USB_INTERFACES}=="*:ff4101:*"', 'TAG+="uaccess"']
 
 
 def test_the_schema_is_that_of_descriptions() -> None:

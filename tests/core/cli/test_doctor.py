@@ -54,7 +54,7 @@ OK, WARNING, PROBLEM = "ok", "warning", "problem"
         (findings.usb(True, "linux"), OK, "found"),
         (findings.usb(False, "linux"), WARNING, "apt install"),
         (findings.usb(False, "freebsd"), WARNING, "libusb 1.0"),
-        (findings.permissions(5, 0), WARNING, "0 of 5.*udev"),
+        (findings.permissions(5, 0), WARNING, "0 of 5.*pacinian devices udev"),
         (findings.permissions(5, 1), OK, "1 of 5"),
         (findings.permissions(0, 0), OK, "0 of 0"),
     ],

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 import zmq
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.client.emergency import emergency_stop
@@ -96,6 +97,19 @@ def test_a_server_that_goes_in_the_middle_of_a_call(server: Fake) -> None:
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             client.put(POINT)
     assert time.monotonic() - begin < 30.0
+
+
+@pytest.mark.parametrize("first", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n"])
+def test_a_server_has_gone_also_where_a_connection_was_still_in_its_handshake(
+    server: Fake, first: bytes
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        with pc.Client(replace(server.connection, command=at)) as client:
+            near, _ = listener.accept()
+            with near:
+                near.sendall(first)
+            lost(client, client.renew, "has gone; nothing of this session goes on")
 
 
 def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:

@@ -67,6 +67,25 @@ def test_only_the_plugin_that_is_asked_for_is_imported(write: Any) -> None:
     assert not plugins.failed
 
 
+def test_what_does_not_speak_of_a_kind_s_hook_is_not_imported_for_it(write: Any) -> None:
+    backend = GOOD.format(name="b").replace("register_solvers", "register_backends")
+    sources = {
+        "plane": GOOD.format(name="plane"),
+        "backend": backend,
+        "again": "from plugin_backend import register_backends",
+        "star": "from plugin_backend import *",
+        "gone": "",
+    }
+    points = [write(name, source) for name, source in sources.items()]
+    points += [EntryPoint("none", "plugin_none", "pacinian")]
+    plugins = pc.Plugins(points)
+    plugins.load(kind="backend")
+    assert "plugin_plane" not in sys.modules
+    assert "plugin_gone" not in sys.modules
+    assert set(plugins.failed) == {"backend", "again", "star", "none"}  # they offer a solver
+    assert plugins.find("solver", "plane").name == "plane"
+
+
 def test_an_offer_named_unlike_its_entry_point_is_found_too(write: Any) -> None:
     plugins = pc.Plugins([write("bundle", GOOD.format(name="plane"))])
     assert plugins.find("solver", "plane").plugin == "bundle"

@@ -167,8 +167,80 @@ def test_another_array_or_other_levels_are_refused(tmp_path: Path) -> None:
     recording = pc.Recording(tmp_path / "run.pac")
     with pytest.raises(pc.RecordingError, match="36 transducers"):
         replay(recording, Simulated(), pc.autd(), ManualClock())
-    with pytest.raises(pc.RecordingError, match="amplitudes=320"):
+    with pytest.raises(pc.RecordingError, match="320 amplitudes"):
         replay(recording, Simulated(amplitudes=320), SMALL, ManualClock())
+
+
+def test_the_amplitudes_of_levels_that_are_not_even_are_recorded(tmp_path: Path) -> None:
+    path, pulses = tmp_path / "run.pac", tuple(np.sin(np.pi / 128.0 * np.arange(65)).tolist())
+    device = Simulated(phases=128, amplitudes=pulses, keep=100)
+    recorder, clock = pc.Recorder(path), ManualClock()
+    report = pc.Renderer(SMALL, moving, backend=device, recorder=recorder, clock=clock).run(0.02)
+    assert not report.faults
+    recording = pc.Recording(path)
+    assert recording.capability == device.capability
+    for tick, frame in zip(recording.ticks(), device.frames, strict=False):
+        made = tick.frame.gains(recording.capability)
+        np.testing.assert_array_equal(made, frame.gains(device.capability))
+    assert rerender(recording) == (20, 0)
+    again = Simulated(phases=128, amplitudes=pulses)
+    assert replay(recording, again, SMALL, ManualClock()) == 20
+    with pytest.raises(pc.RecordingError, match="65 uneven amplitudes"):
+        replay(recording, Simulated(phases=128, amplitudes=65), SMALL, ManualClock())
+
+
+def test_the_array_comes_back_with_how_its_transducers_differ(tmp_path: Path) -> None:
+    rng = np.random.default_rng(7)
+    s = rng.uniform(0.3, 2.0, 35) * np.exp(1j * rng.uniform(-3.0, 3.0, 35))
+    places = SMALL.without([17]).moved(pc.Pose.turned("x", 20.0))
+    array = pc.Array(places.positions, places.normals, pc.T4010A1, s)
+    record(tmp_path / "run.pac", array=array)
+    recording = pc.Recording(tmp_path / "run.pac")
+    for name in ("positions", "normals", "response"):
+        np.testing.assert_array_equal(getattr(recording.array, name), getattr(array, name))
+    assert recording.array.transducer == array.transducer
+    assert rerender(recording) == (20, 0)
+
+
+def test_a_directivity_that_cannot_be_recorded_does_not_keep_a_recording_from_being_played(
+    tmp_path: Path,
+) -> None:
+    kind = pc.Transducer(pressure=3.0, directivity=lambda cosine: cosine**2)
+    record(tmp_path / "run.pac", array=SMALL.driven_by(kind))
+    recording = pc.Recording(tmp_path / "run.pac")
+    assert recording.array.transducer == pc.Transducer(pressure=3.0)
+    assert replay(recording, Simulated(), recording.array, ManualClock()) == 20
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [{"transducer": None}, {"response": b"1234"}, {"response": bytes(16 * 36)}, {"response": 5}],
+)
+def test_settings_of_no_array_are_told(tmp_path: Path, bad: dict[str, Any]) -> None:
+    path = tmp_path / "run.pac"
+    record(path, ticks=1)
+    unpacker = msgpack.Unpacker(strict_map_key=False)
+    unpacker.feed(path.read_bytes())
+    header, *ticks = unpacker
+    header["settings"].update(bad)
+    path.write_bytes(b"".join(map(msgpack.packb, (header, *ticks))))
+    recording = pc.Recording(path)
+    assert len(list(recording)) == 1
+    with pytest.raises(pc.RecordingError, match="settings of no array"):
+        recording.array  # noqa: B018
+
+
+@pytest.mark.parametrize("bad", [[0.0, 0.5], [1.0, 0.0], [0.0, "x", 1.0], [[0.0, 1.0]], [], 0.5])
+def test_amplitudes_that_no_device_has_are_a_damaged_header(tmp_path: Path, bad: Any) -> None:
+    path = tmp_path / "run.pac"
+    record(path, ticks=1)
+    unpacker = msgpack.Unpacker(strict_map_key=False)
+    unpacker.feed(path.read_bytes())
+    header = next(unpacker)
+    assert header["amplitudes"] == 256
+    path.write_bytes(msgpack.packb({**header, "amplitudes": bad}))
+    with pytest.raises(pc.RecordingError, match="damaged header"):
+        pc.Recording(path)
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.errors import WireError
@@ -107,6 +108,20 @@ def test_gains_are_those_of_the_last_row_in_the_device_s_levels() -> None:
     assert gains == pytest.approx(want, abs=1e-6)
     assert time == 2.5
     known.device(device(sounding=False))
+    assert not known.gains(data)[0].any()
+
+
+def test_amplitudes_that_are_not_even_are_those_of_the_table() -> None:
+    known, (data, phase, amplitude) = Emitted(N), frame(1)
+    sizes = np.sin(np.pi / 2.0 * np.arange(16) / 15.0).astype("<f4")
+    known.device(replace(device(amplitudes=16), sizes=sizes.tobytes()))
+    want = sizes[amplitude[-1]] * np.exp(2j * np.pi * phase[-1] / 16)
+    assert known.gains(data)[0] == pytest.approx(want, abs=1e-6)
+
+
+def test_levels_that_the_device_does_not_have_are_no_sound() -> None:
+    known, (data, _, amplitude) = Emitted(N), frame(1)
+    known.device(device(amplitudes=int(amplitude.max())))
     assert not known.gains(data)[0].any()
 
 

@@ -273,8 +273,11 @@ def test_a_frame_that_no_device_should_get_is_a_fault(what: str) -> None:
     bench.sound(amplitude=127)
 
 
-@given(st.floats(0.01, 1.0), st.sampled_from([2, 16, 256, 320, 65_536]), st.floats(0.0, 1.0))
-def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: int, part: float) -> None:
+PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())
+
+
+@given(st.floats(0.01, 1.0), st.sampled_from([2, 16, 256, 65_536, PULSES]), st.floats(0.0, 1.0))
+def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, part: float) -> None:
     from pacinian.rendering.drive import Quantiser
 
     bench = Bench(gain=gain)
@@ -290,7 +293,7 @@ def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: int, pa
         bench.step()
         assert not bench.guard.fault
     above = top.amplitude.astype(np.int64) + 1
-    if above.max() < levels:
+    if above.max() < len(can.sizes):
         bench.step(head + top.phase.tobytes() + above.astype(np.uint16).tobytes())
         assert bench.guard.fault
 
@@ -346,6 +349,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     told = bench.told
     assert (told.generation, told.next) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
+    assert told.sizes == b""
     assert not bench.step(bench.frame())
     assert bench.backend.sent == [1, 2]
     assert bench.step(bench.frame(device=2)), "and the next round at once"

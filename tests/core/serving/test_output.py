@@ -11,6 +11,7 @@ from msgspec.msgpack import Decoder
 
 import pacinian as pc
 from pacinian.serving import messages
+from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, FrameHead, Permit
 from pacinian.serving.output import Input, Output, Outputs
@@ -76,6 +77,16 @@ def test_a_frame_arrives_with_all_that_the_guard_looks_at(wired: Wired) -> None:
     phase, amplitude = np.frombuffer(levels, "<u2").reshape(2, 2, N)
     np.testing.assert_array_equal(phase, sent.phase)
     np.testing.assert_array_equal(amplitude, sent.amplitude)
+
+
+@pytest.mark.parametrize("count", [2, 65, 1 << 16])
+def test_amplitudes_that_are_not_even_arrive_with_the_device(wired: Wired, count: int) -> None:
+    can = pc.Capability(16, tuple((np.linspace(0.0, 1.0, count) ** 0.8).tolist()), 2000.0, 0.1)
+    guard = Guard(N, gain=1.0, stale=0.1)
+    guard.take(pc.backend("simulated"), can)
+    wired.set(guard.device({}, ()))
+    assert wired.device.value.amplitudes == count
+    assert wired.outputs.first().capability == can
 
 
 def test_a_fault_of_the_device_is_raised_and_silence_has_no_rows(wired: Wired) -> None:

@@ -118,3 +118,21 @@ def test_times_of_ticks_are_of_the_last_second() -> None:
     assert state(renderer, 0.0)["tick_ms"][2] < 1.0
     assert state(renderer, 0.0)["late"] == 1
     renderer.close()
+
+
+def test_times_of_ticks_are_counted_by_their_size() -> None:
+    renderer = ticked(pc.Scene((A,)), 0)
+    times = [1e-6, 1.1e-5, 0.9e-3, 1.1e-3, 1.1e-3, 0.0999, 5.0]
+    for seconds in times:
+        renderer.report.tick(seconds, late=False)
+    counts = np.frombuffer(state(renderer, 0.0)["tick_counts"], "<u4")
+    assert (len(counts), counts.sum()) == (64, len(times))
+    wanted = np.clip(np.floor(16 * (np.log10(times) + 5)), 0, 63).astype(int)
+    assert np.array_equal(counts, np.bincount(wanted, minlength=64))
+    renderer.close()
+
+
+def test_before_the_first_tick_none_is_counted() -> None:
+    renderer = ticked(pc.Scene((A,)), 0)
+    assert state(renderer, 0.0)["tick_counts"] == bytes(256)
+    renderer.close()

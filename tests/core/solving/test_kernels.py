@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pacinian.plugins.backend import Capability, Frame
-from pacinian.rendering.drive import Quantiser, modulate
+from pacinian.rendering.drive import modulate
 from pacinian.solving import kernels
 from pacinian.solving.phases import gerchberg_saxton
 from pacinian.solving.problem import Targets
@@ -69,18 +68,6 @@ def test_restrained_gains_are_scaled_and_shortened(
     plain = factor * g.astype(np.complex128)
     plain *= np.minimum(1.0, highest / np.abs(plain))
     np.testing.assert_allclose(made, plain, rtol=1e-6, atol=1e-30)
-
-
-@given(seed=st.integers(0, 99), phases=st.integers(2, 400), amplitudes=st.integers(2, 400))
-def test_what_is_emitted_is_what_the_frame_says(seed: int, phases: int, amplitudes: int) -> None:
-    rng = np.random.default_rng(seed)
-    g = (rng.uniform(0, 1, 40) * np.exp(1j * rng.uniform(0, 7, 40))).astype(np.complex64)
-    quantiser = Quantiser(Capability(phases, amplitudes), 1, 40)
-    made = quantiser.emitted(g, 1.0).copy()
-    frame: Frame = quantiser.frame(g[None], 1.0, 0, 0.0)
-    np.testing.assert_allclose(made, frame.gains(quantiser.capability)[0], atol=1e-6)
-    step = np.hypot(1.0 / (amplitudes - 1), np.pi / phases)
-    assert np.abs(made - g).max() <= step * (1 + 1e-3)
 
 
 def test_the_envelope_scales_radiation_pressure() -> None:

@@ -41,11 +41,11 @@ class Log:
         """Of events so far."""
         return int(_COUNT.unpack_from(self._map)[0])
 
-    def write(self, sounds: bool) -> None:
-        """One event, now."""
+    def write(self, sounds: bool, at: float | None = None) -> None:
+        """One event, now, or at a time [s]."""
         count = self.count
-        at = HEAD + count % ROOM * EVENT.itemsize
-        _EVENT.pack_into(self._map, at, time.perf_counter(), sounds)
+        place = HEAD + count % ROOM * EVENT.itemsize
+        _EVENT.pack_into(self._map, place, time.perf_counter() if at is None else at, sounds)
         _COUNT.pack_into(self._map, 0, count + 1)
 
     def read(self, after: int = 0) -> NDArray[np.void]:

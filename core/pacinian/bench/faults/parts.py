@@ -14,6 +14,7 @@ from pacinian.bench.faults.device import UNPLUGGED, Other, Probe
 from pacinian.bench.faults.server import memory
 from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
 from pacinian.bench.faults.stage import QUIET, Times, until
+from pacinian.bench.faults.through import Models, Simulated
 from pacinian.serving.settings import Safety
 from pacinian.serving.supervise import WELL
 
@@ -150,6 +151,24 @@ def solvers_swapped(stage: Stage) -> Times:
 def devices_swapped(stage: Stage) -> Times:
     """Another device, and back, while it sounds."""
     return _swapped(stage, "backend", Other.name, Probe.name)
+
+
+def to_models(stage: Stage) -> Times:
+    """Models of USB devices take over from the simulated array while it sounds."""
+    return _from(stage, Simulated.name, Models.name)
+
+
+def from_models(stage: Stage) -> Times:
+    """The simulated array takes over from models of USB devices while they sound."""
+    return _from(stage, Models.name, Simulated.name)
+
+
+def _from(stage: Stage, old: str, new: str) -> Times:
+    stage.sounding()
+    stage.select(backend={"name": old})
+    times = _swapped(stage, "backend", new)
+    stage.select(backend={"name": Probe.name})
+    return times
 
 
 def _swapped(stage: Stage, kind: str, *names: str) -> Times:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 POINTS = """[pacinian]
 probe = pacinian.bench.faults.device
 probe-other = pacinian.bench.faults.device
+probe-simulated = pacinian.bench.faults.through
+probe-usb-autd = pacinian.bench.faults.through
 stuck = pacinian.bench.faults.solvers
 """
 

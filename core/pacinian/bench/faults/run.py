@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 STATED = Safety()
 SWAP = "no gap longer by more than a tick than undisturbed"
+LED = "the same, and the lead that frames wait for in a device"
 TICK, ROUND = 1e-3, 2 * guard.ROUND  # [s]; of the guard: its pause, and what a round takes
+LEAD = 2.5e-3  # [s] of `usb-autd`, and what is left of the row then
 LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
 AGAIN = 0.02 + supervise.FIRST + 0.5  # [s]: it is seen, waited for, and Python and NumPy start
 
@@ -63,6 +65,8 @@ FAULTS = (
     Fault("... while swapping devices", parts.unplugged_both, TICK + 2 * ROUND, "a round later"),
     Fault("solvers swapped", parts.solvers_swapped, TICK, SWAP),
     Fault("devices swapped", parts.devices_swapped, TICK, SWAP),
+    Fault("simulated to USB models", parts.to_models, LEAD + TICK, LED),
+    Fault("USB models to simulated", parts.from_models, TICK, SWAP),
     Fault("a hanging solver is warmed", parts.solver_hangs_warming, TICK, SWAP),
     Fault("SIGTERM of the server", parts.terminated, math.nan, "silent first, exit code 0"),
 )

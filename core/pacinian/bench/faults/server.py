@@ -17,6 +17,7 @@ import psutil
 
 from pacinian.bench.faults.device import Log, Other, Probe
 from pacinian.bench.faults.plugins import install
+from pacinian.bench.faults.through import Models, Simulated
 from pacinian.errors import ServerError
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ rows = 1
 format = "json"
 """
 PARTS = "bus", "render", "guard"
+DEVICES = Probe, Other, Simulated, Models
 
 
 class Server:
@@ -44,7 +46,8 @@ class Server:
     def __init__(self, folder: Path, more: str = "") -> None:
         self.folder = folder
         self.file = folder / "connection.json"
-        self.log, self.other = Log(folder / Probe.name), Log(folder / Other.name)
+        self.logs = tuple(Log(folder / kind.name) for kind in DEVICES)
+        self.log = self.logs[0]
         self._environment = install(folder)
         self._configuration = folder / "server.toml"
         self._configuration.write_text(CONFIGURATION + more, encoding="utf-8")
@@ -132,8 +135,8 @@ class Server:
                 process.wait(5.0)
         for folder in self._shared:  # one that is killed leaves it
             shutil.rmtree(folder, ignore_errors=True)
-        self.log.close()
-        self.other.close()
+        for log in self.logs:
+            log.close()
 
     def __enter__(self) -> Server:
         try:

@@ -56,7 +56,7 @@ class Stage:
         """Of the game's requests."""
         self.at = 0.0
         """When it was broken [s]."""
-        self._marks = 0, 0
+        self._marks = [0] * len(server.logs)
         self._quiet = QUIET
         self._onlooker: Peer | None = None
 
@@ -124,22 +124,18 @@ class Stage:
             now = time.perf_counter()
             if now < since + STEADY:
                 return False
-            self._marks = tuple(max(0, log.count - int(2e3 * STEADY)) for log in self._logs)
+            self._marks = [max(0, log.count - int(2e3 * STEADY)) for log in self.server.logs]
             events = self.events()
             late = events[events["time"] > now - STEADY]
             return len(late) > 0.2e3 * STEADY and float(late["sounds"].mean()) > 0.9
 
         until(steady)
 
-    @property
-    def _logs(self) -> tuple[Any, Any]:
-        return self.server.log, self.server.other
-
     def events(self) -> NDArray[np.void]:
-        """Of both devices since it sounded, in order."""
-        parts = [log.read(mark) for log, mark in zip(self._logs, self._marks, strict=True)]
-        both = np.concatenate(parts)
-        return both[np.argsort(both["time"], kind="stable")]
+        """Of all devices since it sounded, in order."""
+        logs = zip(self.server.logs, self._marks, strict=True)
+        every = np.concatenate([log.read(mark) for log, mark in logs])
+        return every[np.argsort(every["time"], kind="stable")]
 
     def broken(self, act: Callable[[], object], quiet: float = QUIET) -> float:
         """Do it while it sounds; how long until it is silent, for longer than `quiet` [s]."""

@@ -16,12 +16,11 @@ from pacinian_plugins.backends.usb_autd.pretended import PretendedLink
 from pacinian_plugins.backends.usb_autd.protocol import (
     AMPLITUDES,
     FULL,
+    INTERFACE,
     MOST,
     PHASES,
-    PRODUCT,
     RATE,
     UNIT,
-    VENDOR,
 )
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ class UsbAutd(pc.Backend):
     """
 
     name: ClassVar[str] = NAME
-    usb: ClassVar[tuple[tuple[int, int], ...]] = ((VENDOR, PRODUCT),)
+    usb = (INTERFACE,)
 
     description: str = ""
     serials: Sequence[str] = ()
@@ -74,7 +73,7 @@ class UsbAutd(pc.Backend):
         try:
             listed = seen()
         except pc.BackendError as error:
-            return [pc.Found(NAME, "", "USB", str(error).removeprefix(f"{NAME}: "))]
+            return [pc.Found(NAME, "", "", str(error).removeprefix(f"{NAME}: "))]
         return [
             pc.Found(NAME, one.serial, f"AUTD units, {one.place}", one.problem) for one in listed
         ]

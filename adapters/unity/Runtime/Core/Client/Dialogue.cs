@@ -54,6 +54,10 @@ namespace Pacinian
             bool heard = Hear(Channel.Control, now) | Hear(Channel.Command, now);
             Look();
             Ending ending = _transport.Ended();
+            if (Begun && (ending == Ending.Nobody || ending == Ending.Foreign))
+            {
+                ending = Ending.Gone; // in the middle of the handshake of another connection
+            }
             if (ending != Ending.None && !heard)
             {
                 Lose(Problems.Of(ending, _at), Problems.Refuses(ending));

@@ -997,4 +997,104 @@ namespace Pacinian.Wire
             }
         }
     }
+
+    /// <summary>Asks for the objects of the scene that is felt, or was felt last, whoever put them; since protocol 1.1.</summary>
+    public sealed class Show : Command
+    {
+        private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "scene", "since");
+        private static readonly byte[][] Tag = Utf8.Of("show");
+
+        /// <summary>That the asker knows. 0 to 64 characters.</summary>
+        public string Scene = "";
+
+        /// <summary>Its `version`, as of the last answer: what was told then is not told again. 0 to 9,007,199,254,740,992.</summary>
+        public long Since;
+
+        /// <inheritdoc/>
+        public override void Write(Writer w)
+        {
+            w.Map(8);
+            w.Word(Keys[0]);
+            w.Word(Tag[0]);
+            w.Word(Keys[1]);
+            w.Binary(Session);
+            w.Word(Keys[2]);
+            w.Whole(Sequence);
+            w.Word(Keys[3]);
+            w.Real(Time);
+            w.Word(Keys[4]);
+            w.Real(Ttl);
+            w.Word(Keys[5]);
+            w.Whole(Id);
+            w.Word(Keys[6]);
+            w.Text(Scene);
+            w.Word(Keys[7]);
+            w.Whole(Since);
+        }
+
+        /// <inheritdoc/>
+        public override bool Read(Reader r)
+        {
+            int count, key = Reader.Other;
+            ulong missing = 0xFF;
+            if (!r.Map(out count))
+            {
+                return false;
+            }
+            for (; count > 0; count--)
+            {
+                key = r.Key(Keys, key + 1);
+                if (!One(r, key))
+                {
+                    return r.Within(Keys, key);
+                }
+                missing &= key < 0 ? missing : ~(1UL << key);
+            }
+            if ((missing & 0xF) != 0)
+            {
+                return r.Missing(Keys, missing & 0xF);
+            }
+            if (missing != 0)
+            {
+                Default(missing);
+            }
+            return true;
+        }
+
+        private bool One(Reader r, int key)
+        {
+            switch (key)
+            {
+                case 0: return r.Expect(Tag);
+                case 1: return r.Binary(ref Session, 16, 16);
+                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
+                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
+                case 4: return r.Real(ref Ttl, 0.0, 60.0);
+                case 5: return r.Whole(ref Id, 0, 4294967295);
+                case 6: return r.Text(ref Scene, 0, 64);
+                case 7: return r.Whole(ref Since, 0, 9007199254740992);
+                default: return key == Reader.Other && r.Skip();
+            }
+        }
+
+        private void Default(ulong missing)
+        {
+            if ((missing & 0x10) != 0)
+            {
+                Ttl = 1.0;
+            }
+            if ((missing & 0x20) != 0)
+            {
+                Id = 0;
+            }
+            if ((missing & 0x40) != 0)
+            {
+                Scene = "";
+            }
+            if ((missing & 0x80) != 0)
+            {
+                Since = 0;
+            }
+        }
+    }
 }

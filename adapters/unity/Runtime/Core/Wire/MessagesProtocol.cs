@@ -6,7 +6,7 @@ namespace Pacinian.Wire
     public static class Protocol
     {
         public const int Major = 1;
-        public const int Minor = 0;
+        public const int Minor = 1;
         public const int LongestCommand = 1048576;
         public const int LongestControl = 65536;
         public const int LongestReply = 1048576;
@@ -14,6 +14,7 @@ namespace Pacinian.Wire
         public const int MostObjects = 256;
         public const int MostHands = 8;
         public const int MostZones = 16;
+        public const int MostShown = 1024;
         public const int MostPoints = 65536;
         public const int MostVertices = 50000;
         public const int MostFaces = 50000;

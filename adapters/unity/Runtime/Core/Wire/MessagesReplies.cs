@@ -496,10 +496,119 @@ namespace Pacinian.Wire
         }
     }
 
+    /// <summary>What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).</summary>
+    public sealed class Sound : IMessage
+    {
+        private static readonly byte[][] Keys = Utf8.Of("pressure", "directivity", "response", "sizes", "speed_of_sound", "density", "power", "absorption");
+
+        /// <summary>P0, of one transducer at full drive, 1 m before it [Pa].</summary>
+        public double Pressure;
+
+        /// <summary>D, "omni" or "t4010a1"; empty: not known. 0 to 200 characters.</summary>
+        public string Directivity = "";
+
+        /// <summary>S, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty: none does.</summary>
+        public Bulk Response;
+
+        /// <summary>Amplitude of each level, 0..1, float32; empty: evenly spaced.</summary>
+        public Bulk Sizes;
+
+        /// <summary>[m/s].</summary>
+        public double SpeedOfSound;
+
+        /// <summary>[kg/m^3].</summary>
+        public double Density;
+
+        /// <summary>N.</summary>
+        public double Power;
+
+        /// <summary>Of the amplitude [1/m].</summary>
+        public double Absorption;
+
+        /// <inheritdoc/>
+        public void Write(Writer w)
+        {
+            w.Map(8);
+            w.Word(Keys[0]);
+            w.Real(Pressure);
+            w.Word(Keys[1]);
+            w.Text(Directivity);
+            w.Word(Keys[2]);
+            w.Binary(Response);
+            w.Word(Keys[3]);
+            w.Binary(Sizes);
+            w.Word(Keys[4]);
+            w.Real(SpeedOfSound);
+            w.Word(Keys[5]);
+            w.Real(Density);
+            w.Word(Keys[6]);
+            w.Real(Power);
+            w.Word(Keys[7]);
+            w.Real(Absorption);
+        }
+
+        /// <inheritdoc/>
+        public bool Read(Reader r)
+        {
+            int count, key = Reader.Other;
+            ulong missing = 0xFF;
+            if (!r.Map(out count))
+            {
+                return false;
+            }
+            for (; count > 0; count--)
+            {
+                key = r.Key(Keys, key + 1);
+                if (!One(r, key))
+                {
+                    return r.Within(Keys, key);
+                }
+                missing &= key < 0 ? missing : ~(1UL << key);
+            }
+            if ((missing & 0xF3) != 0)
+            {
+                return r.Missing(Keys, missing & 0xF3);
+            }
+            if (missing != 0)
+            {
+                Default(missing);
+            }
+            return true;
+        }
+
+        private bool One(Reader r, int key)
+        {
+            switch (key)
+            {
+                case 0: return r.Real(ref Pressure);
+                case 1: return r.Text(ref Directivity, 0, 200);
+                case 2: return r.Binary(ref Response, 0, int.MaxValue);
+                case 3: return r.Binary(ref Sizes, 0, int.MaxValue);
+                case 4: return r.Real(ref SpeedOfSound);
+                case 5: return r.Real(ref Density);
+                case 6: return r.Real(ref Power);
+                case 7: return r.Real(ref Absorption);
+                default: return key == Reader.Other && r.Skip();
+            }
+        }
+
+        private void Default(ulong missing)
+        {
+            if ((missing & 0x4) != 0)
+            {
+                Response.Clear();
+            }
+            if ((missing & 0x8) != 0)
+            {
+                Sizes.Clear();
+            }
+        }
+    }
+
     /// <summary>To `capabilities`.</summary>
     public sealed class Abilities : Reply, IReply
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "id", "solvers", "backends", "techniques", "presets", "positions", "normals", "frequency", "wavelength", "phases", "amplitudes", "device_rate", "rate", "limits");
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "solvers", "backends", "techniques", "presets", "positions", "normals", "frequency", "wavelength", "phases", "amplitudes", "device_rate", "rate", "limits", "sound");
         private static readonly byte[][] Tag = Utf8.Of("abilities");
 
         /// <summary>That can be selected.</summary>
@@ -541,10 +650,13 @@ namespace Pacinian.Wire
         /// <summary>What no client can exceed, by name.</summary>
         public readonly Table<double> Limits = new Table<double>();
 
+        /// <summary>How it sounds; since protocol 1.1. null: not given.</summary>
+        public Sound Sound;
+
         /// <inheritdoc/>
         public override void Write(Writer w)
         {
-            w.Map(15);
+            w.Map(16);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -596,13 +708,15 @@ namespace Pacinian.Wire
                 w.Text(Limits.Key(i));
                 w.Real(Limits.Value(i));
             }
+            w.Word(Keys[15]);
+            w.Message(Sound);
         }
 
         /// <inheritdoc/>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x7FFF;
+            ulong missing = 0xFFFF;
             if (!r.Map(out count))
             {
                 return false;
@@ -646,6 +760,13 @@ namespace Pacinian.Wire
                 case 12: return r.Real(ref DeviceRate);
                 case 13: return r.Real(ref Rate);
                 case 14: return ReadLimits(r);
+                case 15:
+                    if (r.Nil())
+                    {
+                        Sound = null;
+                        return true;
+                    }
+                    return (Sound = Sound ?? new Sound()).Read(r);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -655,6 +776,10 @@ namespace Pacinian.Wire
             if ((missing & 0x2) != 0)
             {
                 Id = 0;
+            }
+            if ((missing & 0x8000) != 0)
+            {
+                Sound = null;
             }
         }
 
@@ -797,6 +922,134 @@ namespace Pacinian.Wire
             {
                 Id = 0;
             }
+        }
+    }
+
+    /// <summary>To `show`.</summary>
+    public sealed class Shown : Reply, IReply
+    {
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "scene", "version", "names", "poses", "objects");
+        private static readonly byte[][] Tag = Utf8.Of("shown");
+
+        /// <summary>That is felt, or was felt last; empty before the first. 0 to 64 characters.</summary>
+        public string Scene = "";
+
+        /// <summary>Of what was told.</summary>
+        public long Version;
+
+        /// <summary>Of the objects that are there, 1024 at most. 0 to 1,024.</summary>
+        public readonly Items<string> Names = new Items<string>();
+
+        /// <summary>Of these, as they were told last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32. 0 to 28,672 bytes.</summary>
+        public Bulk Poses;
+
+        /// <summary>As they were put, by name, of those that are new since; not all, if that would be much: ask again. An object of nearly 1 MiB is left out. 0 to 1,024.</summary>
+        public readonly Table<Felt> Objects = new Table<Felt>();
+
+        /// <inheritdoc/>
+        public override void Write(Writer w)
+        {
+            w.Map(7);
+            w.Word(Keys[0]);
+            w.Word(Tag[0]);
+            w.Word(Keys[1]);
+            w.Whole(Id);
+            w.Word(Keys[2]);
+            w.Text(Scene);
+            w.Word(Keys[3]);
+            w.Whole(Version);
+            w.Word(Keys[4]);
+            w.Array(Names.Count);
+            for (int i = 0; i < Names.Count; i++)
+            {
+                w.Text(Names[i]);
+            }
+            w.Word(Keys[5]);
+            w.Binary(Poses);
+            w.Word(Keys[6]);
+            w.Map(Objects.Count);
+            for (int i = 0; i < Objects.Count; i++)
+            {
+                w.Text(Objects.Key(i));
+                w.Message(Objects.Value(i));
+            }
+        }
+
+        /// <inheritdoc/>
+        public override bool Read(Reader r)
+        {
+            int count, key = Reader.Other;
+            ulong missing = 0x7F;
+            if (!r.Map(out count))
+            {
+                return false;
+            }
+            for (; count > 0; count--)
+            {
+                key = r.Key(Keys, key + 1);
+                if (!One(r, key))
+                {
+                    return r.Within(Keys, key);
+                }
+                missing &= key < 0 ? missing : ~(1UL << key);
+            }
+            if ((missing & 0x7D) != 0)
+            {
+                return r.Missing(Keys, missing & 0x7D);
+            }
+            if (missing != 0)
+            {
+                Default(missing);
+            }
+            return r.Rows("poses", ref Poses, 7, Names.Count) && r.Range("poses", ref Poses, -10.0, 10.0);
+        }
+
+        private bool One(Reader r, int key)
+        {
+            switch (key)
+            {
+                case 0: return r.Expect(Tag);
+                case 1: return r.Whole(ref Id, 0, 4294967295);
+                case 2: return r.Text(ref Scene, 0, 64);
+                case 3: return r.Whole(ref Version);
+                case 4: return r.Texts(Names, 0, 1024, 1, 64);
+                case 5: return r.Binary(ref Poses, 0, 28672);
+                case 6: return ReadObjects(r);
+                default: return key == Reader.Other && r.Skip();
+            }
+        }
+
+        private void Default(ulong missing)
+        {
+            if ((missing & 0x2) != 0)
+            {
+                Id = 0;
+            }
+        }
+
+        private bool ReadObjects(Reader r)
+        {
+            int count;
+            Objects.Clear();
+            if (!r.Map(out count, 1024))
+            {
+                return false;
+            }
+            for (int i = 0; i < count; i++)
+            {
+                string key = Objects.SpareKey();
+                if (!r.Text(ref key, 1, 64))
+                {
+                    return false;
+                }
+                Felt item = Objects.Spare();
+                if (!Unions.Read(r, ref item))
+                {
+                    return r.Within("[...]");
+                }
+                Objects.Set(key, item);
+            }
+            return true;
         }
     }
 }

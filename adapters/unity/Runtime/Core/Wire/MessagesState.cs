@@ -104,7 +104,7 @@ namespace Pacinian.Wire
     /// <summary>What is emitted, and how the server is: published, and the answer to `status`.</summary>
     public sealed class State : IReply, IState
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients");
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts");
         private static readonly byte[][] Tag = Utf8.Of("state");
 
         /// <summary>Of the `status` that it answers; 0 where it is published. 0 to 4,294,967,295.</summary>
@@ -203,10 +203,13 @@ namespace Pacinian.Wire
         /// <summary>That are there.</summary>
         public readonly Items<ClientState> Clients = new Items<ClientState>();
 
+        /// <summary>How many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-endian uint32; the first and last count what is beyond, too; since protocol 1.1.</summary>
+        public Bulk TickCounts;
+
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(33);
+            w.Map(34);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -295,13 +298,15 @@ namespace Pacinian.Wire
             {
                 w.Message(Clients[i]);
             }
+            w.Word(Keys[33]);
+            w.Binary(TickCounts);
         }
 
         /// <inheritdoc/>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x1FFFFFFFF;
+            ulong missing = 0x3FFFFFFFF;
             if (!r.Map(out count))
             {
                 return false;
@@ -363,6 +368,7 @@ namespace Pacinian.Wire
                 case 30: return ReadRestarts(r);
                 case 31: return r.Binary(ref Inputs, 0, int.MaxValue);
                 case 32: return ReadClients(r);
+                case 33: return r.Binary(ref TickCounts, 0, int.MaxValue);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -456,6 +462,10 @@ namespace Pacinian.Wire
             if ((missing & 0x100000000) != 0)
             {
                 Clients.Clear();
+            }
+            if ((missing & 0x200000000) != 0)
+            {
+                TickCounts.Clear();
             }
         }
 

@@ -85,7 +85,7 @@ namespace Pacinian.Wire
     {
     }
 
-    /// <summary>One of Welcome, Ok, Error, Renewed, Abilities, Pressures, State.</summary>
+    /// <summary>One of Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State.</summary>
     public interface IReply : IMessage
     {
     }
@@ -494,7 +494,7 @@ namespace Pacinian.Wire
             }
         }
 
-        private static readonly byte[][] AnyCommandTags = Utf8.Of("put", "move", "remove", "clear", "envelope", "hands", "quiet", "field");
+        private static readonly byte[][] AnyCommandTags = Utf8.Of("put", "move", "remove", "clear", "envelope", "hands", "quiet", "field", "show");
 
         public static bool Read(Reader r, ref Command value)
         {
@@ -545,6 +545,12 @@ namespace Pacinian.Wire
                 case 7:
                 {
                     Field made = value as Field ?? new Field();
+                    value = made;
+                    return made.Read(r);
+                }
+                case 8:
+                {
+                    Show made = value as Show ?? new Show();
                     value = made;
                     return made.Read(r);
                 }
@@ -622,7 +628,7 @@ namespace Pacinian.Wire
             }
         }
 
-        private static readonly byte[][] AnyReplyTags = Utf8.Of("welcome", "ok", "error", "renewed", "abilities", "pressures", "state");
+        private static readonly byte[][] AnyReplyTags = Utf8.Of("welcome", "ok", "error", "renewed", "abilities", "pressures", "shown", "state");
 
         public static bool Read(Reader r, ref IReply value)
         {
@@ -665,6 +671,12 @@ namespace Pacinian.Wire
                     return made.Read(r);
                 }
                 case 6:
+                {
+                    Shown made = value as Shown ?? new Shown();
+                    value = made;
+                    return made.Read(r);
+                }
+                case 7:
                 {
                     State made = value as State ?? new State();
                     value = made;

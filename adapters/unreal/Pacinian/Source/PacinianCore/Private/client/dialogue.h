@@ -31,6 +31,8 @@ class Dialogue {
   void end();
   bool leaving() const { return phase_ == Phase::leaving; }
   bool connected() const { return phase_ == Phase::connected; }
+  /// Whether the server has said welcome.
+  bool begun() const { return phase_ != Phase::none && phase_ != Phase::greeting; }
 
   void ask(Request request, double now);
   /// The game's last tick. Only after another one is the lease renewed again.

@@ -75,7 +75,7 @@ void Link::close() {
   socket_.close();
 }
 
-bool Link::lost(Loss& loss) {
+bool Link::lost(Loss& loss, bool known) {
   Message message;
   if (zmq_msg_recv(message.get(), monitor_.get(), ZMQ_DONTWAIT) < 2) return false;
   std::uint16_t event = 0;
@@ -83,6 +83,8 @@ bool Link::lost(Loss& loss) {
   const std::string server = "the server at " + at_ + " ";
   if (event & denied)
     loss = {server + "refuses the token or key: another server may have been started since", true};
+  else if (known)
+    loss = {server + "has gone", false};  // also in the middle of a handshake
   else if (event & foreign)
     loss = {server + "is no Pacinian server, or wants other security: CURVE keys or a token", true};
   else if (event & ZMQ_EVENT_CLOSED)

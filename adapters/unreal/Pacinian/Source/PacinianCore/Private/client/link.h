@@ -32,8 +32,9 @@ class Link {
   void* socket() const { return socket_.get(); }
   void* monitor() const { return monitor_.get(); }
 
-  /// Whether the monitor has told that it is lost, and why.
-  bool lost(Loss& loss);
+  /// Whether the monitor has told that it is lost, and why. known: whether its server has answered, on this connection
+  /// or another: it has gone then.
+  bool lost(Loss& loss, bool known);
 
  private:
   std::string at_;

@@ -97,7 +97,7 @@ std::string Stopper::attempt(double end) {
       if (const auto* done = std::get_if<wire::Ok>(&reply); done && done->id == stop.id) return "";
       if (const auto* error = std::get_if<wire::Error>(&reply)) return error->message;
     }
-    if (link.lost(loss)) return loss.why;
+    if (link.lost(loss, false)) return loss.why;
     if (hurries_.load()) end = std::min(end, options_.clock() + hurry);
   }
   return "the server at " + connection.control + " has not confirmed the stop in time";

@@ -75,7 +75,7 @@ void Worker::hear() {
 
 void Worker::notice(Link& link) {
   Loss loss;
-  if (link.lost(loss)) dialogue_.lose(loss);
+  if (link.lost(loss, dialogue_.begun())) dialogue_.lose(loss);
 }
 
 /// Of the states that have come only the newest is read. A reader that was slow finds old ones in the kernel's

@@ -444,4 +444,52 @@ void Field::write(Writer& out) const {
   out.field("points", points);
 }
 
+bool Show::read(Reader& in, std::uint32_t left) {
+  std::uint64_t seen = 0;
+  for (std::string_view key; left > 0; --left) {
+    if (!in.key(key)) return false;
+    bool good = false;
+    if (key == "type")
+      good = in.same(tag);
+    else if (key == "session")
+      seen |= 1ull << 0, good = in.get(session, {16, 16});
+    else if (key == "sequence")
+      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
+    else if (key == "time")
+      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+    else if (key == "ttl")
+      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
+    else if (key == "id")
+      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
+    else if (key == "scene")
+      seen |= 1ull << 5, good = in.get(scene, {0, 64});
+    else if (key == "since")
+      seen |= 1ull << 6, good = in.get(since, 0, 9007199254740992);
+    else
+      good = in.skip();
+    if (!good) return in.at(key);
+  }
+  if (!(seen & 1ull << 0)) return in.missing("session");
+  if (!(seen & 1ull << 1)) return in.missing("sequence");
+  if (!(seen & 1ull << 2)) return in.missing("time");
+  if (!(seen & 1ull << 3)) ttl = 1.0;
+  if (!(seen & 1ull << 4)) id = 0;
+  if (!(seen & 1ull << 5)) scene.clear();
+  if (!(seen & 1ull << 6)) since = 0;
+  return true;
+}
+
+void Show::write(Writer& out) const {
+  out.map(8);
+  out.text("type");
+  out.text(tag);
+  out.field("session", session);
+  out.field("sequence", sequence);
+  out.field("time", time);
+  out.field("ttl", ttl);
+  out.field("id", id);
+  out.field("scene", scene);
+  out.field("since", since);
+}
+
 }  // namespace pacinian::wire

@@ -206,6 +206,54 @@ void Plugin::write(Writer& out) const {
   out.field("options", options);
 }
 
+bool Sound::read(Reader& in, std::uint32_t left) {
+  std::uint64_t seen = 0;
+  for (std::string_view key; left > 0; --left) {
+    if (!in.key(key)) return false;
+    bool good = false;
+    if (key == "pressure")
+      seen |= 1ull << 0, good = in.get(pressure);
+    else if (key == "directivity")
+      seen |= 1ull << 1, good = in.get(directivity, {0, 200});
+    else if (key == "response")
+      seen |= 1ull << 2, good = in.get(response);
+    else if (key == "sizes")
+      seen |= 1ull << 3, good = in.get(sizes);
+    else if (key == "speed_of_sound")
+      seen |= 1ull << 4, good = in.get(speed_of_sound);
+    else if (key == "density")
+      seen |= 1ull << 5, good = in.get(density);
+    else if (key == "power")
+      seen |= 1ull << 6, good = in.get(power);
+    else if (key == "absorption")
+      seen |= 1ull << 7, good = in.get(absorption);
+    else
+      good = in.skip();
+    if (!good) return in.at(key);
+  }
+  if (!(seen & 1ull << 0)) return in.missing("pressure");
+  if (!(seen & 1ull << 1)) return in.missing("directivity");
+  if (!(seen & 1ull << 2)) response.clear();
+  if (!(seen & 1ull << 3)) sizes.clear();
+  if (!(seen & 1ull << 4)) return in.missing("speed_of_sound");
+  if (!(seen & 1ull << 5)) return in.missing("density");
+  if (!(seen & 1ull << 6)) return in.missing("power");
+  if (!(seen & 1ull << 7)) return in.missing("absorption");
+  return true;
+}
+
+void Sound::write(Writer& out) const {
+  out.map(8);
+  out.field("pressure", pressure);
+  out.field("directivity", directivity);
+  out.field("response", response);
+  out.field("sizes", sizes);
+  out.field("speed_of_sound", speed_of_sound);
+  out.field("density", density);
+  out.field("power", power);
+  out.field("absorption", absorption);
+}
+
 bool Abilities::read(Reader& in, std::uint32_t left) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
@@ -244,6 +292,8 @@ bool Abilities::read(Reader& in, std::uint32_t left) {
     else if (key == "limits")
       seen |= 1ull << 13, good = in.entries(limits, {}, {},
           [&](double& item) { return in.get(item); });
+    else if (key == "sound")
+      seen |= 1ull << 14, good = in.maybe(sound, [&](Sound& item) { return in.part(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -262,11 +312,12 @@ bool Abilities::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 11)) return in.missing("device_rate");
   if (!(seen & 1ull << 12)) return in.missing("rate");
   if (!(seen & 1ull << 13)) return in.missing("limits");
+  if (!(seen & 1ull << 14)) sound.reset();
   return true;
 }
 
 void Abilities::write(Writer& out) const {
-  out.map(15);
+  out.map(16);
   out.text("type");
   out.text(tag);
   out.field("id", id);
@@ -283,6 +334,7 @@ void Abilities::write(Writer& out) const {
   out.field("device_rate", device_rate);
   out.field("rate", rate);
   out.field("limits", limits);
+  out.field("sound", sound);
 }
 
 bool Pressures::read(Reader& in, std::uint32_t left) {
@@ -315,6 +367,53 @@ void Pressures::write(Writer& out) const {
   out.field("id", id);
   out.field("pressures", pressures);
   out.field("time", time);
+}
+
+bool Shown::read(Reader& in, std::uint32_t left) {
+  std::uint64_t seen = 0;
+  for (std::string_view key; left > 0; --left) {
+    if (!in.key(key)) return false;
+    bool good = false;
+    if (key == "type")
+      good = in.same(tag);
+    else if (key == "id")
+      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+    else if (key == "scene")
+      seen |= 1ull << 1, good = in.get(scene, {0, 64});
+    else if (key == "version")
+      seen |= 1ull << 2, good = in.get(version);
+    else if (key == "names")
+      seen |= 1ull << 3, good = in.items(names, {0, 1024},
+          [&](std::string& item) { return in.get(item, {1, 64}); });
+    else if (key == "poses")
+      seen |= 1ull << 4, good = in.get(poses, {0, 28672});
+    else if (key == "objects")
+      seen |= 1ull << 5, good = in.entries(objects, {1, 64}, {0, 1024},
+          [&](Object& item) { return in.one_of(item); });
+    else
+      good = in.skip();
+    if (!good) return in.at(key);
+  }
+  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 1)) return in.missing("scene");
+  if (!(seen & 1ull << 2)) return in.missing("version");
+  if (!(seen & 1ull << 3)) return in.missing("names");
+  if (!(seen & 1ull << 4)) return in.missing("poses");
+  if (!(seen & 1ull << 5)) return in.missing("objects");
+  return rows(in, "poses", poses, 7, {names.size()}) &&
+         within(in, "poses", poses, -10.0, 10.0);
+}
+
+void Shown::write(Writer& out) const {
+  out.map(7);
+  out.text("type");
+  out.text(tag);
+  out.field("id", id);
+  out.field("scene", scene);
+  out.field("version", version);
+  out.field("names", names);
+  out.field("poses", poses);
+  out.field("objects", objects);
 }
 
 }  // namespace pacinian::wire

@@ -136,6 +136,8 @@ bool State::read(Reader& in, std::uint32_t left) {
     else if (key == "clients")
       seen |= 1ull << 31, good = in.items(clients, {},
           [&](ClientState& item) { return in.part(item); });
+    else if (key == "tick_counts")
+      seen |= 1ull << 32, good = in.get(tick_counts);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -172,11 +174,12 @@ bool State::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 29)) restarts.clear();
   if (!(seen & 1ull << 30)) inputs.clear();
   if (!(seen & 1ull << 31)) clients.clear();
+  if (!(seen & 1ull << 32)) tick_counts.clear();
   return true;
 }
 
 void State::write(Writer& out) const {
-  out.map(33);
+  out.map(34);
   out.text("type");
   out.text(tag);
   out.field("id", id);
@@ -211,6 +214,7 @@ void State::write(Writer& out) const {
   out.field("restarts", restarts);
   out.field("inputs", inputs);
   out.field("clients", clients);
+  out.field("tick_counts", tick_counts);
 }
 
 bool FrameState::read(Reader& in, std::uint32_t left) {

@@ -163,6 +163,21 @@ struct Field : Command {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-using AnyCommand = std::variant<Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field>;
+/// Asks for the objects of the scene that is felt, or was felt last, whoever put them; since
+/// protocol 1.1.
+struct Show : Command {
+  static constexpr std::string_view tag = "show";
+
+  /// that the asker knows; 0 to 64 characters
+  std::string scene;
+  /// its `version`, as of the last answer: what was told then is not told again; 0 to
+  /// 9,007,199,254,740,992
+  std::int64_t since = 0;
+
+  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
+  PACINIANCORE_API void write(Writer& out) const;
+};
+
+using AnyCommand = std::variant<Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field, Show>;
 
 }  // namespace pacinian::wire

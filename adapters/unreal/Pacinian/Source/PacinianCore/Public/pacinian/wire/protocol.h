@@ -7,7 +7,7 @@
 namespace pacinian::wire {
 
 constexpr std::int64_t MAJOR = 1;
-constexpr std::int64_t MINOR = 0;
+constexpr std::int64_t MINOR = 1;
 constexpr std::int64_t LONGEST_COMMAND = 1048576;
 constexpr std::int64_t LONGEST_CONTROL = 65536;
 constexpr std::int64_t LONGEST_REPLY = 1048576;
@@ -15,6 +15,7 @@ constexpr std::int64_t SESSION = 16;
 constexpr std::int64_t MOST_OBJECTS = 256;
 constexpr std::int64_t MOST_HANDS = 8;
 constexpr std::int64_t MOST_ZONES = 16;
+constexpr std::int64_t MOST_SHOWN = 1024;
 constexpr std::int64_t MOST_POINTS = 65536;
 constexpr std::int64_t MOST_VERTICES = 50000;
 constexpr std::int64_t MOST_FACES = 50000;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pacinian/api.h"
+#include "pacinian/wire/objects.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -116,6 +117,31 @@ struct Plugin {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
+/// What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n
+/// exp(-(absorption + j k) r).
+struct Sound {
+  /// P0, of one transducer at full drive, 1 m before it [Pa]
+  double pressure = 0.0;
+  /// D, "omni" or "t4010a1"; empty: not known; 0 to 200 characters
+  std::string directivity;
+  /// s, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty:
+  /// none does
+  Bytes response;
+  /// amplitude of each level, 0..1, float32; empty: evenly spaced
+  Bytes sizes;
+  /// [m/s]
+  double speed_of_sound = 0.0;
+  /// [kg/m^3]
+  double density = 0.0;
+  /// n
+  double power = 0.0;
+  /// of the amplitude [1/m]
+  double absorption = 0.0;
+
+  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
+  PACINIANCORE_API void write(Writer& out) const;
+};
+
 /// To `capabilities`.
 struct Abilities : Reply {
   static constexpr std::string_view tag = "abilities";
@@ -146,6 +172,8 @@ struct Abilities : Reply {
   double rate = 0.0;
   /// what no client can exceed, by name
   Map<double> limits;
+  /// how it sounds; since protocol 1.1
+  std::optional<Sound> sound;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
@@ -159,6 +187,27 @@ struct Pressures : Reply {
   Bytes pressures;
   /// of the frame that was emitted, by the server's clock [s]; -1e+12 to 1e+12 [s]
   double time = 0.0;
+
+  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
+  PACINIANCORE_API void write(Writer& out) const;
+};
+
+/// To `show`.
+struct Shown : Reply {
+  static constexpr std::string_view tag = "shown";
+
+  /// that is felt, or was felt last; empty before the first; 0 to 64 characters
+  std::string scene;
+  /// of what was told
+  std::int64_t version = 0;
+  /// of the objects that are there, 1024 at most; 0 to 1,024
+  std::vector<std::string> names;
+  /// of these, as they were told last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32; 0 to
+  /// 28,672 bytes
+  Bytes poses;
+  /// as they were put, by name, of those that are new since; not all, if that would be much: ask
+  /// again. An object of nearly 1 MiB is left out; 0 to 1,024
+  Map<Object> objects;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;

@@ -119,12 +119,15 @@ struct State {
   Bytes inputs;
   /// that are there
   std::vector<ClientState> clients;
+  /// how many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-
+  /// endian uint32; the first and last count what is beyond, too; since protocol 1.1
+  Bytes tick_counts;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, State>;
+using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
 
 /// The levels that are emitted: of the last row of a frame; empty in silence.
 struct FrameState {

@@ -1,0 +1,71 @@
+"""`pacinian view`."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pacinian.cli.connecting import CONNECTION
+
+if TYPE_CHECKING:
+    import asyncio
+
+
+@click.command()
+@click.argument("recording", metavar="[FILE]", type=click.Path(path_type=Path), required=False)
+@CONNECTION
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="0 for any that is free.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="An address of this machine.")
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
+@click.option("--beside", is_flag=True, hidden=True, help="End with the standard input.")
+def view(
+    recording: Path | None,
+    connection: str | None,
+    port: int,
+    host: str,
+    no_browser: bool,
+    beside: bool,
+) -> None:
+    """Show what a running server emits, live, in a page of the browser; until Ctrl-C.
+
+    FILE is a recording to be replayed instead: of this page, or of `pacinian render --record`.
+    """
+    import asyncio
+
+    from pacinian.viewing.browser import opened
+    from pacinian.viewing.run import view as run
+
+    with contextlib.ExitStack() as stack:
+
+        def ready(url: str) -> None:
+            click.echo(f"view: {url}")
+            if not no_browser and (file := opened(url)) is not None:
+                stack.callback(file.unlink, missing_ok=True)
+
+        async def until_ended() -> None:
+            ended = _with_input(asyncio.get_running_loop()) if beside else None
+            await run(connection, recording, host=host, port=port, ready=ready, ended=ended)
+
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(until_ended())
+
+
+def _with_input(loop: asyncio.AbstractEventLoop) -> asyncio.Event:
+    """Is set when the standard input ends, which it does with the program that has started this one."""
+    import asyncio
+    import threading
+
+    ended = asyncio.Event()
+
+    def wait() -> None:
+        while os.read(0, 4096):
+            pass
+        with contextlib.suppress(RuntimeError):
+            loop.call_soon_threadsafe(ended.set)
+
+    threading.Thread(target=wait, daemon=True).start()
+    return ended

@@ -1,0 +1,48 @@
+"""What a recording says of an array besides its places, as plain values, and the array from them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.acoustics.array import Array
+from pacinian.acoustics.directivity import Piston, omni, t4010a1
+from pacinian.acoustics.transducer import Transducer
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+NAMED = {"omni": omni, "t4010a1": t4010a1}
+
+
+def written(array: Array) -> dict[str, Any]:
+    """The transducers' kind and response, without a directivity that is not one of ours: it cannot be read again."""
+    kind, response = array.transducer, array.response
+    D = kind.directivity
+    names = [name for name, function in NAMED.items() if function is D]
+    return {
+        "transducer": {
+            "frequency": kind.frequency,
+            "pressure": kind.pressure,
+            "directivity": asdict(D) if isinstance(D, Piston) else names[0] if names else None,
+        },
+        "response": None if response is None else response.astype("<c16").tobytes(),
+    }
+
+
+def read(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
+    """The array, omnidirectional where the directivity was left out. Raises Exceptions of all kinds."""
+    told: dict[str, Any] = settings["transducer"]
+    D: Any = told["directivity"]
+    kind = Transducer(
+        frequency=told["frequency"],
+        pressure=told["pressure"],
+        directivity=Piston(**D) if isinstance(D, dict) else NAMED["omni" if D is None else D],
+    )
+    given = settings.get("response")
+    response = None if given is None else np.frombuffer(given, "<c16")
+    array = Array(positions, normals, kind, response)
+    object.__setattr__(array, "normals", normals)  # bit for bit: they were of length 1 already
+    return array

@@ -1,0 +1,200 @@
+"""A client of the running server, in a thread: it brings the newest to the pages, and does what they ask.
+
+It connects again by itself when the server comes back, and takes from it no more than any client does.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from pacinian.client.client import Client
+from pacinian.client.emergency import emergency_stop
+from pacinian.client.keys import found
+from pacinian.errors import ConnectionLost, PacinianError, Refused
+from pacinian.viewing.messages import Alive, Arm, Disarm, Reset, Select, Session, Stop
+from pacinian.viewing.states import States
+from pacinian.wire.convert_time import technique_to_scene
+
+if TYPE_CHECKING:
+    from asyncio import AbstractEventLoop
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from pacinian.viewing.hub import Hub
+    from pacinian.viewing.messages import AnyAsked
+    from pacinian.wire.connection import Connection
+
+NAME = "viewer"
+EVERY, NOBODY = 1.0 / 30.0, 0.1  # [s] between two looks, and while no page is open
+AGAIN = 0.5  # [s] between two tries to connect
+IDLE = 1.0  # [s] between two renewals while nothing is armed
+WAITING = 64  # requests of pages
+
+
+class Bridge:
+    """Runs between `start` and `close`. where: the connection file, as `pacinian.Client` takes it."""
+
+    def __init__(self, hub: Hub, loop: AbstractEventLoop, where: Path | str | None) -> None:
+        self._hub, self._loop, self._where = hub, loop, where
+        self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(WAITING)
+        self._ended, self._stopping = threading.Event(), threading.Lock()
+        self._scene, self._owner = "", 0
+        self._first: tuple[int, AnyAsked] | None = None
+        self._told: tuple[Session, int] | None = None
+        self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
+
+    def start(self) -> None:
+        """Begin; pages may ask from now on."""
+        self._hub.ask = self.ask
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it: silence, if a page had armed."""
+        self._ended.set()
+        self._thread.join()
+
+    def ask(self, page: int, asked: AnyAsked) -> None:
+        """Do it soon; an emergency stop at once, whatever else goes on."""
+        if isinstance(asked, Stop):
+            threading.Thread(target=self._stop, args=(page,), name="stop").start()
+        elif not isinstance(asked, (Alive, Arm, Disarm, Reset, Select)):
+            self._hub.refuse(page, _action(asked), "is for recordings: this is a server")
+        else:
+            try:
+                self._inbox.put_nowait((page, asked))
+            except queue.Full:
+                if not isinstance(asked, Alive):
+                    self._hub.refuse(page, _action(asked), "too much is asked at once")
+
+    def _stop(self, page: int) -> None:
+        if not self._stopping.acquire(blocking=False):
+            return  # one is under way
+        try:
+            emergency_stop(self._where)
+        except PacinianError as error:
+            self._post(self._hub.refuse, page, "stop", str(error), "switch the array off")
+        finally:
+            self._stopping.release()
+
+    def _post(self, do: Callable[..., object], *arguments: object) -> None:
+        """In the event loop; nothing once that has ended."""
+        with suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(do, *arguments)
+
+    def _run(self) -> None:
+        told = ""
+        while not self._ended.is_set():
+            try:
+                connection = found(self._where, None)
+                with Client(connection, name=NAME, scene=self._scene) as client:
+                    told = ""
+                    self._watch(client, connection)
+            except PacinianError as error:
+                first = self._forget()
+                if first is not None and isinstance(error, Refused):  # that scene: back to our own
+                    self._refuse(first[0], _action(first[1]), error)
+                    continue
+                if str(error) != told:
+                    told = str(error)
+                    self._post(self._hub.lose, told)
+                self._ended.wait(AGAIN)
+
+    def _forget(self) -> tuple[int, AnyAsked] | None:
+        """Nothing resumes after a loss. Returns what made us join another scene, if that is not done yet."""
+        with suppress(queue.Empty):
+            while True:
+                self._inbox.get_nowait()
+        first, self._first, self._scene = self._first, None, ""
+        return first
+
+    def _watch(self, client: Client, connection: Connection) -> None:
+        """One session, until it is lost, another scene is joined, or this ends."""
+        self._owner, self._told, scene = 0, None, self._scene
+        with States(client, connection, self._hub, self._post) as states:
+            due = renewed = time.perf_counter()
+            while not self._ended.is_set():
+                self._obey(client, due)
+                if self._scene != scene:
+                    return
+                if (now := time.perf_counter()) < due:
+                    continue
+                watched = bool(self._hub.views)
+                due = max(due + (EVERY if watched else NOBODY), now)
+                if not client.connected:
+                    raise ConnectionLost("the server has gone")
+                if not client.armed and now - renewed > IDLE:
+                    renewed = now
+                    self._renew(client, 0)
+                states.look(now, watched=watched)
+                self._tell(client)
+
+    def _obey(self, client: Client, due: float) -> None:
+        """What a page asks, waiting for it until it is due to look again [s]."""
+        try:
+            wait = max(0.0, due - time.perf_counter())
+            page, asked = self._first or (
+                self._inbox.get(timeout=wait) if wait else self._inbox.get_nowait()
+            )
+        except queue.Empty:
+            return
+        self._first = None
+        try:
+            self._do(client, page, asked)
+        except ConnectionLost:
+            raise
+        except PacinianError as error:
+            self._refuse(page, _action(asked), error)
+        self._tell(client)
+
+    def _do(self, client: Client, page: int, asked: AnyAsked) -> None:
+        match asked:
+            case Alive():
+                if client.armed and page == self._owner:
+                    self._renew(client, page)
+            case Arm() if asked.scene != self._scene:
+                self._scene, self._first = asked.scene, (page, asked)
+            case Arm():
+                client.arm(asked.take)
+                self._owner = page
+                client.renew()
+            case Disarm():
+                client.disarm()
+            case Reset():
+                client.reset()
+            case Select():
+                technique = None if asked.technique is None else technique_to_scene(asked.technique)
+                client.select(
+                    solver=asked.solver, backend=asked.backend, technique=technique,
+                    intensity=asked.intensity, wait=False,
+                )  # fmt: skip
+            case _:
+                pass
+
+    def _renew(self, client: Client, page: int) -> None:
+        try:
+            client.renew()
+        except Refused as error:
+            self._refuse(page, "arm", error)
+
+    def _tell(self, client: Client) -> None:
+        """What was refused since, and how the session stands."""
+        for error in client.errors:
+            self._refuse(0, "select", error)
+        armed = client.armed
+        session = Session(name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False)
+        if (session, self._owner) != self._told:
+            self._told = session, self._owner
+            self._post(self._hub.agree, *self._told)
+
+    def _refuse(self, page: int, action: str, error: PacinianError) -> None:
+        advice = error.advice if isinstance(error, Refused) else ""
+        message = str(error).removesuffix(f"; {advice}")
+        self._post(self._hub.refuse, page, action, message, advice)
+
+
+def _action(asked: AnyAsked) -> str:
+    return str(asked.__struct_config__.tag)

@@ -1,0 +1,151 @@
+"""One page: what it is sent, and what it asks. However slow it is, it holds up nobody, and nothing piles up."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from functools import partial
+from typing import TYPE_CHECKING
+
+from pacinian.errors import ArgumentError, WireError
+from pacinian.viewing.messages import (
+    Hide,
+    Record,
+    Seen,
+    Slice,
+    SliceTold,
+    Volume,
+    VolumeTold,
+    told,
+    understood,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from pacinian.viewing.hub import Hub
+    from pacinian.viewing.slices import Fields
+
+SHORTEST = 1.0 / 30.0  # [s] from one slice to the next
+
+
+class Page:
+    """A page that is open. send: takes a message, and returns when there is room for another."""
+
+    def __init__(self, hub: Hub, fields: Fields, send: Callable[[bytes], Awaitable[None]]) -> None:
+        self._hub, self._fields, self._send = hub, fields, send
+        self._fresh = asyncio.Event()
+        self._windows = {name: Window(name) for name in ("slice", "volume")}
+        self._view = hub.join(self._wake)
+
+    def _wake(self) -> None:
+        self._fresh.set()
+        for window in self._windows.values():
+            window.turn.set()
+
+    def close(self) -> None:
+        """It has gone."""
+        self._hub.leave(self._view)
+
+    def hear(self, data: bytes) -> None:
+        """Do what the page says; what cannot be meant is refused."""
+        try:
+            asked = understood(data)
+        except WireError as error:
+            self._refuse("message", str(error))
+            return
+        match asked:
+            case Slice():
+                self._windows["slice"].ask(asked)
+            case Volume():
+                self._windows["volume"].ask(asked)
+            case Hide():
+                self._windows[asked.what].ask(None)
+            case Seen():
+                for window in self._windows.values():
+                    window.seen(asked.id)
+            case Record():
+                self._hub.record(self._view.number, asked.on)
+            case _:
+                self._hub.ask(self._view.number, asked)
+
+    def _refuse(self, action: str, message: str) -> None:
+        self._hub.refuse(self._view.number, action, message)
+
+    async def run(self) -> None:
+        """Send what is new, until cancelled, or the page goes."""
+        self._wake()
+        async with asyncio.TaskGroup() as tasks:
+            for window in self._windows.values():
+                tasks.create_task(self._look(window))
+            while True:
+                await self._fresh.wait()
+                self._fresh.clear()
+                for _, data in self._view.take():
+                    await self._send(data)
+
+    async def _look(self, window: Window) -> None:
+        """Send what a window shows whenever that is another, or what is emitted has changed."""
+        while True:
+            await window.turn.wait()
+            window.turn.clear()
+            asked, drive = window.asked, self._hub.drive
+            if asked is None or drive is None or window.unseen or window.shown == (asked, drive):
+                continue
+            begin = time.perf_counter()
+            window.shown = asked, drive
+            try:
+                wanted = partial(window.wants, asked)
+                pressure = await self._fields.pressure(asked, drive, wanted)
+            except ArgumentError as error:
+                self._refuse(window.name, str(error))
+                continue
+            window.turn.set()  # for what has come meanwhile
+            if pressure is None:
+                continue
+            window.unseen = asked.id
+            await self._send(_told(asked, pressure, drive.time))
+            await asyncio.sleep(begin + SHORTEST - time.perf_counter())
+
+
+class Window:
+    """What a page wants to see of the field. shown: that, and of what.
+
+    unseen: id of what was sent last, until the page has it; or 0. turn: is set when there may be something to do.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name, self.unseen, self.turn = name, 0, asyncio.Event()
+        self.asked: Slice | Volume | None = None
+        self.shown: object = None
+
+    def ask(self, asked: Slice | Volume | None) -> None:
+        """From now on this."""
+        self.asked = asked
+        self.turn.set()
+
+    def wants(self, asked: Slice | Volume) -> bool:
+        """Whether it still does."""
+        return self.asked is asked
+
+    def seen(self, number: int) -> None:
+        """The page has it."""
+        if number == self.unseen:
+            self.unseen = 0
+            self.turn.set()
+
+
+def _told(asked: Slice | Volume, pressure: bytes, at: float) -> bytes:
+    if isinstance(asked, Slice):
+        return told(
+            SliceTold(
+                id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
+                shape=asked.shape, pressure=pressure, time=at,
+            )
+        )  # fmt: skip
+    return told(
+        VolumeTold(
+            id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
+            pressure=pressure, time=at,
+        )
+    )  # fmt: skip

@@ -1,0 +1,138 @@
+"""The newest of everything, for all pages: nothing waits here for one that is slow. Belongs to the event loop."""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+from msgspec.structs import replace
+
+from pacinian.viewing.messages import Disarm, Lost, Refused, Session, told
+from pacinian.viewing.scenery import Scenery
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from pacinian.viewing.messages import AnyAsked, Told
+    from pacinian.viewing.model import Model
+
+ORDER = "hello", "array", "lost", "record", "replay", "histogram", "frame", "state"
+GONE = "array", "histogram", "frame", "state"  # with the server
+EVENTS = 64  # that wait for one page
+
+
+class Drive(NamedTuple):
+    """What the field is computed from. gains: (N,) complex64; empty for silence.
+
+    time: of the frame [s].
+    """
+
+    model: Model
+    gains: bytes
+    time: float
+
+
+class Hub:
+    """Newest values, and who is to be told of them.
+
+    drive: None where the field cannot be computed. ask: takes what page so-and-so asks of the source, which is a
+    server or a recording. record: begins to record, or ends it, for a page.
+    """
+
+    def __init__(self) -> None:
+        self.drive: Drive | None = None
+        self.ask: Callable[[int, AnyAsked], None] = lambda page, asked: None
+        self.record: Callable[[int, bool], None] = lambda page, on: None
+        self.values: dict[str, tuple[int, bytes]] = {}
+        self.scenery = Scenery()
+        self.session: tuple[Session, int] | None = None
+        self.views: dict[int, View] = {}
+        self._numbers = itertools.count(1)
+
+    def put(self, kind: str, message: Told | bytes) -> None:
+        """A new value in place of the last of its kind."""
+        if kind == "array":
+            self.values.pop("lost", None)
+        data = message if isinstance(message, bytes) else told(message)
+        self.values[kind] = next(self._numbers), data
+        self.fresh()
+
+    def fresh(self) -> None:
+        """Something is new for all."""
+        for view in list(self.views.values()):
+            view.wake()
+
+    def drive_by(self, drive: Drive | None) -> None:
+        """What is emitted has changed."""
+        self.drive = drive
+        self.fresh()
+
+    def show(self, scenery: Scenery) -> None:
+        """What is in the scene has changed."""
+        self.scenery = scenery
+        self.fresh()
+
+    def agree(self, session: Session, owner: int) -> None:
+        """How the viewer's session with the server stands, and which page armed."""
+        self.session = session, owner
+        self.fresh()
+
+    def lose(self, reason: str) -> None:
+        """There is no server, or none any more."""
+        for kind in GONE:
+            self.values.pop(kind, None)
+        self.drive = self.session = None
+        self.scenery = Scenery()
+        self.put("lost", Lost(reason=reason))
+
+    def refuse(self, page: int, action: str, message: str, advice: str = "") -> None:
+        """Tell one page, or with 0 all, what was not done."""
+        data = told(Refused(action=action, message=message, advice=advice))
+        for number, view in list(self.views.items()):
+            if page in (0, number):
+                view.events.append(data)
+                view.wake()
+
+    def join(self, wake: Callable[[], object]) -> View:
+        """A new view, which is woken when there is something for it."""
+        view = View(self, next(self._numbers), wake)
+        self.views[view.number] = view
+        return view
+
+    def leave(self, view: View) -> None:
+        """It looks no more."""
+        self.views.pop(view.number, None)
+        if self.session is not None and self.session[0].armed and self.session[1] == view.number:
+            self.ask(view.number, Disarm())
+
+
+class View:
+    """What one page, or one recording, has been told. number: of its own. events: that wait for it."""
+
+    def __init__(self, hub: Hub, number: int, wake: Callable[[], object]) -> None:
+        self.number, self.wake = number, wake
+        self.events = deque[bytes](maxlen=EVENTS)
+        self._hub = hub
+        self._seen: dict[str, int] = {}
+        self._scenery = Scenery()
+        self._session: tuple[Session, int] | None = None
+
+    def take(self) -> Iterator[tuple[str, bytes]]:
+        """All that is new for it, by kind, the newest of each, as it is when its turn comes."""
+        hub = self._hub
+        for kind in ORDER:
+            number, data = hub.values.get(kind, (0, b""))
+            if number > self._seen.get(kind, 0):
+                self._seen[kind] = number
+                yield kind, data
+        if (now := hub.scenery) is not self._scenery:
+            since, self._scenery = self._scenery.version, now
+            yield now.told(since)
+        if hub.session is not self._session and hub.session is not None:
+            self._session = hub.session
+            session, owner = hub.session
+            mine = session.armed and owner == self.number
+            yield "session", told(replace(session, mine=mine))
+        while self.events:
+            yield "refused", self.events.popleft()

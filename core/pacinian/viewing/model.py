@@ -1,0 +1,76 @@
+"""What the field is computed from, as a server tells it; and its ticks' times as a histogram."""
+
+from __future__ import annotations
+
+import functools
+import pickle
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import Array
+from pacinian.acoustics.transducer import Transducer
+from pacinian.devices.description import DIRECTIVITIES
+from pacinian.plugins.backend import Capability, Frame
+from pacinian.viewing.messages import Histogram
+
+if TYPE_CHECKING:
+    from pacinian.viewing.messages import ArrayTold
+    from pacinian.wire.replies import Abilities
+    from pacinian.wire.state import FrameState
+
+EDGES = tuple(float(f"{edge:.4g}") for edge in 10.0 ** (np.arange(65) / 16.0 - 2.0))  # [ms]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """An array in a medium, with a device's levels of amplitude (empty: evenly spaced)."""
+
+    array: Array
+    medium: Air
+    sizes: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, told: Abilities | ArrayTold) -> Self | None:
+        """As a server tells; None where it does not, or tells of what this version does not know."""
+        sound = told.sound
+        if sound is None or sound.directivity not in DIRECTIVITIES:
+            return None
+        r, n = (
+            np.frombuffer(rows, "<f4").reshape(-1, 3) for rows in (told.positions, told.normals)
+        )
+        response = np.frombuffer(sound.response, "<c8") if sound.response else None
+        kind = Transducer(
+            frequency=told.frequency, pressure=sound.pressure,
+            directivity=DIRECTIVITIES[sound.directivity],
+        )  # fmt: skip
+        medium = Air(
+            speed_of_sound=sound.speed_of_sound, density=sound.density, attenuation=sound.power,
+            absorption=sound.absorption,
+        )  # fmt: skip
+        sizes = tuple(np.frombuffer(sound.sizes, "<f4").tolist())
+        return cls(Array(r, n, kind, response), medium, sizes)
+
+    @functools.cached_property
+    def packed(self) -> bytes:
+        """Array and medium, for another process."""
+        return pickle.dumps((self.array, self.medium))
+
+    def gains(self, frame: FrameState) -> bytes:
+        """What a frame's levels stand for, (N,) complex64; empty in silence."""
+        if not frame.phase:
+            return b""
+        phase, amplitude = (
+            np.frombuffer(rows, "<u2")[None] for rows in (frame.phase, frame.amplitude)
+        )
+        capability = Capability(frame.phases, self.sizes or frame.amplitudes)
+        made = Frame(frame.sequence, frame.time, phase, amplitude).gains(capability)
+        return made.tobytes()
+
+
+def histogram(counts: bytes, rate: float) -> Histogram:
+    """Of `State.tick_counts`. rate: ticks per second [Hz]."""
+    bins = tuple(np.frombuffer(counts, "<u4").tolist())
+    return Histogram(edges_ms=EDGES[: len(bins) + 1], counts=bins, deadline_ms=1e3 / rate)

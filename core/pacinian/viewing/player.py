@@ -1,0 +1,156 @@
+"""A recorded feed in place of a server: its messages at the times they had, from any time on, at any speed."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from bisect import bisect_right
+from contextlib import suppress
+from typing import TYPE_CHECKING, TypeVar
+
+import msgspec
+from msgspec import Raw
+
+from pacinian.errors import PacinianError
+from pacinian.viewing.hub import Drive
+from pacinian.viewing.messages import (
+    ArrayTold,
+    Histogram,
+    Lost,
+    Replay,
+    Replayed,
+    SceneryTold,
+    told,
+)
+from pacinian.viewing.model import Model
+from pacinian.viewing.scenery import Scenery
+from pacinian.wire.codec import decode_state
+from pacinian.wire.objects import Object
+from pacinian.wire.state import FrameState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.viewing.hub import Hub
+    from pacinian.viewing.messages import AnyAsked
+    from pacinian.viewing.recorded import Entry, Recorded
+
+T = TypeVar("T")
+_objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
+
+EVERY = 1.0 / 30.0  # [s] between two looks
+AGAINST = {
+    "array": ("lost",),
+    "lost": ("array", "histogram", "frame", "state"),
+    "scenery": ("poses",),
+}
+WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
+
+
+class Player:
+    """Plays to the pages of a hub; from the begin, at once."""
+
+    def __init__(
+        self, hub: Hub, recorded: Recorded, clock: Callable[[], float] = time.perf_counter
+    ) -> None:
+        self.time, self.speed, self.playing = 0.0, 1.0, True
+        self._hub, self._recorded, self._clock = hub, recorded, clock
+        self._times = [entry.at for entry in recorded.entries]
+        self._place = 0  # entries before it have been shown
+        self._scenery = Scenery()
+        self._model: Model | None = None
+        self._turn = asyncio.Event()
+        hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
+
+    def ask(self, page: int, asked: AnyAsked) -> None:
+        """Go to a time, play, pause, faster, slower."""
+        if not isinstance(asked, Replay):
+            self._not_here(page, str(asked.__struct_config__.tag))
+            return
+        self.speed = self.speed if asked.speed is None else asked.speed
+        if asked.time is not None:
+            self.time = min(asked.time, self._recorded.duration)
+        if asked.playing is not None:
+            self.playing = asked.playing
+            if self.playing and self.time >= self._recorded.duration:
+                self.time = 0.0  # once more
+        self._turn.set()
+
+    def _not_here(self, page: int, action: str) -> None:
+        self._hub.refuse(page, action, "is for a server: this is a recording")
+
+    async def run(self) -> None:
+        """Until cancelled."""
+        while True:
+            begin = self._clock()
+            self.show()
+            if self.playing:
+                await asyncio.sleep(EVERY)
+                self.advance(self._clock() - begin)
+            else:
+                self._turn.clear()
+                await self._turn.wait()
+
+    def advance(self, seconds: float) -> None:
+        """Time has passed [s]."""
+        if self.playing:
+            self.time = min(self.time + self.speed * seconds, self._recorded.duration)
+            self.playing = self.time < self._recorded.duration
+
+    def show(self) -> None:
+        """Tell the pages how it is at this time."""
+        place = bisect_right(self._times, self.time)
+        if place < self._place:
+            self._place, self._scenery = 0, Scenery()
+        newest: dict[str, Entry] = {}
+        for entry in self._recorded.entries[self._place : place]:
+            if entry.kind == "scenery":
+                self._tell(entry)
+            for other in AGAINST.get(entry.kind, ()):
+                newest.pop(other, None)
+            newest[entry.kind] = entry
+        self._place = place
+        for entry in newest.values():
+            self._tell(entry)
+        if self._scenery is not self._hub.scenery:
+            self._hub.show(self._scenery)
+        stands = Replayed(
+            time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
+        )
+        self._hub.put("replay", stands)
+
+    def _tell(self, entry: Entry) -> None:
+        """A message, encoded anew; one that is damaged is left out."""
+        data, hub = self._recorded.data(entry), self._hub
+        with suppress(*WRONG):
+            match entry.kind:
+                case "array":
+                    array = _decode(data, ArrayTold)
+                    if hub.values.get("array", (0, b""))[1] != told(array):
+                        self._model = None
+                        hub.put("array", array)
+                        self._model = Model.of(array)
+                case "lost":
+                    hub.lose(_decode(data, Lost).reason)
+                case "scenery" | "poses":
+                    scene = _decode(data, SceneryTold)
+                    objects = {name: _whole(item) for name, item in scene.objects.items()}
+                    self._scenery = self._scenery.with_(scene.scene, objects, scene.poses)
+                case "histogram":
+                    hub.put("histogram", _decode(data, Histogram))
+                case "frame" | "state":
+                    said = decode_state(data)
+                    hub.put(entry.kind, msgspec.msgpack.encode(said))
+                    if isinstance(said, FrameState) and self._model is not None:
+                        hub.drive_by(Drive(self._model, self._model.gains(said), said.time))
+                case _:
+                    pass  # of a later version
+
+
+def _whole(item: Raw) -> Raw:
+    """A wire object, encoded anew."""
+    return Raw(msgspec.msgpack.encode(_objects.decode(item)))
+
+
+def _decode(data: bytes, kind: type[T]) -> T:
+    return msgspec.msgpack.decode(data, type=kind)

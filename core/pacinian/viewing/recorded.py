@@ -1,0 +1,164 @@
+"""The feed to a file, and back: a stream of MessagePack, only ever appended to, so it is whole as far as it goes."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import IO, TYPE_CHECKING, NamedTuple
+
+import msgpack
+
+from pacinian.errors import RecordingError
+from pacinian.viewing.messages import Recording
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from pacinian.viewing.hub import Hub, View
+
+FORMAT, VERSION = "pacinian feed", 1
+KINDS = "array", "lost", "scenery", "poses", "histogram", "frame", "state"  # that are recorded
+LATEST = 1e6  # [s]
+LARGEST = 1 << 28  # [bytes] of one message
+SUFFIX = ".feed"
+
+
+class Writer:
+    """Appends messages to a new file. Raises RecordingError."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._pack = msgpack.Packer().pack
+        try:
+            self._file: IO[bytes] = path.open("xb")
+        except OSError as error:
+            raise RecordingError(path, f"cannot be written: {error.strerror}") from error
+        self._write({"format": FORMAT, "version": VERSION})
+
+    def write(self, at: float, kind: str, data: bytes) -> None:
+        """A message that was told `at` [s] after the begin."""
+        self._write([at, kind, data])
+
+    def _write(self, value: object) -> None:
+        try:
+            self._file.write(self._pack(value) or b"")
+        except (OSError, ValueError) as error:
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
+
+    def close(self) -> None:
+        """End the file."""
+        try:
+            self._file.close()
+        except OSError as error:
+            raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
+
+
+class Recorder:
+    """Looks on as a page does, and writes what it is told to a new file in `folder`, from one order to the next."""
+
+    def __init__(self, hub: Hub, folder: Path) -> None:
+        self._hub, self._folder, self._begin = hub, folder, 0.0
+        self._writer: Writer | None = None
+        self._view: View | None = None
+        hub.record = self.record
+
+    def record(self, page: int, on: bool) -> None:
+        """Begin, or end; what cannot be done is refused."""
+        if on == (self._writer is not None):
+            return
+        try:
+            self._open() if on else self.close()
+        except RecordingError as error:
+            self._hub.refuse(page, "record", str(error))
+
+    def _open(self) -> None:
+        name = f"pacinian-{time.strftime('%Y%m%d-%H%M%S')}{SUFFIX}"
+        self._writer, self._begin = Writer((self._folder / name).absolute()), time.perf_counter()
+        self._view = self._hub.join(self._write)
+        self._hub.put("record", Recording(on=True, file=str(self._writer.path)))
+
+    def _write(self) -> None:
+        if self._writer is None or self._view is None:
+            return
+        at = time.perf_counter() - self._begin
+        try:
+            for kind, data in self._view.take():
+                if kind in KINDS:
+                    self._writer.write(at, kind, data)
+        except RecordingError as error:
+            with suppress(RecordingError):
+                self.close()
+            self._hub.refuse(0, "record", str(error), "is the disk full?")
+
+    def close(self) -> None:
+        """End it. Raises RecordingError if the last of it cannot be written."""
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+        if self._view is not None:
+            self._hub.leave(self._view)
+        self._hub.put("record", Recording(on=False, file=str(writer.path)))
+        writer.close()
+
+
+class Entry(NamedTuple):
+    """A message in the file. at: when it was told [s]. place, size: where its bytes are."""
+
+    at: float
+    kind: str
+    place: int
+    size: int
+
+
+class Recorded:
+    """A recorded feed to read. entries: in order. duration: [s].
+
+    A last message that was cut off is left out. Raises RecordingError if the file is no such recording.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            self._file: IO[bytes] = path.open("rb")
+        except OSError as error:
+            raise RecordingError(path, f"cannot be read: {error.strerror}") from error
+        try:
+            self.entries = list(self._entries())
+            if not self.entries:
+                raise RecordingError(path, "is empty")
+        except BaseException:
+            self._file.close()
+            raise
+        self.duration = self.entries[-1].at
+
+    def data(self, entry: Entry) -> bytes:
+        """The bytes of a message. Raises RecordingError."""
+        try:
+            self._file.seek(entry.place)
+            return self._file.read(entry.size)
+        except (OSError, ValueError) as error:
+            raise RecordingError(self.path, f"cannot be read: {error}") from error
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _entries(self) -> Iterator[Entry]:
+        reader = msgpack.Unpacker(self._file, max_buffer_size=LARGEST)
+        last = 0.0
+        try:
+            head = next(reader, None)
+            if not isinstance(head, dict) or head.get("format") != FORMAT:
+                raise RecordingError(self.path, "is no recording of a viewer")
+            if head.get("version") != VERSION:
+                raise RecordingError(self.path, f"has version {head['version']}: update Pacinian")
+            for at, kind, data in reader:
+                if not (isinstance(kind, str) and isinstance(data, bytes) and 0.0 <= at < LATEST):
+                    raise ValueError("a message that cannot be")
+                last = max(last, float(at))
+                yield Entry(last, kind, reader.tell() - len(data), len(data))
+        except RecordingError:
+            raise
+        except Exception as error:  # the bytes may say anything
+            raise RecordingError(self.path, f"is damaged: {error}") from error

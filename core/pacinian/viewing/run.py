@@ -1,0 +1,138 @@
+"""The viewer from its start to its end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ipaddress
+import secrets
+import socket
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pacinian.client.dialogue import version
+from pacinian.errors import ArgumentError, MissingExtra, RecordingError, ServerError
+from pacinian.viewing.app import app
+from pacinian.viewing.bridge import Bridge
+from pacinian.viewing.hub import Hub
+from pacinian.viewing.messages import LONGEST, Hello
+from pacinian.viewing.player import Player
+from pacinian.viewing.recorded import SUFFIX, Recorded, Recorder, Writer
+from pacinian.viewing.slices import Fields
+from pacinian.viewing.transcribed import transcribed
+
+try:
+    import uvicorn
+except ImportError as error:
+    raise MissingExtra("uvicorn", "view") from error
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+
+    from starlette.types import ASGIApp
+
+
+async def view(
+    connection: Path | str | None = None,
+    recording: Path | None = None,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    folder: Path | None = None,
+    ready: Callable[[str], object] = lambda url: None,
+    ended: asyncio.Event | None = None,
+) -> None:
+    """Serve the page until `ended`, or Ctrl-C.
+
+    connection: of the server that is watched. recording: of a viewer or a renderer, to be replayed instead. folder: for
+    recordings, the current one unless given. ready: is told the address. Raises ArgumentError, ServerError,
+    RecordingError.
+    """
+    token, hub, fields = secrets.token_urlsafe(32), Hub(), Fields()
+    with contextlib.ExitStack() as stack:
+        listening = stack.enter_context(bound(host, port))
+        stack.callback(fields.close)
+        hub.put(
+            "hello", Hello(viewer=version(), recording="" if recording is None else recording.name)
+        )
+        if recording is None:
+            bridge = Bridge(hub, asyncio.get_running_loop(), connection)
+            recorder = Recorder(hub, folder or Path())
+            bridge.start()
+            stack.callback(bridge.close)
+            stack.callback(recorder.close)
+        else:
+            playing = asyncio.create_task(Player(hub, stack.enter_context(opened(recording))).run())
+            stack.callback(playing.cancel)
+        name = f"[{host}]" if ":" in host else host
+        ready(f"http://{name}:{listening.getsockname()[1]}/?token={token}")
+        await _serve(app(hub, fields, token), listening, ended)
+
+
+async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event | None) -> None:
+    config = uvicorn.Config(
+        made,
+        log_level="warning",  # the address, which has the token in it, would be logged
+        access_log=False,
+        ws="websockets-sansio",
+        ws_max_size=LONGEST,
+        ws_per_message_deflate=False,
+        lifespan="off",
+        server_header=False,
+        timeout_graceful_shutdown=1,
+    )
+    server = uvicorn.Server(config)
+
+    async def end() -> None:
+        if ended is not None:
+            await ended.wait()
+            server.should_exit = True
+
+    ending = asyncio.create_task(end())
+    try:
+        await server.serve([listening])
+    finally:
+        ending.cancel()
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Generator[Recorded]:
+    """A recording of a viewer, or of a renderer. Raises RecordingError."""
+    from pacinian.rendering.recording import Recording
+
+    with contextlib.ExitStack() as stack:
+        try:
+            found = Recorded(path)
+        except RecordingError as error:
+            try:
+                rendered = Recording(path)
+            except RecordingError:
+                raise error from None
+            kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pacinian-")))
+            writer = Writer(kept / f"feed{SUFFIX}")
+            for at, kind, data in transcribed(rendered):
+                writer.write(at, kind, data)
+            writer.close()
+            found = Recorded(writer.path)
+        stack.callback(found.close)
+        yield found
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """A socket that listens on this machine only. Raises ArgumentError, ServerError."""
+    address = "127.0.0.1" if host == "localhost" else host
+    try:
+        if not ipaddress.ip_address(address).is_loopback:
+            raise ValueError
+    except ValueError:
+        problem = f"must be an address of this machine alone, as 127.0.0.1 or ::1, not {host!r}"
+        raise ArgumentError("host", f"{problem}; from elsewhere, use a tunnel (ssh -L)") from None
+    made = socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET)
+    try:
+        made.bind((address, port))
+        made.listen()
+    except OSError as error:
+        made.close()
+        raise ServerError(f"{address}:{port} cannot be bound: {error.strerror}") from error
+    return made

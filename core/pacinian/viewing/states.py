@@ -1,0 +1,150 @@
+"""What a server publishes, and what it is asked for as often: brought to the pages, the newest of each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Self
+
+import msgspec
+import zmq
+from msgspec import Raw
+
+from pacinian.client.link import connect, made
+from pacinian.errors import ConnectionLost, Refused, WireError
+from pacinian.viewing.hub import Drive
+from pacinian.viewing.messages import ArrayTold
+from pacinian.viewing.model import Model, histogram
+from pacinian.viewing.scenery import POSE, Scenery
+from pacinian.wire.codec import decode_state
+from pacinian.wire.state import FRAME, STATE, FrameState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.client.client import Client
+    from pacinian.viewing.hub import Hub
+    from pacinian.wire.connection import Connection
+
+SILENT = 2.0  # [s] without a state, after which the server is lost
+WAITING = 16  # messages
+RARELY = 0.2  # [s] between two looks at a scene without objects
+ARRAY = set(ArrayTold.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
+
+
+class States:
+    """A context manager, of one session. post: calls a function in the event loop."""
+
+    def __init__(
+        self, client: Client, connection: Connection, hub: Hub, post: Callable[..., None]
+    ) -> None:
+        self._client, self._connection, self._hub, self._post = client, connection, hub, post
+        self._socket: zmq.Socket[bytes] | None = None
+        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+        self._scenery, self._known = Scenery(), ("", 0)
+        self._came = self._looked = 0.0
+        self._shows = True
+        self._array()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._unsubscribe()
+        self._context.term()
+
+    def look(self, now: float, *, watched: bool) -> None:
+        """Bring what is new at `now` [s]; nothing is asked for while nobody watches. Raises ServerError."""
+        if not watched:
+            self._unsubscribe()
+            return
+        if self._socket is None:
+            self._subscribe()
+            self._came = now
+        news = self._newest()
+        if STATE in news:
+            self._came = now
+            self._state(news[STATE])
+        elif now - self._came > SILENT:
+            raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
+        if FRAME in news:
+            self._frame(news[FRAME])
+        if self._shows and (self._scenery.poses or now >= self._looked + RARELY):
+            self._looked = now
+            self._show()
+
+    def _subscribe(self) -> None:
+        self._socket = made(self._context, zmq.SUB, self._connection)
+        self._socket.rcvhwm = WAITING
+        connect(self._socket, self._connection.state)
+        self._socket.subscribe(STATE)
+        self._socket.subscribe(FRAME)
+
+    def _unsubscribe(self) -> None:
+        if self._socket is not None:
+            self._socket.close(0)
+            self._socket = None
+
+    def _newest(self) -> dict[bytes, bytes]:
+        news: dict[bytes, bytes] = {}
+        while self._socket is not None:
+            try:
+                topic, data = self._socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                break
+            news[topic] = data
+        return news
+
+    def _array(self) -> None:
+        told = self._client.capabilities()
+        self._backend, self._rate, self._model = (
+            self._client.status().backend,
+            told.rate,
+            Model.of(told),
+        )
+        fields = {name: getattr(told, name) for name in ARRAY}
+        server = self._client.server
+        array = ArrayTold(server=server, fields=self._model is not None, **fields)
+        self._levels: tuple[bytes, bytes] | None = None
+        self._post(self._hub.put, "array", array)
+
+    def _state(self, data: bytes) -> None:
+        try:
+            state = decode_state(data)
+        except WireError:
+            return  # the next one may be whole
+        if not isinstance(state, State):
+            return
+        self._post(self._hub.put, "state", data)
+        if state.tick_counts:
+            self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._rate))
+        if state.backend != self._backend:
+            self._array()
+
+    def _frame(self, data: bytes) -> None:
+        try:
+            frame = decode_state(data)
+        except WireError:
+            return
+        if not isinstance(frame, FrameState):
+            return
+        self._post(self._hub.put, "frame", data)
+        levels = frame.phase, frame.amplitude
+        if levels != self._levels and self._model is not None:
+            self._levels = levels
+            self._post(self._hub.drive_by, Drive(self._model, self._model.gains(frame), frame.time))
+
+    def _show(self) -> None:
+        """Ask for what is new in the scene."""
+        try:
+            told = self._client.show(*self._known)
+        except Refused as error:
+            self._shows = error.code != "malformed"  # as a server of protocol 1.0 says
+            return
+        before = self._scenery
+        if told.scene != self._known[0]:  # whose names may be the same, of other objects
+            self._scenery = before.with_(told.scene, {}, {})
+        self._known = told.scene, told.version
+        objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}
+        poses = {name: told.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(told.names)}
+        self._scenery = self._scenery.with_(told.scene, objects, poses)
+        if self._scenery is not before:
+            self._post(self._hub.show, self._scenery)

@@ -1,0 +1,163 @@
+"""A recording of `pacinian render --record` as a recorded feed: 30 of its ticks a second, and what they hold."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+from msgspec import Raw
+
+from pacinian.acoustics.air import Air
+from pacinian.errors import PacinianError
+from pacinian.viewing.messages import ArrayTold, told
+from pacinian.viewing.scenery import Scenery
+from pacinian.wire.bulk import pack
+from pacinian.wire.convert import to_wire
+from pacinian.wire.replies import Plugin, Sound
+from pacinian.wire.state import FrameState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.rendering.recording import Recording, Tick
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
+    from pacinian.scene.scene import Scene
+
+EVERY = 1.0 / 30.0  # [s] between two ticks that are shown
+
+
+def transcribed(recording: Recording) -> Iterator[tuple[float, str, bytes]]:
+    """Time [s], kind and message. Raises RecordingError."""
+    yield 0.0, "array", told(_array(recording))
+    stage, begin, due = Stage(), None, 0.0
+    for number, tick in enumerate(recording.ticks()):
+        begin = tick.frame.time if begin is None else begin
+        at = tick.frame.time - begin
+        if at < due:
+            continue
+        due = at + EVERY
+        encode = msgspec.msgpack.encode
+        yield at, "frame", encode(_frame(recording, tick))
+        yield at, "state", encode(_state(recording, tick, number))
+        if (news := stage.show(tick)) is not None:
+            yield at, *news
+
+
+class Stage:
+    """Objects of the scenes, each told once, or again when its shape is another."""
+
+    def __init__(self) -> None:
+        self._scenery = Scenery()
+        self._shapes: dict[str, tuple[type, object]] = {}
+
+    def show(self, tick: Tick) -> tuple[str, bytes] | None:
+        """What is new in a tick's scene."""
+        if tick.asked is None:
+            return None
+        new: dict[str, Raw] = {}
+        poses: dict[str, bytes] = {}
+        for name, item in _named(tick.asked.scene):
+            kind, shape = self._shapes.get(name, (None, None))
+            now = getattr(item, "shape", getattr(item, "positions", None))
+            if kind is not type(item) or shape is not now:
+                self._shapes[name] = type(item), now
+                with suppress(
+                    PacinianError
+                ):  # what no message can hold, a function say, has no shape
+                    new[name] = Raw(msgspec.msgpack.encode(to_wire(item)))
+            pose = item.pose if item.motion is None else item.motion.pose(item.pose, tick.time)
+            poses[name] = pack([*pose.position, *pose.rotation])
+        since, scenery = self._scenery.version, self._scenery.with_("", new, poses)
+        if scenery is self._scenery:
+            return None
+        self._scenery = scenery
+        return scenery.told(since)
+
+
+def _named(scene: Scene) -> Iterator[tuple[str, Object]]:
+    for i, item in enumerate(scene.objects):
+        yield item.name or f"object {i + 1}", item
+
+
+def _array(recording: Recording) -> ArrayTold:
+    settings, can = recording.settings, recording.capability
+    kind: dict[str, Any] = settings["transducer"]
+    medium, directivity = Air(**settings["medium"]), kind["directivity"]
+    sound = None
+    if isinstance(directivity, str):  # else it is one that the wire has no name for
+        response = settings.get("response") or b""
+        sound = Sound(
+            pressure=kind["pressure"],
+            directivity=directivity,
+            response=pack(np.frombuffer(response, "<f8")),
+            sizes=b"" if can.even else pack(can.sizes),
+            speed_of_sound=medium.speed_of_sound,
+            density=medium.density,
+            power=medium.power,
+            absorption=medium.beta(kind["frequency"]),
+        )
+    return ArrayTold(
+        server=f"recording {recording.path.name}",
+        positions=pack(recording.positions),
+        normals=pack(recording.normals),
+        frequency=kind["frequency"],
+        wavelength=medium.wavelength(kind["frequency"]),
+        phases=can.phases,
+        amplitudes=len(can.sizes),
+        device_rate=can.rate,
+        rate=settings["rate"],
+        limits={},
+        solvers=(),
+        backends=(Plugin(name="recorded"),),
+        techniques=(),
+        presets=(),
+        fields=sound is not None,
+        sound=sound,
+    )
+
+
+def _frame(recording: Recording, tick: Tick) -> FrameState:
+    frame, can = tick.frame, recording.capability
+    phase, amplitude = frame.phase[-1], frame.amplitude[-1]
+    loud = bool(amplitude.any())
+    return FrameState(
+        sequence=frame.sequence,
+        time=frame.time,
+        phases=can.phases,
+        amplitudes=len(can.sizes),
+        phase=phase.astype("<u2").tobytes() if loud else b"",
+        amplitude=amplitude.astype("<u2").tobytes() if loud else b"",
+    )
+
+
+def _state(recording: Recording, tick: Tick, number: int) -> State:
+    """What a recording knows of it: samples are not in there, and are made anew only by `pacinian replay --again`."""
+    asked = tick.asked
+    hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]
+    return State(
+        sequence=number + 1,
+        time=tick.frame.time,
+        output="sounding" if tick.frame.amplitude.any() else "silent",
+        armed=True,
+        owner="",
+        scene="",
+        solver="" if asked is None else asked.solver.name,
+        backend="recorded",
+        technique="",
+        intensity=1.0,
+        objects=() if asked is None else tuple(name for name, _ in _named(asked.scene)),
+        hands=b"".join(hands),
+        ticks=number + 1,
+        frames=number + 1,
+        rate=recording.settings["rate"],
+    )
+
+
+def _joints(hand: Hand) -> bytes:
+    """Where a hand's joints are, (26, 3) float32; empty where it is lost, or has none."""
+    if hand.lost or hand.joints is None:
+        return b""
+    return pack(hand.joints)

@@ -1,0 +1,129 @@
+"""The backend `autd3`: an array's frames, to AUTD3 units."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+import pacinian as pc
+from pacinian.checks import integer, number
+from pacinian.errors import ArgumentError
+from pacinian_plugins.backends.autd3 import levels, links, units
+from pacinian_plugins.backends.autd3.packages import NAME
+from pacinian_plugins.backends.autd3.stream import CARRIER, Stream
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian_plugins.backends.autd3.line import Line
+
+ROOM = 6  # rows of a tick: the units have room for 7 messages
+
+
+@dataclass
+class Autd3(pc.Backend):
+    """AUTD3 units, through the AUTD3 project's packages: docs/autd3.md.
+
+    link: how to reach them: "udp", "simulator", "server", "loopback" or "emulator". interface: of the network,
+    found unless given. port: of the simulator or server, theirs unless given. description: a file that says where
+    the units are and what of them is dead; without one the array is whole units, in the order of their cables.
+    rate: rows a second [Hz]; 40 kHz is a multiple. watchdog: after which units are silent when frames stop [s].
+    lead: by how much rows are sent ahead of when they are due, so that they do not jitter [s]. timeout: for which
+    units may not answer [s]. clock: [s], for tests.
+    """
+
+    name: ClassVar[str] = NAME
+
+    link: str = "udp"
+    interface: str = ""
+    port: int = 0
+    description: str = ""
+    rate: int = 1000
+    watchdog: float = 0.05
+    lead: float = 0.0
+    timeout: float = 0.1
+    clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
+    line: Line | None = field(default=None, init=False, repr=False)
+    """The way to the units, of the last `open`."""
+
+    def __post_init__(self) -> None:
+        if self.link in links.ETHERCAT:
+            raise ArgumentError("link", f"{self.link!r} {links.GONE}")
+        if self.link not in links.LINKS:
+            there = ", ".join(map(repr, links.LINKS))
+            raise ArgumentError("link", f"must be one of {there}, not {self.link!r}")
+        self.port = integer("port", self.port, low=0)
+        self.rate = integer("rate", self.rate, low=100)
+        if CARRIER % self.rate:
+            raise ArgumentError("rate", f"must divide {CARRIER} Hz, not {self.rate}")
+        self.watchdog = number("watchdog", self.watchdog, low=0.005, high=60.0)
+        self.lead = number("lead", self.lead, low=0.0, high=0.02)
+        self.timeout = number("timeout", self.timeout, low=0.02, high=10.0)
+        watchdog = self.watchdog if self.link in links.FAILSAFE else None
+        self._capability = pc.Capability(levels.PHASES, levels.SIZES, self.rate, watchdog)
+        self._open, self._failures = False, 0
+        self._first: float | None = None  # [s] when the first row was due
+
+    @property
+    def capability(self) -> pc.Capability:
+        """256 phases, and all amplitudes that the units' pulses make."""
+        return self._capability
+
+    def open(self, array: pc.Array) -> None:
+        """Reach the units, and leave them silent. Raises BackendError, SceneFileError, MissingExtra."""
+        self.close()
+        if self.description:
+            described = pc.DeviceDescription.load(self.description)
+            layout = units.of_description(described, array)
+        else:
+            layout = units.of_array(array)
+        geometry = layout.geometry()
+        self._stream, self._packer = Stream(geometry, self.rate), levels.Packer(layout)
+        self._failures, self._first = 0, None
+        self.line = links.line(
+            self.link, geometry, self.interface, self.port, self.watchdog, self.timeout, self.clock
+        )
+        self._open = True
+
+    def send(self, frame: pc.Frame) -> None:
+        """Send what is new of a frame. Raises BackendError if the units are lost, or refuse."""
+        line, rows = self._line(), frame.phase.shape
+        if rows[0] > ROOM:
+            raise pc.BackendError(
+                f"{NAME}: a tick has {rows[0]} rows, and the units room for {ROOM}: "
+                f"run the loop at {self.rate / ROOM:.0f} Hz or more, or lower `rate`"
+            )
+        line.check()
+        if line.waits or line.failures != self._failures:
+            self._failures = line.failures
+            self._stream.forget()
+        try:
+            phase, intensity = self._packer.pack(frame.phase, frame.amplitude)
+        except ValueError as error:
+            raise pc.BackendError(
+                f"{NAME}: a frame has levels that the units do not have"
+            ) from error
+        self._first = frame.time if self._first is None else self._first
+        first, now = round((frame.time - self._first) * self.rate), line.time + self.lead
+        told = self._stream.tell(first, phase, intensity, now)
+        line.post(
+            [(frames, now + row / self.rate if row or self.lead else None) for frames, row in told]
+        )
+
+    def silence(self) -> None:
+        """End all sound. Raises BackendError if the units do not answer: their failsafe silences them."""
+        if self._open:
+            self._stream.forget()
+            self._line().silence()
+
+    def close(self) -> None:
+        """Silence the units and let them go."""
+        if self._open:
+            line, self._open = self._line(), False
+            line.close()
+
+    def _line(self) -> Line:
+        if not self._open or self.line is None:
+            raise pc.BackendError(f"{NAME} is not open")
+        return self.line

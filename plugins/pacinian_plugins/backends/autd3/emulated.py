@@ -1,0 +1,94 @@
+"""The AUTD3 project's emulator in place of units: what they would emit, and its field."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.checks import number
+from pacinian_plugins.backends.autd3.levels import PERIOD, PHASES
+from pacinian_plugins.backends.autd3.packages import package
+from pacinian_plugins.backends.autd3.states import exact, silent
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from pacinian.types import Gains
+    from pacinian_plugins.backends.autd3.line import Due
+
+CYCLE = 25_000  # [ns] of the ultrasound
+KEPT = 4096  # messages; at most two cycles of them say what sounds now
+
+
+class EmulatedLine:
+    """Units that are in the emulator only.
+
+    geometry: of the units. clock: [s]; that of the units is 0 now.
+    """
+
+    def __init__(self, geometry: Any, clock: Callable[[], float]) -> None:
+        self.failures, self.waits, self.messages = 0, False, 0
+        self._geometry, self._clock, self._start = geometry, clock, clock()
+        api = package("autd3")
+        self._emulator, self._duration = package("autd3_emulator"), api.Duration.from_nanos
+        self._silent = api.Frames.encode(geometry, silent(len(geometry)))
+        self._begin = api.Frames.encode(geometry, [exact(), silent(len(geometry))])
+        self._log: deque[tuple[float, Any]] = deque(maxlen=KEPT)
+
+    @property
+    def time(self) -> float:
+        """The units' clock [s]."""
+        return self._clock() - self._start
+
+    def post(self, told: Sequence[Due]) -> None:
+        """Take these: nothing ever waits."""
+        now = self.time
+        for frames, due in told:
+            self._log.append((now if due is None else due, frames))
+            self.messages += len(frames)
+
+    def check(self) -> None:
+        """Nothing fails."""
+
+    def silence(self) -> None:
+        """End all sound."""
+        now = self.time
+        while self._log and self._log[-1][0] > now:
+            self._log.pop()
+        self.post([(self._silent, None)])
+
+    def close(self) -> None:
+        """Silence; what was sent can still be looked at."""
+        self.silence()
+
+    def record(self, seconds: float = 1e-9 * CYCLE) -> Any:
+        """What they emitted in the last `seconds` [s], as the emulator's `Record`: `record.sound_field(...)`.
+
+        One period unless given. It is slow, and large: 150 kB for each millisecond and unit.
+        """
+        span = max(1, round(1e9 * number("seconds", seconds, low=0.0) / CYCLE))
+        end = round(1e9 * self.time) // CYCLE + 1  # periods; the one that has begun is over then
+        recorder = self._emulator.Recorder(self._geometry, CYCLE * max(0, end - span))
+        at = max(0, end - span)
+        for frame in self._begin:
+            recorder.send_frame(frame)
+        for due, frames in self._log:
+            when = round(1e9 * due) // CYCLE
+            if when >= end:
+                break
+            if when > at:
+                recorder.tick(self._duration(CYCLE * (when - at)))
+                at = when
+            for frame in frames:
+                recorder.send_frame(frame)
+        recorder.tick(self._duration(CYCLE * (end - at)))
+        return recorder.into_record()
+
+    def gains(self) -> Gains:
+        """The gains that sound now, of all transducers of the units, (249 units,)."""
+        record = self.record()
+        phase, width = (table.to_numpy()[:, -1] for table in (record.phase(), record.pulse_width()))
+        size = np.sin(np.pi * width / PERIOD)
+        return np.asarray(size * np.exp(-2j * np.pi * phase / PHASES), np.complex64)

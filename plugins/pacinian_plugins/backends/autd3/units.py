@@ -1,0 +1,118 @@
+"""Where an array's AUTD3 units are, and which of its transducers each of their channels is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import pacinian as pc
+from pacinian_plugins.backends.autd3.packages import NAME, package
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats, Indices
+
+UNIT = 249  # transducers
+NEAR = 1e-4  # [m] by which a transducer may be off
+ACROSS, UP = 17, 231  # the transducers at the other ends of the first row and the first column
+PLACES = pc.autd().positions - pc.autd().positions[0]  # of the transducers of a unit [m], (249, 3)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: where its first transducer is [m], and how it is turned, a quaternion (w, x, y, z)."""
+
+    origin: tuple[float, float, float]
+    rotation: tuple[float, float, float, float]
+
+    def positions(self) -> Floats:
+        """Where its transducers are [m], (249, 3)."""
+        w, x, y, z = self.rotation
+        return pc.Pose(self.origin, (x, y, z, w)).points(PLACES)
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The units of an array of N transducers. places: unit * 249 + channel of each, (N,)."""
+
+    units: tuple[Unit, ...]
+    places: Indices
+
+    def geometry(self) -> Any:
+        """The same for the AUTD3 packages, which count in millimetres. Raises BackendError, MissingExtra."""
+        core = package("autd3_core")
+        made = core.Geometry(
+            [
+                core.Autd3(1e3 * np.array(unit.origin), np.array(unit.rotation))
+                for unit in self.units
+            ]
+        )
+        for theirs, unit in zip(made, self.units, strict=True):
+            if np.abs(1e-3 * theirs.positions() - unit.positions()).max() > NEAR:
+                raise pc.BackendError(
+                    f"{NAME}: its packages place transducers elsewhere: report this"
+                )
+        return made
+
+
+def of_array(array: pc.Array) -> Layout:
+    """The units that an array is made of, found by where its transducers are. Raises BackendError."""
+    N = len(array)
+    if N % UNIT:
+        raise pc.BackendError(
+            f"{NAME}: {N} transducers are no whole units of {UNIT}: use `pc.autd(...)`, or a `description`"
+        )
+    units = tuple(
+        _unit(k, array.positions[start : start + UNIT], array.normals[start : start + UNIT])
+        for k, start in enumerate(range(0, N, UNIT))
+    )
+    return Layout(units, np.arange(N))
+
+
+def of_description(description: pc.DeviceDescription, array: pc.Array) -> Layout:
+    """The units of a description, whose array this must be. Raises BackendError."""
+    described = description.array()
+    same = len(described) == len(array)
+    if not same or np.abs(described.positions - array.positions).max() > NEAR:
+        raise pc.BackendError(f"{NAME}: the array is not that of the `description`")
+    units: list[Unit] = []
+    places = np.zeros(len(array), np.intp)
+    for k, (board, wiring) in enumerate(zip(description.boards, description.wiring, strict=True)):
+        local = board.layout.positions()
+        if board.layout.count != UNIT or np.abs(local - local[0] - PLACES).max() > NEAR:
+            raise pc.BackendError(f'{NAME}: board {k} must have the layout {{ type = "autd" }}')
+        if (board.drives != np.arange(UNIT)).any():
+            raise pc.BackendError(
+                f"{NAME}: board {k} must have no `order`: the units have their own"
+            )
+        x, y, z, w = board.pose.rotation
+        units.append(Unit(_triple(board.pose.points(local[:1])[0]), (w, x, y, z)))
+        places[wiring.indices] = UNIT * k + wiring.channels
+    return Layout(tuple(units), places)
+
+
+def _unit(k: int, positions: Floats, normals: Floats) -> Unit:
+    """The unit whose transducers these are. Raises BackendError."""
+    x, y = (_direction(positions[end] - positions[0]) for end in (ACROSS, UP))
+    z = np.cross(x, y)
+    problem = f"{NAME}: transducers {UNIT * k} to {UNIT * (k + 1) - 1} are not those of a unit"
+    if abs(x @ y) > NEAR or np.abs(normals - z).max() > 1e-3:
+        raise pc.BackendError(problem)
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(np.stack([x, y, z], axis=1)).as_quat().tolist()
+    unit = Unit(_triple(positions[0]), (w, x, y, z))
+    off = float(np.abs(unit.positions() - positions).max())
+    if off > NEAR:
+        raise pc.BackendError(f"{problem}: one is {1e3 * off:.2g} mm from its place")
+    return unit
+
+
+def _triple(r: Floats) -> tuple[float, float, float]:
+    x, y, z = r.tolist()
+    return x, y, z
+
+
+def _direction(v: Floats) -> Floats:
+    return np.asarray(v / max(float(np.sqrt(v @ v)), 1e-30))

@@ -1,0 +1,171 @@
+"""The backend `openmpd`: an array's frames, to the boards that it is made of."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.checks import integer, number
+from pacinian.errors import ArgumentError
+from pacinian_plugins.backends.openmpd.board import Board
+from pacinian_plugins.backends.openmpd.discovery import PRODUCT, VENDOR, picked, seen
+from pacinian_plugins.backends.openmpd.link import Ft232h
+from pacinian_plugins.backends.openmpd.protocol import (
+    BOARD,
+    DUTY,
+    PAUSE,
+    PHASES,
+    SIZES,
+    Packer,
+    divider,
+)
+from pacinian_plugins.backends.openmpd.troubles import NAME
+
+if TYPE_CHECKING:
+    from array import array
+    from collections.abc import Callable, Iterable, Sequence
+
+ROOM = 16  # frames of a tick; the FPGA stops reading at 28
+
+
+@dataclass
+class OpenMpd(pc.Backend):
+    """OpenMPD's phased arrays: boards of 256 transducers, each on an FT232H: docs/openmpd.md.
+
+    description: a file that says which boards the array is made of; without one they are `serials`, and a board's
+    transducers in the order of its pins. A board that is not named is not touched: any FT232H looks like one.
+    rate: frames that are sent a second [Hz]. led: the boards' light while they are open: red, green, blue, 0 to
+    255. timeout: for which a board may take nothing [s]; one that hangs holds `send` up for no longer.
+    library: a backend of pyusb instead of libusb's; wait, clock: time; for tests.
+    """
+
+    name: ClassVar[str] = NAME
+    usb = ((VENDOR, PRODUCT),)
+
+    description: str = ""
+    serials: Sequence[str] = ()
+    rate: float = 2000.0
+    led: Sequence[int] = (0, 0, 0)
+    timeout: float = 0.01
+    library: Any = field(default=None, repr=False)
+    wait: Callable[[float], None] = field(default=time.sleep, repr=False)
+    clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
+
+    def __post_init__(self) -> None:
+        self.rate = number("rate", self.rate, low=100.0, high=10_000.0)
+        self.timeout = number("timeout", self.timeout, low=0.001, high=1.0)
+        if isinstance(self.serials, str) or len(set(self.serials)) < len(self.serials):
+            raise ArgumentError(
+                "serials", f"must be a list of different ones, not {self.serials!r}"
+            )
+        self.led = [integer("led", level, low=0) for level in self.led]
+        if len(self.led) != 3 or max(self.led) > 255:
+            raise ArgumentError("led", f"must be red, green and blue, 0 to 255, not {self.led}")
+        self._capability = pc.Capability(PHASES, SIZES, self.rate)
+        self._divide = divider(self.rate)
+        self._columns = 0
+        self._packer = Packer([])
+        self.boards: list[Board] = []
+        """Those that are open, in the array's order."""
+
+    @classmethod
+    def found(cls) -> Iterable[pc.Found]:
+        """The chips that are connected, by serial: boards, or anything else."""
+        try:
+            listed = seen()
+        except pc.BackendError as error:
+            return [pc.Found(NAME, "", "", str(error).removeprefix(f"{NAME}: "))]
+        title = "FT232H, an OpenMPD board or anything else"
+        return [pc.Found(NAME, one.serial, f"{title}, {one.place}", one.problem) for one in listed]
+
+    @property
+    def capability(self) -> pc.Capability:
+        """What all boards can do; they have no watchdog."""
+        return self._capability
+
+    def open(self, array: pc.Array) -> None:
+        """Claim the boards and silence them; takes 1.3 s, in which each forgets what it got half.
+
+        Raises BackendError, SceneFileError, MissingExtra.
+        """
+        self.close()
+        wirings = self._wirings(len(array))
+        try:
+            listed = seen(self.library)
+            for one in [picked(listed, wiring.serial) for wiring in wirings]:
+                link = Ft232h(one)
+                self.boards.append(Board(link, self._divide, self.led, self.timeout, self.clock))
+                self.boards[-1].silence()
+            self.wait(PAUSE)
+        except BaseException:
+            self.close()
+            raise
+        self._packer, self._columns = Packer(wirings), len(array)
+
+    def send(self, frame: pc.Frame) -> None:
+        """Send a frame to each board. Raises BackendError at the first that does not take it; nothing is repeated.
+
+        Then some boards may have it, and others not: `silence` comes next.
+        """
+        for board, data in zip(self.boards, self.packed(frame), strict=True):
+            board.send(data)
+
+    def packed(self, frame: pc.Frame) -> list[array[int]]:
+        """The bytes of a frame, for each board, in buffers that are reused. Raises BackendError."""
+        if not self.boards:
+            raise pc.BackendError(f"{NAME} is not open")
+        phase, amplitude = frame.phase, frame.amplitude
+        if len(phase) > ROOM:
+            raise pc.BackendError(
+                f"{NAME}: a tick has {len(phase)} frames, and the boards room for {ROOM}: "
+                f"run the loop at {self.rate / ROOM:.0f} Hz or more, or lower `rate`"
+            )
+        if phase.shape[1] != self._columns or phase.max() >= PHASES or amplitude.max() > DUTY:
+            raise pc.BackendError(f"{NAME}: a frame has levels that the boards do not have")
+        return self._packer.pack(phase, amplitude)
+
+    def silence(self) -> None:
+        """Silence every board, behind the frames that are on their way. Raises BackendError if one goes on."""
+        problems: list[pc.BackendError] = []
+        for board in self.boards:
+            try:
+                board.silence()
+            except pc.BackendError as error:
+                problems.append(error)
+        if problems:
+            raise problems[0]
+
+    def close(self) -> None:
+        """Silence, and give the boards back."""
+        for board in self.boards:
+            board.close()
+        self.boards = []
+
+    def _wirings(self, N: int) -> Sequence[pc.Wiring]:
+        """Which transducers each board drives. Raises BackendError, SceneFileError."""
+        if self.description:
+            wirings = pc.DeviceDescription.load(self.description).wiring
+        else:
+            channels = np.arange(BOARD)
+            wirings = tuple(
+                pc.Wiring(serial, BOARD, channels, BOARD * b + channels)
+                for b, serial in enumerate(self.serials)
+            )
+        if not wirings or not all(wiring.serial for wiring in wirings):
+            there = ", ".join(one.serial for one in seen(self.library) if not one.problem) or "none"
+            raise pc.BackendError(
+                f"{NAME}: name the boards: `serials`, or those of a `description`; any FT232H looks like one; "
+                f"there are: {there}"
+            )
+        if any(wiring.size != BOARD for wiring in wirings):
+            raise pc.BackendError(f"{NAME}: a board has {BOARD} channels: correct the description")
+        driven = sum(len(wiring.indices) for wiring in wirings)
+        if driven != N:
+            raise pc.BackendError(
+                f"{NAME}: the array has {N} transducers, and its {len(wirings)} boards {driven}"
+            )
+        return wirings

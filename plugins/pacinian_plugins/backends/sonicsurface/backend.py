@@ -1,0 +1,125 @@
+"""The backend `sonicsurface`: an array's frames, as fast as a serial line takes them."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+import pacinian as pc
+from pacinian.checks import integer, number
+from pacinian.errors import ArgumentError
+from pacinian_plugins.backends.sonicsurface import ports
+from pacinian_plugins.backends.sonicsurface.feed import Feed
+from pacinian_plugins.backends.sonicsurface.line import Line
+from pacinian_plugins.backends.sonicsurface.protocol import BOARD, CLOCKS, PHASES, SELECT, Packer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+
+@dataclass
+class SonicSurface(pc.Backend):
+    """SonicSurface: 256 transducers, on or off, on a serial port: docs/sonicsurface.md.
+
+    port: its name, or the serial number of its adapter; no other is touched. description: a file that says how the
+    board is wired, or two that listen to one port; without one the array's transducers are in the order of the
+    channels; its first board's serial is the port's unless `port` is given. rate: of the loop [Hz]; of its frames
+    the newest is shown whenever the line is free, 89 times a second. select: commands by which the first and the
+    second of two boards are chosen. timeout: for which the system may hold bytes back [s]. clock: for tests.
+    """
+
+    name: ClassVar[str] = ports.NAME
+
+    description: str = ""
+    port: str = ""
+    rate: float = 1000.0
+    select: Sequence[int] = SELECT
+    timeout: float = 0.1
+    clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
+
+    def __post_init__(self) -> None:
+        self.rate = number("rate", self.rate, low=1.0, high=10_000.0)
+        self.timeout = number("timeout", self.timeout, low=0.01, high=1.0)
+        self.select = [integer("select", byte, low=0) for byte in self.select]
+        if len(self.select) != 2 or max(self.select) > 255:
+            raise ArgumentError("select", f"must be two bytes, not {self.select}")
+        self._capability = pc.Capability(PHASES, 2, self.rate)
+        self._columns = 0
+        self._packer: Packer | None = None
+        self._line: Line | None = None
+
+    @classmethod
+    def found(cls) -> Iterable[pc.Found]:
+        """The adapters that are connected, of this or anything else."""
+        try:
+            return ports.found()
+        except pc.MissingExtra as error:
+            return [pc.Found(ports.NAME, "", "", str(error))]
+
+    @property
+    def capability(self) -> pc.Capability:
+        """What it can do; it has no watchdog."""
+        return self._capability
+
+    def open(self, array: pc.Array) -> None:
+        """Open the port and silence the array. Raises BackendError, SceneFileError, MissingExtra."""
+        self.close()
+        name, wirings = self._wired(len(array))
+        feed = Feed(len(wirings), self.select)
+        port = ports.opened(name, self.timeout)
+        self._line = Line(port, feed, self.timeout, self.clock)
+        try:
+            port.write(bytes([CLOCKS]))
+            self._line.silence()
+        except BaseException as error:
+            self.close()
+            if isinstance(error, OSError):
+                raise pc.BackendError(ports.explained(error, port.port)) from error
+            raise
+        self._packer, self._columns = Packer(wirings), len(array)
+
+    def send(self, frame: pc.Frame) -> None:
+        """Show a frame's last row, once the line is free; a newer frame takes its place. Raises BackendError."""
+        if self._line is None or self._packer is None:
+            raise pc.BackendError(f"{self.name} is not open")
+        phase, amplitude = frame.phase[-1], frame.amplitude[-1]
+        if len(phase) != self._columns or phase.max() >= PHASES or amplitude.max() > 1:
+            raise pc.BackendError(f"{self.name}: a frame has levels that the array does not have")
+        self._line.show(self._packer.pack(phase, amplitude))
+
+    def silence(self) -> None:
+        """Silence, behind the frame that is on the line. Raises BackendError: it goes on."""
+        if self._line is not None:
+            self._line.silence()
+
+    def close(self) -> None:
+        """Silence, and give the port back."""
+        line, self._line = self._line, None
+        if line is not None:
+            line.close()
+
+    def _wired(self, N: int) -> tuple[str, Sequence[pc.Wiring]]:
+        """The port, and what its boards drive. Raises BackendError, SceneFileError."""
+        wirings: Sequence[pc.Wiring]
+        if self.description:
+            wirings = pc.DeviceDescription.load(self.description).wiring
+        else:
+            channels = np.arange(BOARD)
+            wirings = tuple(
+                pc.Wiring("", BOARD, channels, BOARD * b + channels)
+                for b in range(max(1, -(-N // BOARD)))
+            )
+        if len(wirings) not in (1, 2) or any(wiring.size != BOARD for wiring in wirings):
+            raise pc.BackendError(
+                f"{self.name}: a port has one or two boards of {BOARD} transducers, not "
+                f"{', '.join(str(wiring.size) for wiring in wirings)}"
+            )
+        driven = sum(len(wiring.indices) for wiring in wirings)
+        if driven != N:
+            raise pc.BackendError(
+                f"{self.name}: the array has {N} transducers, and its {len(wirings)} boards {driven}"
+            )
+        return self.port or wirings[0].serial, wirings

@@ -1,0 +1,106 @@
+"""Serial ports: those there are, the one that is meant, and what to do where it cannot be used."""
+
+from __future__ import annotations
+
+import errno
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pacinian as pc
+from pacinian_plugins.backends.sonicsurface.protocol import BAUD
+
+NAME = "sonicsurface"
+PERMISSION = "this user may not open it: `sudo usermod -aG dialout $USER` (`uucp` on some systems), then log in again"
+STUCK = (
+    "it takes nothing: the adapter hangs: unplug it, plug it in again, and open the backend again"
+)
+UNPLUGGED = (
+    "it is gone: unplugged or reset. While the array has power it PLAYS ITS LAST PATTERN: switch it off, or plug "
+    "the adapter in and reset the server, or open the backend again"
+)
+
+
+def listed() -> list[Any]:
+    """The ports of USB adapters, as pyserial tells of them, by serial number. Raises MissingExtra."""
+    try:
+        from serial.tools.list_ports import comports
+    except ImportError as error:
+        raise pc.MissingExtra("pyserial", "devices") from error
+    every: Any = comports()
+    return sorted(
+        (one for one in every if one.vid is not None),
+        key=lambda one: (one.serial_number or "", one.device),
+    )
+
+
+def found() -> list[pc.Found]:
+    """The same, and whether this user may open them."""
+    told: list[pc.Found] = []
+    for one in listed():
+        problem = "" if os.name == "nt" or os.access(one.device, os.R_OK | os.W_OK) else PERMISSION
+        title = f"serial adapter, of a SonicSurface or anything else, at {one.device}"
+        told.append(pc.Found(NAME, one.serial_number or "", title, problem))
+    return told
+
+
+def named(name: str) -> str:
+    """The port of that name, or whose adapter has that serial number. Raises BackendError."""
+    same = [one.device for one in listed() if one.serial_number == name]
+    if not name:
+        raise pc.BackendError(
+            f"{NAME}: name the port: `port`, or the serial number in the `description`; {_there()}"
+        )
+    if len(same) > 1:
+        where = " and ".join(same)
+        raise pc.BackendError(
+            f"{NAME} {name}: {len(same)} adapters have this serial number, at {where}: name one of these"
+        )
+    return str(same[0]) if same else name
+
+
+def opened(name: str, timeout: float) -> Any:
+    """The port, at the array's speed, and ours alone. Raises BackendError, MissingExtra."""
+    device = named(name)
+    import serial
+
+    try:
+        return serial.Serial(device, BAUD, timeout=0, write_timeout=timeout, exclusive=True)
+    except (OSError, ValueError) as error:  # SerialException is one
+        raise pc.BackendError(explained(error, device)) from error
+
+
+def explained(error: Exception, device: str) -> str:
+    """What to tell of an error of pyserial. device: the port's name."""
+    number = getattr(error, "errno", None) or getattr(error.__context__, "errno", None)
+    if number in (errno.EIO, errno.ENODEV, errno.ENXIO, errno.EBADF):
+        what = UNPLUGGED
+    elif number == errno.ENOENT:
+        what = f"is not connected; {_there()}"
+    elif number in (errno.EACCES, errno.EPERM):
+        what = PERMISSION
+    elif number in (errno.EBUSY, errno.EAGAIN):
+        what = f"it is in use by {holders(device) or 'another program'}: end that first"
+    elif type(error).__name__ == "SerialTimeoutException":
+        what = STUCK
+    else:
+        what = str(error) or type(error).__name__
+    return f"{NAME} {device}: {what}"
+
+
+def holders(device: str, proc: Path = Path("/proc")) -> str:
+    """Which other programs have a port open, as `name (pid)`, as far as this user may know; Linux only."""
+    node = str(Path(device).resolve())
+    told: list[str] = []
+    for process in sorted(proc.glob("[0-9]*"), key=lambda p: int(p.name)):
+        with suppress(OSError):  # other users' are closed to us, and some have ended since
+            open_here = any(str(fd.readlink()) == node for fd in (process / "fd").iterdir())
+            if open_here and process.name != str(os.getpid()):
+                told.append(f"{(process / 'comm').read_text().strip()} ({process.name})")
+    return ", ".join(told)
+
+
+def _there() -> str:
+    names = [f"{one.device} ({one.serial_number or 'no serial'})" for one in listed()]
+    return f"there are: {', '.join(names) or 'none'}"

@@ -1,0 +1,133 @@
+"""The guard of a server, a process of its own, with the real backend; and what it needs of the other processes."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from pacinian.scene.file import Choice, Units
+from pacinian.serving import child, memory
+from pacinian.serving.messages import (
+    CAPACITIES,
+    Device,
+    FrameHead,
+    Orders,
+    Permit,
+    frame_capacity,
+    pack,
+)
+from pacinian.serving.settings import Safety, Settings
+from pacinian.wire.replies import Plugin
+
+from .playing import LONG, TIMEOUT, until
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+UNIT = 249  # transducers
+ROWS, LEAD = (
+    4,
+    0.006,
+)  # [s]; so a device's buffer outlasts its watchdog, which is what ends the sound
+PARENT = """
+import subprocess, sys
+guard = subprocess.Popen([sys.executable, "-m", "pacinian.serving.guard"], stdin=subprocess.PIPE)
+guard.stdin.write(bytes.fromhex(sys.argv[1]))
+guard.stdin.flush()
+sys.exit(guard.wait())
+"""
+
+
+class Server:
+    """For one AUTD unit. Permits are put where control puts them, frames where the render process does.
+
+    A context manager; the guard is started by `start`, or by `adopted` below a parent of its own.
+    """
+
+    def __init__(self) -> None:
+        self.folder = memory.folder()
+        sizes = {**CAPACITIES, "frame": frame_capacity(UNIT)}
+        names = "permit", "frame", "orders", "device"
+        self.files = {n: memory.Latest.create(self.folder / n, sizes[n]) for n in names}
+        options: dict[str, bool | int | float | str] = {"timeout": TIMEOUT, "lead": LEAD}
+        settings = Settings(
+            array=Units(1, 1),
+            backend=Choice("usb-autd", options),
+            safety=Safety(stale=1.0, hung=60.0),
+        )
+        self.told = child.Told(str(self.folder), settings)
+        # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels
+        before = Device(
+            generation=0, next=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, beat=0.0, sounding=False,
+            backends=(Plugin(name="usb-autd"),),
+        )  # fmt: skip
+        self.files["device"].write(pack(before))
+        self._process: subprocess.Popen[bytes] | None = None
+        self._sequence = self._resets = 0
+
+    def start(self) -> subprocess.Popen[bytes]:
+        """As control starts it."""
+        self._process = child.start("guard", self.told)
+        self.until(lambda device: device.generation > 0)
+        return self._process
+
+    def adopted(self) -> subprocess.Popen[bytes]:
+        """Its parent, which can be killed."""
+        told = msgspec.json.encode(self.told)
+        words = (len(told).to_bytes(4, "little") + told).hex()
+        self._process = subprocess.Popen([sys.executable, "-S", "-c", PARENT, words])
+        self.until(lambda device: device.generation > 0)
+        return self._process
+
+    def device(self) -> Device:
+        """What the guard tells."""
+        read = self.files["device"].read()
+        assert read is not None
+        return msgspec.msgpack.decode(read[1], type=Device)
+
+    def play(self) -> None:
+        """A permit, and the next frame."""
+        self._sequence += 1
+        self.files["permit"].write(Permit(1, time.perf_counter() + LONG, 1).pack())
+        head = FrameHead(self._sequence, 0.0, 1, self.device().generation, ROWS, UNIT)
+        levels = np.full((2, ROWS, UNIT), 200, np.uint16)
+        self.files["frame"].write(head.pack(), levels.data)
+
+    def reset(self) -> None:
+        """What a client's reset becomes."""
+        self._resets += 1
+        self.files["orders"].write(pack(Orders(reset=self._resets)))
+        self.until(lambda device: f"reset {self._resets}" in device.results)
+
+    def until(self, so: Callable[[Device], object], *, playing: bool = False) -> Device:
+        """What the guard tells once it is so; meanwhile, frames go on or not."""
+
+        def look() -> Device | None:
+            if self._process is not None:
+                assert self._process.poll() is None, f"the guard ended: {self._process.returncode}"
+            if playing:
+                self.play()
+            device = self.device()
+            return device if so(device) else None
+
+        found: Device = until(look)
+        return found
+
+    def __enter__(self) -> Server:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+            if self._process.stdin is not None:
+                self._process.stdin.close()
+        for file in self.files.values():
+            file.close()
+        shutil.rmtree(self.folder, ignore_errors=True)

@@ -1,0 +1,226 @@
+"""One page, without a socket and without a field that takes its time."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+import numpy as np
+
+import pacinian as pc
+from pacinian.errors import ArgumentError
+from pacinian.viewing.feed import Page
+from pacinian.viewing.hub import Drive, Hub
+from pacinian.viewing.model import Model
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from pacinian.viewing.messages import Slice, Volume
+
+MODEL = Model(pc.autd(), pc.Air())
+SLICE: dict[str, Any] = {
+    "type": "slice", "centre": [0.0, 0.0, 0.1], "u": [1.0, 0.0, 0.0], "v": [0.0, 1.0, 0.0],
+    "size": [0.1, 0.1], "shape": [2, 2],
+}  # fmt: skip
+VOLUME: dict[str, Any] = {
+    "type": "volume", "origin": [0.0, 0.0, 0.1], "spacing": 0.01, "shape": [2, 2, 2],
+}  # fmt: skip
+
+
+def drive(gain: float) -> Drive:
+    return Drive(MODEL, np.full(249, gain, np.complex64).tobytes(), gain)
+
+
+class Slow:
+    """Fields that are computed when they are told to be. begun: ids. abandoned: ids of those not wanted any more."""
+
+    def __init__(self) -> None:
+        self.begun: list[int] = []
+        self.abandoned: list[int] = []
+        self.go = asyncio.Semaphore(0)
+        self.wrong = False
+
+    async def pressure(
+        self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
+    ) -> bytes | None:
+        self.begun.append(asked.id)
+        await self.go.acquire()
+        if self.wrong:
+            raise ArgumentError("points", "cannot be meant")
+        if not wanted():
+            self.abandoned.append(asked.id)
+            return None
+        return bytes(np.full(4, drive.time, np.float32))
+
+
+class Stage:
+    """A page in its hub. sent: what it was told; room: whether its socket takes more."""
+
+    def __init__(self) -> None:
+        self.hub, self.fields, self.sent = Hub(), Slow(), list[dict[str, Any]]()
+        self.room = asyncio.Event()
+        self.room.set()
+        self.page = Page(self.hub, self.fields, self._send)  # type: ignore[arg-type]
+
+    async def _send(self, data: bytes) -> None:
+        await self.room.wait()
+        self.sent.append(msgpack.unpackb(data))
+
+    def say(self, **message: Any) -> None:
+        self.page.hear(msgpack.packb(message) or b"")
+
+    def of(self, kind: str) -> list[dict[str, Any]]:
+        return [message for message in self.sent if message["type"] == kind]
+
+
+async def settle() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+@contextlib.asynccontextmanager
+async def staged() -> AsyncIterator[Stage]:
+    stage = Stage()
+    running = asyncio.create_task(stage.page.run())
+    await settle()
+    try:
+        yield stage
+    finally:
+        stage.page.close()
+        running.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await running
+
+
+def test_the_next_slice_comes_only_after_the_last_was_seen() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            stage.say(id=1, **SLICE)
+            stage.fields.go.release()
+            await settle()
+            assert [s["id"] for s in stage.of("slice")] == [1]
+            for i in range(2, 50):
+                stage.hub.drive_by(drive(i))
+                stage.say(id=i, **SLICE)
+                stage.say(type="seen", id=i)  # of what never came
+            stage.fields.go.release()
+            await asyncio.sleep(0.05)
+            assert stage.fields.begun == [1]
+            stage.say(type="seen", id=1)
+            await settle()
+            assert stage.fields.begun == [1, 49]  # the newest wins
+            assert stage.of("slice")[-1]["time"] == 49.0
+
+    asyncio.run(run())
+
+
+def test_a_newer_request_abandons_the_old_one() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            stage.say(id=1, **SLICE)
+            await settle()
+            stage.say(id=2, **SLICE)
+            stage.fields.go.release()
+            stage.fields.go.release()
+            await settle()
+            assert stage.fields.abandoned == [1]
+            assert [s["id"] for s in stage.of("slice")] == [2]
+
+    asyncio.run(run())
+
+
+def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.say(id=1, **SLICE)
+            await settle()
+            assert not stage.fields.begun  # nothing is known of the array
+            stage.hub.drive_by(drive(1.0))
+            stage.fields.go.release()
+            await settle()
+            stage.say(type="seen", id=1)
+            await asyncio.sleep(0.05)
+            stage.hub.put("state", msgpack.packb({"type": "state"}) or b"")
+            await settle()
+            assert stage.fields.begun == [1]
+            stage.hub.drive_by(drive(2.0))
+            stage.fields.go.release()
+            await settle()
+            assert stage.fields.begun == [1, 1]
+            stage.say(type="seen", id=1)
+            stage.say(type="hide", what="slice")
+            stage.hub.drive_by(drive(3.0))
+            await asyncio.sleep(0.05)
+            assert stage.fields.begun == [1, 1]
+
+    asyncio.run(run())
+
+
+def test_slices_and_volumes_do_not_wait_for_each_other() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            stage.say(id=1, **VOLUME)
+            stage.say(id=2, **SLICE)
+            await settle()
+            assert sorted(stage.fields.begun) == [1, 2]
+
+    asyncio.run(run())
+
+
+def test_what_cannot_be_computed_is_refused_and_the_next_is_done() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            stage.fields.wrong = True
+            stage.say(id=1, **SLICE)
+            stage.fields.go.release()
+            await settle()
+            assert stage.of("refused")[0]["action"] == "slice"
+            stage.fields.wrong = False
+            stage.say(id=2, **SLICE)
+            stage.fields.go.release()
+            await settle()
+            assert [s["id"] for s in stage.of("slice")] == [2]
+
+    asyncio.run(run())
+
+
+def test_a_page_that_goes_in_the_middle_of_a_slice_leaves_nothing() -> None:
+    async def run() -> None:
+        stage = Stage()
+        running = asyncio.create_task(stage.page.run())
+        stage.hub.drive_by(drive(1.0))
+        stage.say(id=1, **SLICE)
+        await settle()
+        assert stage.fields.begun == [1]
+        stage.page.close()
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        assert not stage.hub.views
+        assert len(asyncio.all_tasks()) == 1
+
+    asyncio.run(run())
+
+
+def test_nothing_piles_up_for_a_page_that_is_slow() -> None:
+    async def run() -> None:
+        async with staged() as slow:
+            other = slow.hub.join(lambda: None)
+            slow.room.clear()
+            for i in range(5000):
+                slow.hub.put("state", msgpack.packb({"type": "state", "sequence": i}) or b"")
+                await asyncio.sleep(0)
+            assert dict(other.take())["state"]
+            slow.room.set()
+            await settle()
+            told = [message["sequence"] for message in slow.of("state")]
+            assert told[-1] == 4999
+            assert len(told) <= 2
+
+    asyncio.run(run())

@@ -1,0 +1,316 @@
+"""A real server, a real viewer, and websockets for pages."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import struct
+import time
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.testing.server import serving
+from pacinian.viewing.messages import MOST_POINTS
+
+from .conftest import SETTINGS, Game
+from .watching import Page, viewer
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.testing.server import Running
+
+ARRAY = pc.autd(1, 1)
+PLANE = {
+    "centre": [0.0, 0.0, 0.15], "u": [1.0, 0.0, 0.0], "v": [0.0, 0.0, 1.0], "size": [0.06, 0.04],
+    "shape": [20, 30],
+}  # fmt: skip
+
+
+def test_a_page_is_told_of_everything_in_order(url: str, server: Running) -> None:
+    with Page(url) as page, Game(server.connection) as game:
+        first = page.hear()
+        assert first is not None
+        assert (first["type"], first["version"], first["recording"]) == ("hello", 1, "")
+        page.until(lambda: page.newest.get("frame", {}).get("phase"))
+        array = page.newest["array"]
+        positions = np.frombuffer(array["positions"], "<f4").reshape(-1, 3)
+        assert np.abs(positions - ARRAY.positions).max() < 1e-7
+        assert array["fields"]
+        assert "auto" in [solver["name"] for solver in array["solvers"]]
+        page.until(lambda: {"ball", "plate"} <= page.objects.keys())
+        assert page.objects["ball"]["shape"] == {"type": "sphere", "radius": 0.02}
+        assert page.newest["scenery"]["scene"] == "room"
+        page.until(lambda: page.newest.get("state", {}).get("objects"))
+        state = page.newest["state"]
+        assert (state["output"], state["owner"], state["objects"]) == (
+            "sounding",
+            "game",
+            ["ball", "plate"],
+        )
+        histogram = page.newest["histogram"]
+        assert len(histogram["edges_ms"]) == len(histogram["counts"]) + 1
+        assert histogram["deadline_ms"] == 1.0
+        assert 0 < sum(histogram["counts"]) <= 1000
+
+        told = page.counts["scenery"]
+        page.until(lambda: page.counts["state"] > 20)
+        assert page.counts["scenery"] <= told + 2  # nothing moves: nothing is told again
+        game.moves = True
+        seen = set[float]()
+        while len(seen) < 5:
+            told_now = page.next("scenery")
+            assert not told_now["objects"]  # shapes are told once
+            seen.add(struct.unpack("<7f", told_now["poses"]["plate"])[2])
+        assert page.counts["state"] == page.counts["histogram"]
+
+
+def test_objects_that_go_are_gone(url: str, server: Running) -> None:
+    with Page(url) as page:
+        with Game(server.connection):
+            page.until(lambda: "ball" in page.objects)
+        page.until(lambda: not page.objects)
+        page.until(lambda: page.newest["state"]["output"] == "silent")
+        page.until(lambda: not page.newest["frame"]["phase"])
+
+
+def gains(frame: dict[str, bytes]) -> pc.Gains:
+    """By their definition: phase / phases turns, amplitude / (amplitudes - 1)."""
+    phase, amplitude = (np.frombuffer(frame[name], "<u2") for name in ("phase", "amplitude"))
+    turn = phase / frame["phases"]  # type: ignore[operator]
+    size = amplitude / (frame["amplitudes"] - 1)  # type: ignore[operator]
+    return np.asarray(size * np.exp(2j * np.pi * turn), dtype=np.complex64)
+
+
+def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
+    with Page(url) as page, Game(server.connection):
+        page.until(lambda: page.newest.get("frame", {}).get("phase"))
+        page.say("slice", id=1, **PLANE)
+        page.say("volume", id=2, origin=[-0.01, -0.01, 0.14], spacing=0.004, shape=[5, 6, 7])
+        page.until(lambda: page.newest.get("slice", {}).get("pressure", b"").strip(b"\0"))
+        page.until(lambda: page.newest.get("volume", {}).get("pressure", b"").strip(b"\0"))
+        found, box, frame = (page.newest[name] for name in ("slice", "volume", "frame"))
+
+    i, j = np.mgrid[0:20, 0:30]
+    x, z = ((j + 0.5) / 30 - 0.5) * 0.06, 0.15 + ((i + 0.5) / 20 - 0.5) * 0.04
+    at = np.stack([x, np.zeros_like(x), z], axis=-1)
+    wanted = pc.radiation_pressure(pc.field(ARRAY, gains(frame), at, precision="double"), pc.Air())
+    pressure = np.frombuffer(found["pressure"], "<f4").reshape(20, 30)
+    assert {k: found[k] for k in PLANE} == PLANE
+    assert np.abs(pressure - wanted).max() < 1e-3 * wanted.max()
+
+    at = np.moveaxis(np.indices((5, 6, 7)), 0, -1) * 0.004 + np.array([-0.01, -0.01, 0.14])
+    wanted = pc.radiation_pressure(pc.field(ARRAY, gains(frame), at, precision="double"), pc.Air())
+    pressure = np.frombuffer(box["pressure"], "<f4").reshape(5, 6, 7)
+    assert np.abs(pressure - wanted).max() < 1e-3 * wanted.max()
+
+
+def test_a_slice_follows_what_is_emitted(url: str, server: Running) -> None:
+    with Page(url) as page:
+        page.say("slice", id=1, **PLANE)
+        silent = page.next("slice")
+        assert not silent["pressure"].strip(b"\0")
+        with Game(server.connection):
+            page.until(lambda: page.newest["slice"]["pressure"].strip(b"\0"))
+        page.until(lambda: not page.newest["slice"]["pressure"].strip(b"\0"))
+        assert page.newest["slice"]["id"] == 1
+
+
+def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Running) -> None:
+    with Page(url) as page, Page(url) as other:
+        page.until(lambda: "state" in page.newest)
+        page.say("select", solver={"name": "gs-pat", "options": {"steps": 30}}, intensity=0.5)
+        page.say("select", technique={"type": "am", "frequency": 150.0})
+        page.until(lambda: page.newest["state"]["solver"] == "gs-pat")
+        page.until(lambda: page.newest["state"]["technique"] == "am")
+        assert page.newest["state"]["intensity"] == 0.5
+        page.say("select", solver={"name": "nonesuch"})
+        assert "nonesuch" in other.next("refused")["message"]
+        page.say(
+            "select", solver={"name": "auto"}, intensity=1.0, technique={"type": "simultaneous"}
+        )
+        page.until(lambda: page.newest["state"]["solver"] == "auto")
+        with Game(server.connection):
+            page.say("select", solver={"name": "gs"})
+            page.until(
+                lambda: page.newest["refused"]["message"] == "another client owns the output"
+            )
+            assert page.newest["refused"]["action"] == "select"
+
+
+def test_arming_lasts_while_the_page_is_alive(url: str, server: Running) -> None:
+    with Page(url) as page, Page(url) as other:
+        page.say("arm")
+        page.until(lambda: page.newest.get("session", {}).get("armed"))
+        other.until(lambda: other.newest.get("session", {}).get("armed"))
+        assert page.newest["session"]["mine"]
+        assert not other.newest["session"]["mine"]
+        lease, end = page.newest["session"]["lease"], time.monotonic() + 1.0
+        while time.monotonic() < end:
+            page.say("alive")
+            page.listen(lease / 10.0)
+        assert page.newest["state"]["armed"]
+        assert page.newest["state"]["owner"] == page.newest["session"]["name"]
+        assert not page.counts["refused"]
+        other.say("alive")  # is not the one that armed
+        page.until(lambda: page.counts["refused"])
+        assert page.newest["refused"]["action"] == "arm"
+        page.until(lambda: not page.newest["session"]["armed"])
+        page.until(lambda: not page.newest["state"]["armed"])
+
+
+def test_another_clients_scene_is_armed_by_its_name(url: str, server: Running) -> None:
+    with Page(url) as page, Game(server.connection, scene="hall") as game:
+        page.say("arm", scene="hall")
+        assert "owns the output" in page.next("refused")["message"]
+        page.say("arm", scene="hall", take=True)
+        page.until(lambda: page.newest.get("session", {}).get("mine"))
+        assert page.newest["session"]["scene"] == "hall"
+        end = time.monotonic() + 0.5
+        while time.monotonic() < end:
+            page.say("alive")
+            page.listen(0.02)
+        assert page.newest["state"]["output"] == "sounding"
+        page.until(lambda: "owner" in game.refused)
+        page.say("disarm")
+        page.until(lambda: not page.newest["session"]["armed"])
+        page.say("arm", scene="own secret")
+        refused = page.next("refused")
+        assert (refused["action"], "own" in refused["message"]) == ("arm", True)
+        page.until(lambda: page.newest["session"]["scene"] == "")
+
+
+def test_a_stop_of_any_page_always_works(url: str, server: Running) -> None:
+    with Page(url) as page, Game(server.connection) as game:
+        page.until(lambda: page.newest.get("state", {}).get("output") == "sounding")
+        page.say("stop")
+        page.until(lambda: page.newest["state"]["output"] == "stopped")
+        page.say("arm")
+        assert page.next("refused")["action"] == "arm"
+        page.say("reset")
+        page.until(lambda: page.newest["state"]["output"] == "silent")
+        page.until(lambda: "stopped" in game.refused)
+
+
+def test_two_viewers_and_many_pages(url: str, server: Running) -> None:
+    with viewer(server.connection) as second, Game(server.connection):
+        pages = [Page(address) for address in (url, second) for _ in range(8)]
+        try:
+            for page in pages:
+                page.until(lambda page=page: page.counts["state"] > 10 and "ball" in page.objects)
+            viewers = [c for c in pages[0].newest["state"]["clients"] if c["name"] == "viewer"]
+            assert len(viewers) == 2  # however many pages
+        finally:
+            for page in pages:
+                page.close()
+
+
+def test_what_cannot_be_meant_is_refused_and_nothing_else_happens(url: str) -> None:
+    bad: list[bytes | str] = [
+        b"", b"\xc1", b"\x80", b"\xdd\xff\xff\xff\xff", b"\x91" * 1000, "text", bytes(60_000),
+    ]  # fmt: skip
+    with Page(url) as page, Page(url) as other:
+        for data in bad:
+            page.socket.send(data)
+            assert page.next("refused")["action"] == "message"
+        for wrong in (
+            {"shape": [1024, 1024]}, {"shape": [1, 5]}, {"u": [1.0, 1.0, 0.0]}, {"v": [1.0, 0.0, 0.0]},
+            {"size": [0.0, 1.0]}, {"centre": [float("nan"), 0.0, 0.0]}, {"id": 0}, {"id": "1"},
+        ):  # fmt: skip
+            page.say("slice", **{"id": 1, **PLANE, **wrong})
+            assert page.next("refused")["action"] == "message"
+        assert MOST_POINTS < 1024 * 1024
+        page.say("volume", id=1, origin=[0.0, 0.0, 0.1], spacing=0.001, shape=[100, 100, 100])
+        assert page.next("refused")["action"] == "message"
+        page.say("replay", playing=True)
+        assert page.next("refused")["action"] == "replay"
+        page.next("state")
+        other.next("state")
+        assert not other.counts["refused"]
+
+
+def test_a_message_that_is_too_long_ends_the_connection_of_that_page_alone(url: str) -> None:
+    with Page(url) as page, Page(url) as other:
+        page.socket.send(bytes(1 << 17))
+        with pytest.raises(Exception, match="1009"):
+            page.listen(30.0)
+        other.next("state")
+
+
+def test_a_page_that_does_not_read_holds_up_nobody(url: str, server: Running) -> None:
+    import psutil
+
+    parts = urlsplit(url)
+    asked = (
+        f"GET /feed?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\nOrigin: http://{parts.netloc}\r\n"
+        "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n"
+    )
+    with socket.socket() as slow, Game(server.connection), Page(url) as page:
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        slow.connect(("127.0.0.1", parts.port))
+        slow.sendall(asked.encode())
+        assert slow.recv(12) == b"HTTP/1.1 101"
+        page.until(lambda: page.counts["frame"] > 30)
+        before = psutil.Process().memory_info().rss
+        page.until(lambda: page.counts["frame"] > 150)
+        assert psutil.Process().memory_info().rss - before < 8 << 20
+
+
+def test_a_server_that_is_killed_and_comes_back(server: Running, tmp_path: Path) -> None:
+    connection = tmp_path / "connection.json"
+    with viewer(connection) as url, Page(url) as page:
+        assert "no connection file" in page.next("lost")["reason"]
+        page.say("stop")
+        refused = page.next("refused")
+        assert (refused["action"], refused["advice"]) == ("stop", "switch the array off")
+        with serving(SETTINGS) as first:
+            connection.symlink_to(first.connection)
+            page.until(lambda: "state" in page.newest)
+            page.say("slice", id=1, **PLANE)
+            page.next("slice")
+            for pid in first.pids.values():
+                os.kill(pid, signal.SIGKILL)
+            page.next("lost")
+        connection.unlink()
+        connection.symlink_to(server.connection)
+        before = page.counts["state"]
+        page.next("array")
+        page.until(lambda: page.counts["state"] > before)
+        page.next("slice")
+        assert page.newest["session"]["armed"] is False
+
+
+def test_a_recording_is_the_feed(url: str, server: Running, tmp_path: Path) -> None:
+    with Page(url) as page:
+        page.say("record", on=True)
+        file = page.next("record")
+        assert file["on"]
+        with Game(server.connection) as game:
+            game.moves = True
+            page.until(lambda: page.newest.get("state", {}).get("output") == "sounding")
+            page.until(lambda: "ball" in page.objects)
+            page.listen(0.3)
+        page.say("record", on=False)
+        assert page.next("record") == {"type": "record", "on": False, "file": file["file"]}
+        (found,) = tmp_path.glob("*.feed")
+        assert str(found) == file["file"]
+        live = page.newest["array"]
+    with viewer(recording=found) as replayed, Page(replayed) as again:
+        assert again.next("hello")["recording"] == found.name
+        again.until(lambda: again.newest.get("state", {}).get("output") == "sounding")
+        again.until(lambda: "ball" in again.objects)
+        assert again.newest["array"] == live
+        again.say("slice", id=1, **PLANE)
+        again.until(lambda: again.newest.get("slice", {}).get("pressure", b"").strip(b"\0"))
+        again.until(lambda: not again.newest["replay"]["playing"])
+        assert again.newest["replay"]["time"] == again.newest["replay"]["duration"] > 0.3
+        again.say("stop")
+        assert again.next("refused")["action"] == "stop"
+        again.say("record", on=True)
+        assert again.next("refused")["action"] == "record"

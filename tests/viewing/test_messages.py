@@ -1,0 +1,112 @@
+"""What a page may say: anything else is refused, whatever the bytes are."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from typing import Any
+
+import msgpack
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pacinian.errors import WireError
+from pacinian.viewing.messages import MOST_POINTS, Slice, Volume, understood
+
+SLICE: dict[str, Any] = {
+    "type": "slice", "id": 1, "centre": [0, 0, 0.1], "u": [1, 0, 0], "v": [0, 1, 0], "size": [0.1, 0.2],
+    "shape": [128, 128],
+}  # fmt: skip
+VOLUME: dict[str, Any] = {
+    "type": "volume", "id": 1, "origin": [0, 0, 0.1], "spacing": 0.01, "shape": [64, 64, 64],
+}  # fmt: skip
+NAN, BIG = math.nan, 2**53 + 1
+PLAIN = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**63), 2**64 - 1)
+    | st.floats()
+    | st.text()
+    | st.binary(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+def asked(message: Any) -> Any:
+    return understood(msgpack.packb(message) or b"")
+
+
+def test_a_slice_and_a_volume_are_understood() -> None:
+    assert asked(SLICE) == Slice(
+        id=1, centre=(0, 0, 0.1), u=(1, 0, 0), v=(0, 1, 0), size=(0.1, 0.2), shape=(128, 128)
+    )
+    volume = asked(VOLUME)
+    assert isinstance(volume, Volume)
+    assert MOST_POINTS == 64**3
+    assert asked({**SLICE, "later": [1, {"a": None}]}) == asked(SLICE)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"id": 0}, {"id": -1}, {"id": BIG}, {"id": 1.5}, {"id": None}, {"centre": [0, 0]},
+        {"centre": [0, 0, 11]}, {"centre": [0, 0, NAN]}, {"centre": [0, 0, math.inf]}, {"u": [2, 0, 0]},
+        {"u": [0, 0, 0]}, {"u": [0, 1, 0]}, {"u": [NAN, 0, 0]}, {"v": [0.1, 1, 0]}, {"size": [0, 1]},
+        {"size": [1, -1]}, {"size": [11, 1]}, {"size": [NAN, 1]}, {"shape": [1, 2]}, {"shape": [2, 1025]},
+        {"shape": [1024, 1024]}, {"shape": [2.5, 2]}, {"shape": [2]}, {"shape": [2, 2, 2]},
+    ],
+)  # fmt: skip
+def test_a_slice_that_cannot_be_is_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(WireError):
+        asked({**SLICE, **change})
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"shape": [65, 64, 64]},
+        {"shape": [1, 2, 2]},
+        {"spacing": 0},
+        {"spacing": NAN},
+        {"origin": [0, 0]},
+    ],
+)
+def test_a_volume_that_cannot_be_is_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(WireError):
+        asked({**VOLUME, **change})
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"type": "replay", "speed": 0}, {"type": "replay", "speed": 1000}, {"type": "replay", "time": -1},
+        {"type": "replay", "time": NAN}, {"type": "record"}, {"type": "record", "on": 1},
+        {"type": "hide", "what": "all"}, {"type": "seen"}, {"type": "select", "intensity": 2},
+        {"type": "select", "solver": "auto"}, {"type": "arm", "scene": "x" * 65}, {"type": "put"}, {}, [], None,
+    ],
+)  # fmt: skip
+def test_what_is_beyond_its_bounds_is_refused(message: Any) -> None:
+    with pytest.raises(WireError):
+        asked(message)
+
+
+@given(st.binary(max_size=200))
+def test_bytes_are_understood_or_refused(data: bytes) -> None:
+    with contextlib.suppress(WireError):
+        understood(data)
+
+
+@given(st.sampled_from([SLICE, VOLUME]), st.data(), PLAIN)
+def test_a_field_of_any_kind_is_understood_or_refused(
+    message: dict[str, Any], data: st.DataObject, value: Any
+) -> None:
+    name = data.draw(st.sampled_from(sorted(message)))
+    with contextlib.suppress(WireError):
+        asked({**message, name: value})
+
+
+def test_deep_nesting_is_refused() -> None:
+    with pytest.raises(WireError):
+        understood(b"\x82\xa4type\xa5slice\xa1x" + b"\x91" * 50_000 + b"\xc0")

@@ -1,0 +1,226 @@
+"""The page in a real browser, of a real viewer of a real server: what it shows."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+from typing import TYPE_CHECKING, Any
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import pacinian as pc
+from pacinian.testing.server import serving
+
+from .browser import PATIENT, Game, chromium, seen
+from .test_live import gains
+from .watching import Page, viewer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from playwright.sync_api import Browser
+
+    from pacinian.testing.server import Running
+
+    from .browser import Seen
+
+ARRAY = pc.autd(1, 1)
+AIR = pc.Air()
+
+
+pytestmark = pytest.mark.timeout(300)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Running]:
+    with serving(PATIENT) as running:
+        yield running
+
+
+def test_it_shows_what_there_is(browser: Browser, url: str, server: Running) -> None:
+    with Game(server.connection), seen(browser, url) as shown:
+        shown.until(lambda: shown.get("output") == "sounding" and shown.get("drive.mean") > 0.0)
+        assert shown.get("transducers") == len(ARRAY)
+        shown.until(lambda: {"ball", "plate"} <= shown.get("objects").keys())
+        assert all(thing["drawn"] for thing in shown.get("objects").values())
+        shown.until(lambda: "game" in shown.text("#clients"))
+        shown.until(lambda: shown.text("#owner") == "game")
+        shown.until(lambda: shown.text("#output-name") == "Sounding")
+        shown.until(lambda: "ball" in shown.text("#samples"))
+        samples = shown.get("samples")
+        assert all(0.0 < sample["asked"] <= 5.01 for sample in samples)
+        assert float(np.mean([s["achieved"] / s["asked"] for s in samples])) > 0.5
+        shown.until(lambda: "p99" in shown.text("#chart-ticks"))
+    licences = urlopen(url.split("?", maxsplit=1)[0] + "LICENSES.txt").read().decode()
+    assert "three 0." in licences
+    assert "Permission is hereby granted" in licences
+
+
+def _rings(shown: Seen, sample: dict[str, Any]) -> int:
+    """White pixels around where a sample is."""
+    x, y = shown.page.evaluate("(at) => pacinian.project(at)", sample["position"])
+    clip: Any = {"x": x - 12, "y": y - 12, "width": 24, "height": 24}
+    image = Image.open(io.BytesIO(shown.page.screenshot(clip=clip))).convert("RGB")
+    return int((np.asarray(image).min(axis=-1) > 225).sum())
+
+
+def test_what_moves_is_seen_to_move(browser: Browser, url: str, server: Running) -> None:
+    with Game(server.connection) as game, seen(browser, url) as shown:
+        shown.until(lambda: "plate" in shown.get("objects"))
+        shown.page.uncheck("#slice-on")
+        shown.page.click("[data-from=near]")
+        shown.until(lambda: any(_rings(shown, sample) > 10 for sample in shown.get("samples")))
+        game.moves = True
+        heights, samples, places = set[float](), set[float](), set[float]()
+
+        def moved() -> bool:
+            heights.add(shown.get("objects.plate.position[2]"))
+            of_plate = [s["position"] for s in shown.get("samples") if s["position"][0] > 0.021]
+            samples.update(position[2] for position in of_plate)
+            places.update(
+                shown.page.evaluate("(at) => pacinian.project(at)[1]", position)
+                for position in of_plate
+            )
+            return len(heights) > 3 and len(samples) > 3 and len(places) > 3
+
+        shown.until(moved)
+        assert 0.15 <= min(heights) < max(heights) < 0.161
+        assert abs(np.array(sorted(samples)) - 0.155).max() < 0.01
+
+
+def _of(shown: Seen, plane: dict[str, Any], feed: Page) -> float:
+    """The largest difference of a slice to the field of the frame that is emitted, over the most of it."""
+    rows, columns = plane["shape"]
+    axis = shown.get("wanted.axis")
+    u, v = {"x": ([0, 1, 0], [0, 0, 1]), "y": ([1, 0, 0], [0, 0, 1]), "z": ([1, 0, 0], [0, 1, 0])}[
+        axis
+    ]
+    x = ((np.arange(columns) + 0.5) / columns - 0.5) * plane["size"][0]
+    y = ((np.arange(rows) + 0.5) / rows - 0.5) * plane["size"][1]
+    at = np.array(plane["centre"]) + x[None, :, None] * np.array(u) + y[:, None, None] * np.array(v)
+    feed.next("frame")
+    p = pc.field(ARRAY, gains(feed.newest["frame"]), at, medium=AIR)
+    wanted = pc.radiation_pressure(p, AIR)
+    found = np.array(plane["pressure"]).reshape(rows, columns)
+    return float(np.abs(found - wanted).max() / wanted.max())
+
+
+def _arrived(shown: Seen, axis: int) -> bool:
+    """Whether the slice that is shown is the one that is wanted, in full."""
+    plane = shown.get("slice && {...pacinian.slice, pressure: pacinian.slice.pressure.length}")
+    at = shown.get("wanted.position")
+    return bool(plane and abs(plane["centre"][axis] - at) < 1e-9 and plane["shape"] == [64, 64])
+
+
+def test_the_slice_is_dragged_and_is_the_field(browser: Browser, url: str, server: Running) -> None:
+    with Game(server.connection), Page(url) as feed, seen(browser, url) as shown:
+        page = shown.page
+        feed.until(lambda: feed.newest.get("frame", {}).get("phase"))
+        page.select_option("#slice-cells", "64")
+        page.select_option("#slice-size", "0.1")
+        shown.until(lambda: _arrived(shown, 1))
+        shown.until(lambda: _of(shown, shown.get("slice"), feed) < 1e-3)
+
+        page.click("[data-from=home]")
+        begin = shown.get("wanted.position")
+        x, y = shown.get("grip()")
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(1, 6):
+            page.mouse.move(x - 6 * step, y + 3 * step)
+        page.mouse.up()
+        dragged = shown.get("wanted.position")
+        assert abs(dragged - begin) > 0.004
+        shown.until(lambda: _arrived(shown, 1))
+        shown.until(lambda: _of(shown, shown.get("slice"), feed) < 1e-3)
+        assert page.input_value("#slice-mm") == f"{1000 * dragged:.1f}".removesuffix(".0")
+
+        page.mouse.move(*shown.page.evaluate("() => pacinian.project(pacinian.slice.centre)"))
+        shown.until(lambda: "Pa at" in shown.text("#told"))
+
+        page.focus("#space > canvas")
+        page.keyboard.press("z")
+        page.keyboard.press("c")
+        before = shown.get("wanted.position")
+        for key in ("PageUp", "PageUp", "Shift+PageDown"):
+            page.keyboard.press(key)
+        assert abs(shown.get("wanted.position") - before + 0.008) < 1e-9
+        assert shown.get("wanted.axis") == "z"
+        shown.until(lambda: _arrived(shown, 2))
+        shown.until(lambda: _of(shown, shown.get("slice"), feed) < 1e-3)
+        most = max(shown.get("slice.pressure"))
+        shown.until(lambda: most <= shown.get("scale") <= 4.0 * most)
+
+
+def test_the_surface_is_where_the_field_is_so_strong(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with Game(server.connection), seen(browser, url) as shown:
+        shown.until(lambda: shown.get("slice && Math.max(...pacinian.slice.pressure) > 1"))
+        shown.page.check("#surface-on")
+        shown.until(lambda: shown.get("surface.triangles") > 20)
+        triangles = shown.get("surface.triangles")
+        shown.page.fill("#level", "6")
+        shown.until(lambda: shown.get("surface.triangles") > 1.5 * triangles)
+        shown.page.uncheck("#surface-on")
+        shown.until(lambda: shown.get("surface.triangles") == 0)
+
+
+def test_a_second_viewer_shows_the_same(browser: Browser, url: str, server: Running) -> None:
+    with (
+        Game(server.connection),
+        viewer(server.connection) as other,
+        seen(browser, url) as shown,
+        seen(browser, other) as second,
+    ):
+        for page in (shown, second):
+            page.until(lambda page=page: len(page.get("samples")) > 0 and page.get("slice"))
+            page.until(lambda page=page: {"ball", "plate"} <= page.get("objects").keys())
+        shown.until(lambda: shown.text("#clients").count("viewer") == 2)
+
+
+def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path) -> None:
+    connection = tmp_path / "connection.json"
+    ball = pc.Volume(
+        shape=pc.Sphere(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0, name="ball"
+    )
+    with viewer(connection) as url, seen(browser, url, live=False) as shown:
+        shown.until(lambda: "waiting" in shown.text("#gone"))
+        assert shown.page.is_disabled("#arm")
+        assert shown.page.is_enabled("#stop")
+        with serving(PATIENT) as first, pc.Client(first.connection, name="game") as game:
+            connection.symlink_to(first.connection)
+            game.put(ball)
+            game.arm()
+
+            def sounds() -> bool:
+                game.renew()
+                return "ball" in shown.get("objects") and bool(shown.get("drive.mean") > 0.0)
+
+            shown.until(sounds)
+            assert not shown.page.is_visible("#gone")
+            for pid in first.pids.values():
+                os.kill(pid, signal.SIGKILL)
+            shown.until(lambda: shown.get("link") == "lost")
+        assert "waiting" in shown.text("#gone")
+        assert shown.text("#output-name") == "No server"
+        looks = "() => getComputedStyle(document.getElementById('panels')).filter"
+        shown.until(lambda: "grayscale" in shown.page.evaluate(looks))
+        assert "ball" in shown.get("objects")  # frozen, and visible
+        connection.unlink()
+        with serving(PATIENT) as again:
+            connection.symlink_to(again.connection)
+            shown.until(lambda: shown.get("link") == "live" and shown.get("output") == "silent")
+            shown.until(lambda: not shown.get("objects"))
+            assert not shown.page.is_visible("#gone")

@@ -1,0 +1,216 @@
+"""The page in a real browser: what it lets the user do to a running server, by mouse and by keys alone."""
+
+from __future__ import annotations
+
+import functools
+import json
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+import pytest
+
+from pacinian.testing.server import serving
+
+from .browser import PATIENT, Game, chromium, seen, status
+from .watching import viewer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from playwright.sync_api import Browser, WebSocketRoute
+
+    from pacinian.testing.server import Running
+
+    from .browser import Seen
+
+pytestmark = pytest.mark.timeout(300)
+REACHED = {
+    "record", "arm", "stop", "solver", "backend", "technique", "intensity", "slice-on", "axis", "slice-at",
+    "slice-mm", "slice-size", "scale", "surface-on", "level", "home", "help", "canvas",
+}  # fmt: skip
+FOCUSED = """() => {
+    const e = document.activeElement, s = getComputedStyle(e), track = e.closest("label") ?? e;
+    const name = e.getAttribute("aria-label") || e.innerText || [...(e.labels ?? [])].map(l => l.innerText).join("");
+    return [e.id || e.name || e.dataset.from || e.tagName.toLowerCase(), name.trim(),
+            s.outlineStyle !== "none" && parseFloat(s.outlineWidth) >= 2];
+}"""
+# Of each text its contrast to the ground that it stands on, where that is plain.
+CONTRAST = """() => {
+    const part = (x) => { x /= 255; return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; };
+    const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+    const rgb = (text) => (text.match(/[0-9.]+/g) ?? []).map(Number);
+    const ground = (e) => { for (; e; e = e.parentElement) {
+        const c = rgb(getComputedStyle(e).backgroundColor); if (c.length === 3 || c[3] > 0.5) return c; }
+        return [13, 17, 23]; };
+    const poor = [];
+    for (const e of document.querySelectorAll("body *")) {
+        const own = [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+        if (!own || !e.checkVisibility() || e.closest(":disabled, .u-wrap, option")) continue;
+        const [a, b] = [light(rgb(getComputedStyle(e).color)), light(ground(e))];
+        const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+        if (ratio < 4.5) poor.push([e.outerHTML.slice(0, 80), ratio]);
+    }
+    return poor;
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Running]:
+    with serving(PATIENT) as running:
+        yield running
+
+
+def test_a_solver_is_switched_and_the_server_follows(
+    browser: Browser, url: str, server: Running
+) -> None:
+    now = functools.partial(status, server.connection)
+    with seen(browser, url) as shown:
+        shown.page.select_option("#solver", "gs-pat")
+        shown.until(lambda: now().solver == "gs-pat")
+        shown.page.fill("#intensity", "40")
+        shown.page.select_option("#technique", "am")
+        shown.until(lambda: (now().intensity, now().technique) == (0.4, "am"))
+        shown.page.fill("#intensity", "100")
+        shown.page.select_option("#technique", "simultaneous")
+        shown.page.select_option("#solver", "auto")
+        shown.until(lambda: (now().solver, now().intensity) == ("auto", 1.0))
+        with Game(server.connection):
+            shown.until(lambda: shown.text("#owner") == "game")
+            shown.page.select_option("#solver", "gs")
+            shown.until(lambda: "another client owns the output" in shown.text("#refused"))
+            shown.until(lambda: shown.page.input_value("#solver") == "auto")
+            assert now().solver == "auto"
+            shown.page.click("#refused button")
+            assert not shown.text("#refused")
+
+
+def _tab(shown: Seen) -> dict[str, tuple[str, bool]]:
+    """All that the Tab key reaches: its name for a screen reader, and whether the focus is seen."""
+    found: dict[str, tuple[str, bool]] = {}
+    for _ in range(60):
+        shown.page.keyboard.press("Tab")
+        key, name, visible = shown.page.evaluate(FOCUSED)
+        if key in found and key != "body":
+            break
+        found[key] = name, visible
+    return found
+
+
+def test_arm_stop_and_reset_by_keys_alone(browser: Browser, url: str, server: Running) -> None:
+    now = functools.partial(status, server.connection)
+    with seen(browser, url) as shown:
+        page = shown.page
+        shown.until(lambda: page.is_enabled("#arm"))
+        reached = _tab(shown)
+        assert reached.keys() >= REACHED, REACHED - reached.keys()
+        reached.pop("body", None)
+        assert all(name and visible for name, visible in reached.values()), reached
+        assert not page.evaluate(CONTRAST)
+
+        page.focus("#arm")
+        page.keyboard.press("Enter")
+        shown.until(lambda: now().owner == "viewer" and page.is_enabled("#disarm"))
+        page.focus("#disarm")
+        page.keyboard.press("Enter")
+        shown.until(lambda: not now().armed)
+        page.focus("#solver")
+        page.keyboard.press("Escape")
+        shown.until(lambda: now().output == "stopped")
+        shown.until(lambda: shown.text("#output-name") == "Stopped" and page.is_disabled("#arm"))
+        page.focus("#reset")
+        page.keyboard.press("Enter")
+        shown.until(lambda: now().output == "silent")
+        page.focus("#space > canvas")
+        page.keyboard.press("Space")
+        shown.until(lambda: now().output == "stopped")
+        shown.until(lambda: page.is_enabled("#reset"))
+        page.click("#reset")
+        shown.until(lambda: now().output == "silent")
+
+
+def test_who_closes_an_armed_page_lets_go(browser: Browser, url: str, server: Running) -> None:
+    now = functools.partial(status, server.connection)
+    with seen(browser, url) as other:
+        with seen(browser, url) as shown:
+            shown.page.click("#arm")
+            shown.until(lambda: now().owner == "viewer")
+            other.until(lambda: other.text("#owner") == "viewer")
+            assert other.page.is_disabled("#disarm")  # it has not armed
+        other.until(lambda: not now().armed)
+        other.until(lambda: other.text("#owner") == "nobody")
+
+
+def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
+    faults: list[str] = []
+
+    def between(route: WebSocketRoute) -> None:
+        """As if the server had faults."""
+        server = route.connect_to_server()
+
+        def told(data: str | bytes) -> None:
+            message: dict[str, Any] = msgpack.unpackb(data)  # type: ignore[arg-type]
+            if message["type"] == "state" and faults:
+                message |= {"faults": faults, "fault_count": len(faults), "output": "faulted"}
+            route.send(msgpack.packb(message) or b"")
+
+        server.on_message(told)
+
+    with seen(browser, url, live=False) as shown:
+        shown.page.route_web_socket("**/feed*", between)
+        shown.page.reload()
+        shown.until(lambda: shown.text("#fault-count") == "0" and shown.get("output"))
+        faults += ["solver: it raised <b>ValueError</b>"]
+        shown.until(lambda: shown.text("#fault-count") == "1")
+        assert "<b>ValueError</b>" in shown.text("#faults li")
+        assert shown.page.get_attribute("#faults time", "datetime")
+        assert "ValueError" in str(shown.page.text_content("#spoken"))
+        assert shown.page.get_attribute("#spoken", "aria-live") == "assertive"
+        assert shown.text("#output-name") == "Faulted"
+        assert shown.page.is_enabled("#reset")
+
+
+def test_a_recording_is_made_and_gone_through(
+    browser: Browser, url: str, server: Running, tmp_path: Path
+) -> None:
+    with seen(browser, url) as shown:
+        with Game(server.connection):
+            shown.until(lambda: "ball" in shown.get("objects"))
+            shown.page.click("#record")
+            shown.until(lambda: shown.text("#record") == "Recording")
+            shown.page.wait_for_timeout(500)
+        shown.page.click("#record")
+        shown.until(lambda: shown.text("#record") == "Record")
+    (file,) = tmp_path.glob("*.feed")
+    with viewer(recording=file) as replayed, seen(browser, replayed) as shown:
+        page = shown.page
+        assert page.is_visible("#replay")
+        assert not page.is_visible("#stop")
+        assert page.is_disabled("#solver")
+        page.fill("#scrub", "0")
+        shown.until(
+            lambda: shown.text("#play") == "Play" and shown.text("#replay-time") == "0.00 s"
+        )
+        shown.until(lambda: "ball" in shown.get("objects"))
+        page.click("#play")
+        shown.until(lambda: shown.text("#replay-time") == shown.text("#replay-end") != "0.00 s")
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (800, 900)])
+def test_nothing_lies_beside_the_page(browser: Browser, url: str, size: tuple[int, int]) -> None:
+    with seen(browser, url, size) as shown:
+        width, inner, stop = shown.page.evaluate(
+            "() => [document.documentElement.scrollWidth, innerWidth,"
+            " JSON.stringify(document.getElementById('stop').getBoundingClientRect())]"
+        )
+        assert width <= inner
+        where = json.loads(stop)
+        assert where["left"] >= 0
+        assert where["right"] <= inner
+        assert where["bottom"] < 120

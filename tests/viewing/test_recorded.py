@@ -1,0 +1,268 @@
+"""Recordings of the feed, and of a renderer, replayed."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.rendering.recording import Recorder as Tape
+from pacinian.testing import ManualClock
+from pacinian.viewing.hub import Hub
+from pacinian.viewing.messages import Lost, Replay, told
+from pacinian.viewing.player import Player
+from pacinian.viewing.recorded import Recorded, Recorder, Writer
+from pacinian.viewing.run import opened
+from pacinian.viewing.scenery import Scenery
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+from msgspec import Raw
+
+BALL = Raw(msgpack.packb({"type": "point", "position": [0.0, 0.0, 0.2], "force": 0.01}))
+POSE = np.arange(7, dtype="<f4").tobytes()
+
+
+def state(sequence: int) -> bytes:
+    """Of the wire."""
+    import msgspec
+
+    from pacinian.wire.state import State
+
+    made = State(
+        sequence=sequence, time=0.0, output="silent", armed=False, owner="", scene="", solver="", backend="",
+        technique="", intensity=1.0,
+    )  # fmt: skip
+    return msgspec.msgpack.encode(made)
+
+
+@pytest.fixture
+def feed(tmp_path: Path) -> Path:
+    """Ten states a second for 10 s; a ball that comes at 2 s and goes at 5 s; lost at 9 s."""
+    writer, scenery = Writer(tmp_path / "a.feed"), Scenery()
+    for i in range(100):
+        at = 0.1 * i
+        if i == 20:
+            before, scenery = scenery, scenery.with_("hall", {"ball": BALL}, {"ball": POSE})
+            writer.write(at, *scenery.told(before.version))
+        if i == 50:
+            before, scenery = scenery, scenery.with_("hall", {}, {})
+            writer.write(at, *scenery.told(before.version))
+        if i == 90:
+            writer.write(at, "lost", told(Lost(reason="gone")))
+            break
+        writer.write(at, "state", state(i))
+    writer.close()
+    return tmp_path / "a.feed"
+
+
+class Shown:
+    """A player and what a page sees of it."""
+
+    def __init__(self, path: Path) -> None:
+        self.hub = Hub()
+        self.recorded = Recorded(path)
+        self.player = Player(self.hub, self.recorded)
+        self.view = self.hub.join(lambda: None)
+
+    def at(self, time: float, **more: Any) -> dict[str, Any]:
+        self.hub.ask(self.view.number, Replay(time=time, **more))
+        self.player.show()
+        return {kind: msgpack.unpackb(data) for kind, data in self.view.take()}
+
+
+def test_any_time_is_shown_as_it_was(feed: Path) -> None:
+    shown = Shown(feed)
+    assert shown.recorded.duration == 9.0
+    for time in (0.0, 3.05, 8.0, 3.05, 0.5, 6.0, 2.0):
+        told = shown.at(time)
+        assert told["state"]["sequence"] == int(10 * time + 1e-9)
+        assert (shown.hub.scenery.poses.keys() == {"ball"}) == (2.0 <= time < 5.0)
+        assert told["replay"]["time"] == time
+    assert shown.at(2.5)["replay"]["duration"] == 9.0
+    assert shown.at(9.0)["lost"]["reason"] == "gone"
+    assert "state" not in shown.hub.values
+    assert shown.at(100.0)["replay"]["time"] == 9.0
+    shown.recorded.close()
+
+
+def test_time_goes_on_while_it_plays(feed: Path) -> None:
+    shown = Shown(feed)
+    player = shown.player
+    assert player.playing
+    player.advance(1.0)
+    assert player.time == 1.0
+    shown.at(2.0, speed=2.0, playing=False)
+    player.advance(1.0)
+    assert player.time == 2.0
+    shown.at(2.0, playing=True)
+    player.advance(1.0)
+    assert player.time == 4.0
+    player.advance(100.0)
+    assert (player.time, player.playing) == (9.0, False)
+    player.ask(1, Replay(playing=True))
+    assert (player.time, player.playing) == (0.0, True)
+    shown.recorded.close()
+
+
+def test_a_file_that_was_cut_off_is_whole_as_far_as_it_goes(feed: Path) -> None:
+    data = feed.read_bytes()
+    for length in range(len(data) - 400, len(data), 7):
+        feed.write_bytes(data[:length])
+        recorded = Recorded(feed)
+        assert len(recorded.entries) >= 85
+        recorded.close()
+
+
+def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    for content, problem in (
+        (b"", "is no recording"), (b"hello", "is no recording"), (b"\x80", "is no recording"),
+        (msgpack.packb({"format": "pacinian feed", "version": 9}), "version 9"),
+        (msgpack.packb({"format": "pacinian feed", "version": 1}), "is empty"),
+    ):  # fmt: skip
+        path.write_bytes(content or b"")
+        with pytest.raises(pc.RecordingError, match=problem):
+            Recorded(path)
+    for missing in (tmp_path / "y", tmp_path):
+        with pytest.raises(pc.RecordingError, match="cannot be read"), opened(missing):
+            pass
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
+@given(st.data())
+def test_damage_raises_or_is_left_out(feed: Path, data: st.DataObject) -> None:
+    content = bytearray((feed.parent / "a.feed").read_bytes())
+    for _ in range(data.draw(st.integers(1, 5))):
+        content[data.draw(st.integers(40, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = feed.parent / "b.feed"
+    path.write_bytes(content)
+    try:
+        shown = Shown(path)
+    except pc.RecordingError:
+        return
+    for time in (0.0, 4.0, 1.0, 8.9):
+        shown.at(time)
+    shown.recorded.close()
+
+
+def test_a_recorder_writes_what_a_page_is_told_from_order_to_order(tmp_path: Path) -> None:
+    hub = Hub()
+    recorder = Recorder(hub, tmp_path)
+    view = hub.join(lambda: None)
+    hub.put("state", state(1))
+    hub.record(view.number, True)
+    hub.record(view.number, True)  # it is
+    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    hub.put("state", state(2))
+    hub.refuse(0, "arm", "is not recorded")
+    hub.record(view.number, False)
+    hub.put("state", state(3))
+    recorder.close()
+    (file,) = tmp_path.iterdir()
+    recorded = Recorded(file)
+    kinds = [entry.kind for entry in recorded.entries]
+    assert "scenery" in kinds
+    sequences = [
+        msgpack.unpackb(recorded.data(e))["sequence"] for e in recorded.entries if e.kind == "state"
+    ]
+    assert sequences == [1, 2]
+    assert "refused" not in kinds
+    recorded.close()
+    (on,) = [msgpack.unpackb(data) for kind, data in view.take() if kind == "record"]
+    assert on == {"type": "record", "on": False, "file": str(file)}
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full here")
+def test_a_full_disk_ends_a_recording_and_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hub = Hub()
+    Recorder(hub, tmp_path)
+    view = hub.join(lambda: None)
+    hub.record(0, True)
+    (file,) = tmp_path.iterdir()
+    recorder = hub.record.__self__  # type: ignore[attr-defined]
+    recorder._writer._file.close()
+    recorder._writer._file = open("/dev/full", "wb", buffering=0)  # noqa: SIM115
+    hub.put("state", state(1))
+    told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
+    assert not told["record"]["on"]
+    assert told["refused"]["action"] == "record"
+    hub.put("state", state(2))  # goes on without
+    assert file.exists()
+
+
+def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    hub = Hub()
+    Recorder(hub, tmp_path / "none")
+    view = hub.join(lambda: None)
+    hub.record(view.number, True)
+    told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
+    assert told["refused"]["action"] == "record"
+    assert "record" not in told
+
+
+def rendered(path: Path) -> None:
+    """Half a second of a plate that moves, held by a hand."""
+    hand = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.16)))
+    clock = ManualClock()
+
+    def scene(t: float) -> pc.Scene:
+        plate = pc.Surface(
+            name="plate", shape=DISC, pose=pc.Pose((0.02 * t, 0.0, 0.15)), radiation_pressure=3.0
+        )
+        return pc.Scene((plate,), hands=(hand,))
+
+    renderer = pc.Renderer(pc.autd(), scene, rate=100.0, clock=clock, recorder=Tape(path))
+    with renderer:
+        renderer.run(0.5)
+
+
+DISC = pc.Disc(0.01)
+
+
+def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: Path) -> None:
+    rendered(tmp_path / "r.pac")
+    with opened(tmp_path / "r.pac") as recorded:
+        hub = Hub()
+        player, view = Player(hub, recorded), hub.join(lambda: None)
+        assert 0.4 < recorded.duration < 0.5
+        player.ask(0, Replay(time=recorded.duration, playing=False))
+        player.show()
+        told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
+        assert told["array"]["fields"]
+        assert told["state"]["output"] == "sounding"
+        assert len(told["state"]["hands"]) == 312
+        assert told["scenery"]["objects"]["plate"]["shape"] == {"type": "disc", "radius": 0.01}
+        x = np.frombuffer(told["scenery"]["poses"]["plate"], "<f4")[0]
+        assert abs(x - 0.02 * recorded.duration) < 1e-3
+        assert [e.kind for e in recorded.entries].count("scenery") == 1  # its shape is told once
+        assert hub.drive is not None
+        assert len(hub.drive.gains) == 8 * 249
+
+
+def test_a_player_waits_while_it_is_paused(feed: Path) -> None:
+    async def run() -> None:
+        shown = Shown(feed)
+        shown.player.playing = False
+        playing = asyncio.create_task(shown.player.run())
+        await asyncio.sleep(0.05)
+        assert shown.player.time == 0.0
+        shown.hub.ask(0, Replay(time=3.0))
+        await asyncio.sleep(0.05)
+        told = {kind: msgpack.unpackb(data) for kind, data in shown.view.take()}
+        assert told["state"]["sequence"] == 30
+        playing.cancel()
+        await asyncio.gather(playing, return_exceptions=True)
+        shown.recorded.close()
+
+    asyncio.run(run())

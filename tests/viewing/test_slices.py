@@ -1,0 +1,130 @@
+"""The field of slices and volumes, by the real process."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+import signal
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import psutil
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.viewing import slices
+from pacinian.viewing.hub import Drive
+from pacinian.viewing.messages import Slice, Volume
+from pacinian.viewing.model import Model
+from pacinian.viewing.slices import Fields, points, pressure
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+UNIT = pc.autd()
+RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5, len(UNIT))
+ARRAY = pc.Array(UNIT.positions, UNIT.normals, UNIT.transducer, RESPONSE)
+AIR = pc.Air(attenuation="absorbing", temperature=25.0)
+GAINS = np.exp(1j * np.arange(len(ARRAY))).astype(np.complex64)
+DRIVE = Drive(Model(ARRAY, AIR), GAINS.tobytes(), 1.0)
+HERE = Slice(
+    id=1, centre=(0.0, 0.01, 0.1), u=(0.0, 1.0, 0.0), v=(0.0, 0.0, 1.0), size=(0.1, 0.06), shape=(30, 40)
+)  # fmt: skip
+
+
+@given(st.floats(-math.pi, math.pi), st.integers(2, 9), st.integers(2, 9))
+def test_points_of_a_slice_are_the_middles_of_its_cells(turn: float, rows: int, cols: int) -> None:
+    u, v = (math.cos(turn), math.sin(turn), 0.0), (-math.sin(turn), math.cos(turn), 0.0)
+    asked = Slice(id=1, centre=(0.1, 0.2, 0.3), u=u, v=v, size=(0.5, 0.2), shape=(rows, cols))
+    found = points(asked).reshape(rows, cols, 3)
+    assert np.allclose(found.mean(axis=(0, 1)), asked.centre)
+    assert np.allclose(found[0, 1] - found[0, 0], 0.5 / cols * np.array(u))
+    assert np.allclose(found[1, 0] - found[0, 0], 0.2 / rows * np.array(v))
+    corner = np.array(asked.centre) - 0.25 * np.array(u) - 0.1 * np.array(v)
+    half = 0.25 / cols * np.array(u) + 0.1 / rows * np.array(v)
+    assert np.allclose(found[0, 0], corner + half)
+
+
+def test_points_of_a_volume_count_the_last_side_fastest() -> None:
+    found = points(Volume(id=1, origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(2, 3, 4)))
+    assert found[1].tolist() == [1.0, 2.0, 3.5]
+    assert found[4].tolist() == [1.0, 2.5, 3.0]
+    assert found[-1].tolist() == [1.5, 3.0, 4.5]
+
+
+def test_pressures_are_those_of_the_reference_and_nan_on_a_transducer() -> None:
+    at = np.vstack([points(HERE), ARRAY.positions[7]])
+    found = np.frombuffer(pressure(DRIVE.model.packed, DRIVE.gains, at), "<f4")
+    wanted = pc.radiation_pressure(pc.field(ARRAY, GAINS, at[:-1], AIR, "double"), AIR)
+    assert np.abs(found[:-1] - wanted).max() < 1e-3 * wanted.max()
+    assert np.isnan(found[-1])
+
+
+@pytest.fixture
+def fields() -> Iterator[Fields]:
+    made = Fields()
+    yield made
+    made.close()
+    assert not psutil.wait_procs(workers(), 30.0)[1]
+
+
+def computed(fields: Fields, *asked: Any, wanted: Any = lambda: True) -> list[bytes | None]:
+    async def run() -> list[bytes | None]:
+        each = [fields.pressure(one, DRIVE, wanted) for one in asked]
+        return list(await asyncio.gather(*each))
+
+    return asyncio.run(run())
+
+
+def workers() -> list[psutil.Process]:
+    return [
+        child for child in psutil.Process().children() if "spawn_main" in " ".join(child.cmdline())
+    ]
+
+
+def test_another_process_computes_it_by_parts(
+    fields: Fields, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = pressure(DRIVE.model.packed, DRIVE.gains, points(HERE))
+    monkeypatch.setattr(slices, "PAIRS", 300.0 * len(ARRAY))
+    first, second = computed(fields, HERE, HERE)
+    assert first == second == whole
+    asked: list[bool] = []
+
+    def twice() -> bool:
+        asked.append(True)
+        return len(asked) < 3
+
+    assert computed(fields, HERE, wanted=twice) == [None]
+    assert len(asked) == 3  # of four parts
+    assert len(workers()) == 1
+
+
+def test_silence_takes_no_process(fields: Fields) -> None:
+    quiet = DRIVE._replace(gains=b"")
+    found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
+    assert found == bytes(4 * 30 * 40)
+    assert not workers()
+
+
+def test_a_process_that_is_killed_is_replaced_and_ends_with_the_rest(fields: Fields) -> None:
+    (whole,) = computed(fields, HERE)
+    (worker,) = workers()
+    os.kill(worker.pid, signal.SIGKILL)
+    assert computed(fields, HERE) == [whole]
+    (other,) = workers()
+    assert other.pid != worker.pid
+    fields.close()
+    other.wait(30.0)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="priorities are of POSIX")
+def test_it_gives_way_to_all_others(fields: Fields, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slices, "CALM", 7)
+    computed(fields, HERE)
+    (worker,) = workers()
+    assert worker.nice() == psutil.Process().nice() + 7
+    assert os.getsid(worker.pid) == worker.pid
