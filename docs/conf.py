@@ -7,7 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "building"))
 
 project = "Pacinian"
-author = copyright = "the Pacinian developers"  # noqa: A001: Sphinx's names
+author = copyright = "the Pacinian developers"  # noqa: A001
 release = metadata.version("pacinian")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "docstrings", "sources"]
 exclude_patterns = ["building"]

@@ -1,4 +1,4 @@
-"""Links from a page to a file of the repository that is no page: the file is put beside the pages, a folder's is named."""
+"""Links from a page to what is no page: a file is put beside the pages, a folder is named."""
 
 from __future__ import annotations
 

@@ -197,6 +197,8 @@ def test_a_recording_is_made_and_gone_through(
         shown.until(
             lambda: shown.text("#play") == "Play" and shown.text("#replay-time") == "0.00 s"
         )
+        page.fill("#scrub", "0.4")
+        shown.until(lambda: shown.text("#replay-time") == "0.40 s")
         shown.until(lambda: "ball" in shown.get("objects"))
         page.click("#play")
         shown.until(lambda: shown.text("#replay-time") == shown.text("#replay-end") != "0.00 s")

@@ -43,7 +43,8 @@ def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) ->
         if not as_json:
             click.echo(
                 f"{row.how:8} p50 {row.p50:6.3f} ms, p99 {row.p99:6.3f} ms, "
-                f"sounding {row.sounding:4.0%}, late {row.late:6.2%}, {row.states:5.1f} states/s, {row.slices:5.1f} slices/s, {row.cpu:4.2f} cores"
+                f"sounding {row.sounding:4.0%}, late {row.late:6.2%}, {row.states:5.1f} states/s, "
+                f"{row.slices:5.1f} slices/s, {row.cpu:4.2f} cores"
             )
     if as_json:
         click.echo(json.dumps({"units": side * side, "rows": msgspec.to_builtins(rows)}))

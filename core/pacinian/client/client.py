@@ -172,16 +172,21 @@ class Client(Connected):
     def hold(self, seconds: float, every: float | None = None) -> None:
         """For scripts: renew, again and again, for so long [s]. every: [s]; a quarter of the lease unless given.
 
-        Raises as `renew`.
+        Ctrl-C, or a notebook's stop button, disarms. Raises as `renew`.
         """
         end = self._clock() + number("seconds", seconds, low=0.0)
         every = number("every", SHARE * self.lease if every is None else every, low=0.0, above=True)
         due = self._clock()
-        while (now := self._clock()) < end:
-            if now >= due:
-                self.renew()
-                due = now + every
-            self._live(again=False).look(min(due, end) - self._clock())
+        try:
+            while (now := self._clock()) < end:
+                if now >= due:
+                    self.renew()
+                    due = now + every
+                self._live(again=False).look(min(due, end) - self._clock())
+        except KeyboardInterrupt:
+            with suppress(ServerError):
+                self.disarm()
+            raise
 
     def select(
         self,

@@ -7,73 +7,70 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.paper import experiment, fourier
-from pacinian.paper.panels import (
-    BLUE,
-    GREY,
-    MAP,
-    RED,
-    Panel,
-    colour_bar,
-    draw_map,
-    inner,
-    layout,
-    legend,
-    new_figure,
-    save,
-    score,
-)
+from pacinian.paper.panels import colour_bar, draw_map, inner, layout, legend, score
+from pacinian.plot.page import figure, require, save
+from pacinian.plot.style import BLUE, GREY, MAP, RED
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from matplotlib.figure import Figure
 
     from pacinian.paper.experiment import Experiment
     from pacinian.paper.focus import Focus, Width
     from pacinian.paper.fourier import Comparison
     from pacinian.paper.report import Report
+    from pacinian.plot.style import Panel
     from pacinian.types import Floats
+
+
+require()  # before anything is computed
 
 
 def draw(report: Report, folder: Path) -> list[Path]:
     """Draw all figures as PNG files in `folder`; return the files."""
-    files = [folder / f"{name}.png" for name in ("experiment", "fourier", "focus")]
-    draw_experiment(report.experiment, files[0])
-    draw_fourier(report.fourier, files[1])
-    draw_focus(report.focus, report.widths, files[2])
-    return files
+    pages = {
+        "experiment": of_experiment(report.experiment),
+        "fourier": of_fourier(report.fourier),
+        "focus": of_focus(report.focus, report.widths),
+    }
+    for name, page in pages.items():
+        save(page, folder / f"{name}.png")
+    return [folder / f"{name}.png" for name in pages]
 
 
-def draw_experiment(results: Experiment, path: Path) -> None:
+def of_experiment(results: Experiment) -> Figure:
     """Figures 5 to 7: the four places, and |p| of every pattern in each, on one scale."""
     rows, columns = len(experiment.PATTERNS), len(experiment.CASES)
-    figure = new_figure(10.8, 10.0)
-    cells = figure.add_gridspec(rows + 1, columns + 1, height_ratios=[1.3] + [1.0] * rows)
-    legend(figure.add_subplot(cells[0, 0]))
+    page = figure(10.8, 10.0)
+    cells = page.add_gridspec(rows + 1, columns + 1, height_ratios=[1.3] + [1.0] * rows)
+    legend(page.add_subplot(cells[0, 0]))
     for j, name in enumerate(experiment.CASES):
-        layout(figure.add_subplot(cells[0, j + 1], projection="3d"), name)
+        layout(page.add_subplot(cells[0, j + 1], projection="3d"), name)
     top = max(outcome.maximum for outcome in results.outcomes.values())
     panels: list[Panel] = []
     for i, name in enumerate(experiment.PATTERNS):
-        target = figure.add_subplot(cells[i + 1, 0])
+        target = page.add_subplot(cells[i + 1, 0])
         draw_map(target, experiment.pattern(name), "1", top)
         target.set_ylabel(f"{name}\n\ny [mm]")
         panels.append(target)
         for j, case in enumerate(experiment.CASES):
             outcome = results.outcomes[name, case]
-            panel = figure.add_subplot(cells[i + 1, j + 1])
+            panel = page.add_subplot(cells[i + 1, j + 1])
             draw_map(panel, outcome.amplitude, case[0], top)
             panel.set_title(score(outcome.correlation, outcome.maximum), fontsize=9)
             panels.append(panel)
     panels[0].set_title("target", fontsize=9)
     inner(panels[: -columns - 1])
-    colour_bar(figure, panels)
-    save(figure, path)
+    colour_bar(page, panels)
+    return page
 
 
-def draw_fourier(comparisons: dict[tuple[str, str], Comparison], path: Path) -> None:
+def of_fourier(comparisons: dict[tuple[str, str], Comparison]) -> Figure:
     """The Fourier baseline beside the pseudo-inverse: 1a, the same further away, and 2a."""
     places = {"1a": "1a", "1a far": f"1a at {1e3 * fourier.FAR:.0f} mm", "2a": "2a"}
-    figure = new_figure(13.2, 7.4)
-    panels: Panel = figure.subplots(len(experiment.PATTERNS), 1 + 2 * len(places))
+    page = figure(13.2, 7.4)
+    panels: Panel = page.subplots(len(experiment.PATTERNS), 1 + 2 * len(places))
     top = max(max(c.maximum, c.pseudo_inverse.maximum) for c in comparisons.values())
     for row, name in zip(panels, experiment.PATTERNS, strict=True):
         draw_map(row[0], experiment.pattern(name), "1", top)
@@ -91,26 +88,26 @@ def draw_fourier(comparisons: dict[tuple[str, str], Comparison], path: Path) -> 
         ):
             panel.set_title(f"{place}\n{method}\n{panel.get_title()}", fontsize=9)
     inner(panels[:-1].flat)
-    colour_bar(figure, list(panels.flat))
-    save(figure, path)
+    colour_bar(page, list(panels.flat))
+    return page
 
 
-def draw_focus(spot: Focus, widths: list[Width], path: Path) -> None:
+def of_focus(spot: Focus, widths: list[Width]) -> Figure:
     """Figure 3: radiation pressure around the focus, and its profiles with their widths."""
-    figure = new_figure(11.0, 4.4)
+    page = figure(11.0, 4.4)
     plane: Panel
-    plane, *profiles = figure.subplots(1, 3, width_ratios=[1.25, 1.0, 1.0])
+    plane, *profiles = page.subplots(1, 3, width_ratios=[1.25, 1.0, 1.0])
     s = np.linspace(-0.04, 0.04, 241)  # [m]
     X, Y = np.meshgrid(s, s)
     P = spot.radiation_pressure(X, Y)  # [Pa]
     image = plane.imshow(P, origin="lower", extent=(-40, 40, -40, 40), cmap=MAP, vmin=0.0)
     plane.set(xlabel="x [mm]", ylabel="y [mm]", title=f"focus at {1e3 * spot.distance:.0f} mm")
-    figure.colorbar(image, ax=plane, label="radiation pressure [Pa]", shrink=0.8)
+    page.colorbar(image, ax=plane, label="radiation pressure [Pa]", shrink=0.8)
     middle = len(s) // 2
     for panel, width, profile in zip(profiles, widths, (P[middle], P[:, middle]), strict=True):
         _profile(panel, width, s, profile)
     profiles[0].set_ylabel("radiation pressure [Pa]")
-    save(figure, path)
+    return page
 
 
 def _profile(panel: Panel, width: Width, s: Floats, P: Floats) -> None:

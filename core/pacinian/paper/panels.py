@@ -1,27 +1,17 @@
-"""What the figures are made of: an empty figure, one map, one layout, a colour bar."""
+"""What the figures are made of: one map, one layout, a colour bar."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pacinian.errors import MissingExtra
 from pacinian.paper import experiment
-
-try:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-except ImportError as error:
-    raise MissingExtra("matplotlib", "plot") from error
+from pacinian.plot.style import BLUE, MAP, RED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
+    from pacinian.plot.style import Panel
     from pacinian.types import Floats
-
-Panel = Any  # Matplotlib's axes: its stubs leave too much open
-BLUE, RED, GREY = "#0072b2", "#d55e00", "0.55"
-MAP = "viridis"
 
 
 def layout(panel: Panel, name: str) -> None:
@@ -70,19 +60,7 @@ def score(correlation: float, maximum: float) -> str:
     return f"corr. {correlation:.2f}, max {maximum:.2f}"
 
 
-def new_figure(width: float, height: float) -> Any:
-    """An empty figure, width and height in inches, that needs no display."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def colour_bar(figure: Any, panels: list[Panel]) -> None:
     """One colour bar for all panels."""
     label = "|p| / target amplitude"
     figure.colorbar(panels[0].images[0], ax=panels, label=label, shrink=0.6, aspect=35, pad=0.01)
-
-
-def save(figure: Any, path: Path) -> None:
-    """Write the figure to `path`."""
-    figure.savefig(path, dpi=130)

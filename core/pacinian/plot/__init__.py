@@ -1,9 +1,8 @@
-"""Pictures. Needs Matplotlib: `pip install "pacinian[plot]"`; works without a display."""
+"""Pictures. Needs Matplotlib: `pip install "pacinian[plot]"`; works without a display.
 
-from __future__ import annotations
+The table of contents is `__init__.pyi`, beside this file; a name is loaded when it is first used.
+"""
 
-from pacinian.plot.page import figure, save
-from pacinian.plot.planes import slices
-from pacinian.plot.scenes import scene
+import lazy_loader
 
-__all__ = ["figure", "save", "scene", "slices"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

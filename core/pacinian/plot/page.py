@@ -1,33 +1,70 @@
-"""A figure, and the file it goes to."""
+"""A figure, its panels, and the file it goes to."""
 
 from __future__ import annotations
 
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pacinian.errors import MissingExtra
+from pacinian.errors import ArgumentError, MissingExtra
+from pacinian.plot.style import COLUMN
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
 
+    from pacinian.plot.style import Panel
+
 DPI = 130
+FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}  # text stays text
 
 
-def figure(width: float, height: float) -> Figure:
-    """An empty figure, width x height [inch]. Raises MissingExtra."""
+def require() -> type[Figure]:
+    """Matplotlib's figure. Raises MissingExtra where there is none."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtra("matplotlib", "plot") from error
-    return Figure(figsize=(width, height), layout="constrained")
+    return Figure
+
+
+def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
+    """An empty figure, width x height [inch]; notebooks show it. Raises MissingExtra."""
+    require()
+    from pacinian.plot.shown import Shown
+
+    return Shown(figsize=(width, height), layout="constrained", dpi=DPI)
+
+
+def panels(
+    ax: Panel | Sequence[Panel] | None, heights: Sequence[float]
+) -> tuple[Figure, list[Panel], bool]:
+    """The axes to draw into, one for each height [inch]; their figure, and whether it is ours to dress.
+
+    ax: one, or as many as there are heights; None for a new figure of a paper's column. Raises ArgumentError.
+    """
+    count = len(heights)
+    if ax is None:
+        page = figure(COLUMN, sum(heights))
+        made = page.subplots(count, 1, height_ratios=list(heights), squeeze=False)
+        return page, list(made.flat), True
+    given: list[Panel] = list(ax) if hasattr(ax, "__iter__") else [ax]
+    if len(given) != count or not all(hasattr(one, "imshow") for one in given):
+        raise ArgumentError("ax", f"must be Matplotlib's axes, {count} of them")
+    return given[0].get_figure(root=True), given, False
 
 
 def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
-    """Write a figure to a file (PNG by its name); a PNG with so many colours only is a third as large."""
+    """Write a figure to a file, of the kind that its name says: .pdf, .svg, .png, ...
+
+    Text in vector files stays text. colours: of a PNG; with few of them it is a third as large.
+    """
+    from matplotlib import rc_context
+
     if colours is None:
-        page.savefig(path, dpi=DPI)
+        with rc_context(FONTS):
+            page.savefig(path, dpi=DPI)
         return
     from PIL import Image
 

@@ -1,4 +1,4 @@
-"""The field in two planes: radiation pressure across and along the way of the sound."""
+"""Planes through a field: where they lie, and how they are drawn."""
 
 from __future__ import annotations
 
@@ -7,124 +7,156 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
-from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.acoustics.propagation import field
-from pacinian.plot.page import figure
+from pacinian.acoustics.pose import Pose
+from pacinian.checks import length, numbers
+from pacinian.errors import ArgumentError
+from pacinian.plot.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from matplotlib.figure import Figure
-
     from pacinian.acoustics.array import Array
-    from pacinian.types import Floats, Gains
+    from pacinian.plot.style import Panel
+    from pacinian.types import ArrayLike, Floats
 
-Panel = Any  # Matplotlib's axes: its stubs leave too much open
-
-GRID = 240  # points along an edge of a slice
-MAP = "viridis"
+GRID = 240  # points along the longer edge
 MARGIN, ALONE = 0.03, 0.08  # [m] around the samples, and where there are none
-BESIDE = 0.012  # [m] from the vertical plane: only samples so near are marked in it
+BESIDE = 0.012  # [m] from a plane: only samples so near are marked in it
 AHEAD = 0.2  # [m] before the array: looked at where there is no sample
+BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
+AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The field in a plane, or its mean over several moments.
+    """A rectangle in space.
 
-    points: (GRID, GRID, 3) [m]. pressure: radiation pressure on skin, (GRID, GRID) [Pa]. axes: which of x,
-    y, z runs to the right and which up; height: of the third [m].
+    points: (rows, columns, 3) [m]. u, v: coordinates along its columns and rows [m]. axes: which of x, y,
+    z run to the right and up; None where a pose says where it is. height: of the third [m].
     """
 
     points: Floats
-    pressure: Floats
-    axes: tuple[int, int]
-    height: float
+    u: Floats
+    v: Floats
+    axes: tuple[int, int] | None = None
+    height: float = 0.0
 
     @property
-    def sides(self) -> Floats:
-        """Left, right, bottom and top [m]."""
-        i, j = self.axes
-        first, last = self.points[0, 0], self.points[-1, -1]
-        return np.array([first[i], last[i], first[j], last[j]])
+    def sides(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top [m], half a step beyond the outer points."""
+        ends: list[float] = []
+        for along in (self.u, self.v):
+            half = (along[1] - along[0]) / 2.0
+            ends += [float(along[0] - half), float(along[-1] + half)]
+        return ends[0], ends[1], ends[2], ends[3]
 
+    @property
+    def ratio(self) -> float:
+        """Width over height."""
+        left, right, bottom, top = self.sides
+        return (right - left) / (top - bottom)
 
-def planes(array: Array, gains: Gains, points: Floats, medium: Air) -> tuple[Plane, Plane]:
-    """A horizontal plane at the points' mean height, and a vertical one through the strongest of them.
+    @property
+    def labels(self) -> tuple[str, str]:
+        """Of its axes."""
+        names = ("u", "v") if self.axes is None else ("xyz"[self.axes[0]], "xyz"[self.axes[1]])
+        return f"{names[0]} [mm]", f"{names[1]} [mm]"
 
-    gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
-    """
-    rows = np.atleast_2d(gains)
+    @property
+    def place(self) -> str:
+        """Where it lies, where one number says that."""
+        if self.axes is None:
+            return ""
+        height = round(1e3 * self.height) + 0.0  # not -0
+        return f"{'xyz'[3 - sum(self.axes)]} = {height:.0f} mm"
 
-    def pressure(at: Floats) -> Floats:
-        parts = [radiation_pressure(field(array, g, at, medium), medium) for g in rows]
-        return np.asarray(np.mean(parts, axis=0))
-
-    middle, reach = middle_of(array, points), ALONE
-    y = middle[1]
-    if len(points):
-        reach = MARGIN + float(np.abs(points - middle).max())  # [m]
-        y = points[pressure(points).argmax(), 1]
-    u = np.linspace(-reach, reach, GRID)
-    bottom = min(0.005 + array.positions[:, 2].max(), middle[2] - reach)
-    z = np.linspace(bottom, middle[2] + reach, GRID)
-    X, Y = np.meshgrid(middle[0] + u, middle[1] + u)
-    across = np.stack([X, Y, np.full_like(X, middle[2])], axis=-1)
-    X, Z = np.meshgrid(middle[0] + u, z)
-    along = np.stack([X, np.full_like(X, y), Z], axis=-1)
-    return (
-        Plane(across, pressure(across), (0, 1), float(middle[2])),
-        Plane(along, pressure(along), (0, 2), float(y)),
-    )
+    def near(self, points: Floats) -> Floats:
+        """Those of points (M, 3) [m] that are near to it: their coordinates in it, (K, 2) [m]."""
+        corner, right, up = self.points[0, 0], self.points[0, -1], self.points[-1, 0]
+        x, y = (right - corner) / _size(right - corner), (up - corner) / _size(up - corner)
+        away = points - corner
+        kept = away[np.abs(away @ np.cross(x, y)) < BESIDE]
+        return np.stack([self.u[0] + kept @ x, self.v[0] + kept @ y], axis=-1)
 
 
 def middle_of(array: Array, points: Floats) -> Floats:
     """The middle of what is looked at, (3,) [m]: of points, (M, 3), if there are any."""
     if len(points):
         return np.asarray(points.mean(axis=0))
-    return np.asarray(array.centre + np.array([0.0, 0.0, AHEAD]))
+    return np.asarray(array.centre + AHEAD * _facing(array))
 
 
-def slices(
-    array: Array, gains: Gains, points: Floats, medium: Air | None = None, title: str = ""
-) -> Figure:
-    """Radiation pressure on skin in the two planes through the points that tell most.
+def cut(
+    array: Array,
+    through: str | Pose,
+    at: ArrayLike | None,
+    points: Floats,
+    size: float | tuple[float, float] | None,
+) -> Plane:
+    """The plane "xy", "xz" or "yz" through a point [m], or the xy-plane of a pose.
 
-    A horizontal slice at the points' mean height and a vertical one through the strongest of them.
-    array, gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
-    Raises MissingExtra.
+    at: (3,); the middle of the points, (M, 3) [m], unless given. size: of a square, or width and height [m]; unless
+    given what holds the points, and for "xz" and "yz" before an array below all that is between.
+    Raises ArgumentError.
     """
-    cuts = planes(array, gains, points, medium or Air())
-    narrow = ratio(cuts)
-    page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
-    show(page, page.subplots(1, 2, width_ratios=[1.0, narrow]), cuts, points)
-    if title:
-        page.suptitle(title)
-    return page
+    middle = middle_of(array, points) if at is None else numbers("at", at, (3,))
+    reach = MARGIN + float(np.abs(points - middle).max()) if len(points) else ALONE
+    half = np.array([reach, reach])
+    if size is not None:
+        sides = [length("size", side) for side in np.atleast_1d(size).tolist()]
+        if len(sides) not in (1, 2):
+            raise ArgumentError("size", f"must be one length or two [m], not {size!r}")
+        half = np.array([sides[0], sides[-1]]) / 2.0
+    if isinstance(through, Pose):
+        if at is not None:
+            raise ArgumentError("at", "must be left out: the pose says where the plane is")
+        u, v = _steps(-half, half)
+        U, V = np.meshgrid(u, v)
+        return Plane(through.points(np.stack([U, V, 0.0 * U], axis=-1)), u, v)
+    if through not in AXES:
+        raise ArgumentError("plane", f'must be "xy", "xz", "yz" or a Pose, not {through!r}')
+    i, j = AXES[through]
+    low, high = middle[[i, j]] - half, middle[[i, j]] + half
+    if size is None and j == 2:
+        low[1] = min(low[1], max(array.positions[:, 2].max() + BEFORE, low[1] - 2.0 * AHEAD))
+    u, v = _steps(low, high)
+    U, V = np.meshgrid(u, v)
+    where = np.empty((*U.shape, 3))
+    where[..., i], where[..., j], where[..., 3 - i - j] = U, V, middle[3 - i - j]
+    return Plane(where, u, v, (i, j), float(middle[3 - i - j]))
 
 
-def ratio(cuts: Sequence[Plane]) -> float:
-    """Width of the vertical one over that of the horizontal one, where both are equally high."""
-    left, right, bottom, top = cuts[1].sides
-    return float((right - left) / (top - bottom))
+def draw(panel: Panel, plane: Plane, found: Floats, show: str, ends: tuple[float, float]) -> Any:
+    """Draw a plane's values (rows, columns) in axes, colours from end to end; return the image."""
+    image = panel.imshow(
+        np.maximum(found, ends[0]), origin="lower", extent=tuple(1e3 * side for side in plane.sides),
+        cmap=QUANTITIES[show].colours, vmin=ends[0], vmax=ends[1],
+        interpolation="nearest" if show == "phase" else None, interpolation_stage="data",
+    )  # fmt: skip
+    panel.set(xlabel=plane.labels[0], ylabel=plane.labels[1], title=plane.place)
+    return image
 
 
-def show(page: Any, panels: Sequence[Panel], cuts: Sequence[Plane], points: Floats) -> None:
-    """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m]."""
-    most = max(float(cut.pressure.max()) for cut in cuts) or 1.0
-    image = None
-    for panel, cut in zip(panels, cuts, strict=True):
-        i, j = cut.axes
-        image = panel.imshow(
-            cut.pressure, origin="lower", extent=tuple(1e3 * cut.sides), cmap=MAP, vmin=0.0,
-            vmax=most,
-        )  # fmt: skip
-        panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]")
-        panel.set_title(f"{'xyz'[3 - i - j]} = {1e3 * cut.height:.0f} mm")
-        near = np.abs(points[:, 1] - cut.height) < BESIDE if j == 2 else np.ones(len(points), bool)
-        x, y = 1e3 * points[near][:, [i, j]].T
-        panel.plot(x, y, "o", mfc="none", mec="white", ms=5, mew=0.8, label="samples")
-    if len(points):
-        panels[0].legend(loc="upper right", framealpha=0.5)
-    page.colorbar(image, ax=list(panels), label="radiation pressure on skin [Pa]")
+def mark(panel: Panel, places: Floats, colour: str) -> None:
+    """Mark samples at places (K, 2) [m], without a change of the axes' limits."""
+    limits = panel.get_xlim(), panel.get_ylim()
+    panel.plot(*(1e3 * places.T), "o", mfc="none", mec=colour, ms=5, mew=0.8, label="samples")
+    panel.set(xlim=limits[0], ylim=limits[1])
+
+
+def _facing(array: Array) -> Floats:
+    """Where most of an array points, (3,); +z where it points everywhere alike."""
+    mean = array.normals.mean(axis=0)
+    size = _size(mean)
+    return np.asarray(mean / size) if size > 1e-6 else np.array([0.0, 0.0, 1.0])
+
+
+def _steps(low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Coordinates from corner to corner, (2,) [m] each, with equal steps along both."""
+    step = float((high - low).max()) / (GRID - 1)
+    return (
+        np.linspace(low[0], high[0], max(2, round((high[0] - low[0]) / step) + 1)),
+        np.linspace(low[1], high[1], max(2, round((high[1] - low[1]) / step) + 1)),
+    )
+
+
+def _size(v: Floats) -> float:
+    return float(np.sqrt(v @ v))

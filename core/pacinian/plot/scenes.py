@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
+from pacinian.plot.fields import crossed, draw_both
 from pacinian.plot.page import figure
-from pacinian.plot.planes import middle_of, planes, ratio, show
+from pacinian.plot.planes import middle_of
 from pacinian.plot.space import Discs, View, array_of, skin, thing, towards
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
@@ -17,9 +17,11 @@ from pacinian.scene.shapes.kinds import distance
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.pose import Pose
-    from pacinian.plot.planes import Panel, Plane
+    from pacinian.plot.planes import Plane
+    from pacinian.plot.style import Panel
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
@@ -50,16 +52,16 @@ def scene(
     samples: what was asked. gains: (N,), or (K, N) for the field's mean over K moments. The field is that of
     free air; lines are the outlines of hands, and where objects cross the planes. Raises MissingExtra.
     """
-    cuts = planes(array, gains, samples.positions, medium or Air())
-    narrow = ratio(cuts)
+    both = crossed(array, gains, samples.positions, medium)
+    narrow = both[1][0].ratio
     page = figure(max(NARROWEST, 1.6 + 4.2 * (1.0 + narrow)), 8.4)
     parts: Any = page.subfigures(2, 1, height_ratios=[3.7, 4.7])
     upper, lower = parts
     views = _views(upper, array, scene, samples, t)
     panels = lower.subplots(1, 2, width_ratios=[1.0, narrow])
-    show(lower, panels, cuts, samples.positions)
-    for panel, cut in zip(panels, cuts, strict=True):
-        _outlines(panel, cut, scene, t)
+    draw_both(lower, array, panels, both, samples.positions, medium)
+    for panel, (plane, _) in zip(panels, both, strict=True):
+        _outlines(panel, plane, scene, t)
     if title:
         page.suptitle(title)
     page.draw_without_rendering()
@@ -100,35 +102,34 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     return views
 
 
-def _outlines(panel: Panel, cut: Plane, scene: Scene, t: float) -> None:
-    points = np.ascontiguousarray(cut.points.reshape(-1, 3))
+def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
+    points = np.ascontiguousarray(plane.points.reshape(-1, 3))
     for hand in scene.hands:
         if not hand.lost and hand.joints is not None:
-            _line(panel, cut, _outline(hand, cut, points), WHITE, "-")
+            _line(panel, plane, _outline(hand, plane, points), WHITE, "-")
     for item in scene.objects:
         if isinstance(item, Body):
             pose = _pose(item, t)
             local = np.ascontiguousarray((points - pose.position) @ pose.matrix)
             if np.sqrt((local * local).sum(axis=1)).min() < item.reach:
-                _line(panel, cut, distance(item.shape, local, np.inf, np.inf), BLUE, "--")
+                _line(panel, plane, distance(item.shape, local, np.inf, np.inf), BLUE, "--")
 
 
-def _outline(hand: Hand, cut: Plane, points: Floats) -> Floats:
+def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
     """Distance to a hand: across the way of the sound to its shadow, along it to where it is cut."""
     capsules = flesh.capsules(hand)
-    if cut.axes == (0, 1):
-        capsules[:, [2, 5]] = cut.height
+    if plane.axes == (0, 1):
+        capsules[:, [2, 5]] = plane.height
     return flesh.distance_to_skin(capsules, points)
 
 
-def _line(panel: Panel, cut: Plane, d: Floats, colour: str, style: str) -> None:
+def _line(panel: Panel, plane: Plane, d: Floats, colour: str, style: str) -> None:
     """Draw where d, (GRID * GRID,) [m], is 0."""
     if d.min() < 0.0 < d.max():
-        i, j = cut.axes
-        x, y = 1e3 * cut.points[..., i], 1e3 * cut.points[..., j]
         panel.contour(
-            x, y, d.reshape(x.shape), [0.0], colors=colour, linestyles=style, linewidths=0.9
-        )
+            1e3 * plane.u, 1e3 * plane.v, d.reshape(len(plane.v), len(plane.u)), [0.0],
+            colors=colour, linestyles=style, linewidths=0.9,
+        )  # fmt: skip
 
 
 def _pose(item: Object, t: float) -> Pose:

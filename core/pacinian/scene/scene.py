@@ -15,6 +15,7 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import kind
 from pacinian.errors import ArgumentError
+from pacinian.notebook import MOST, Card, card
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import LATEST, STILL
 from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Flags, Floats
 
+DRAWN = 500  # objects in a notebook's small picture
 KINDS = Point, Path, Particles, Surface, Volume
 
 
@@ -130,11 +132,46 @@ class Scene:
         """When the last of its objects stands still, unless updated [s], or a moment after."""
         return max(map(_until, self.objects), default=-math.inf)
 
+    @card
+    def _repr_html_(self) -> Card:
+        box = self.workspace
+        rows = {
+            "hands": ", ".join(h.name + " (lost)" * h.lost for h in self.hands) or "none",
+            "workspace": "everywhere" if box is None else f"{box.lower} to {box.upper} m",
+        }
+        head = "name", "what", "position [mm]", "pressure [Pa]"
+        table = [
+            (i.name or "-", _kind(i), _place(i), f"{i.pressure:.3g}") for i in self.objects[:MOST]
+        ]
+        count = len(self.objects)
+        draw = self._draw if count or self.hands else None
+        return Card(f"Scene of {count} objects", rows, [head, *table], count, draw)
+
+    def _draw(self, panel: Any) -> None:
+        """From the side: what holds each object, and the hands' joints."""
+        from matplotlib.patches import Circle
+
+        for x, _, z, *_, radius in 1e3 * self.bounds[:DRAWN]:
+            panel.add_patch(Circle((x, z), max(radius, 2.0), alpha=0.5))
+        for hand in self.hands:
+            if not hand.lost:
+                panel.plot(*(1e3 * hand.carriers[:, [0, 2]].T), ".", color="tab:orange", ms=2)
+        panel.autoscale_view()
+        panel.set(xlabel="x [mm]", ylabel="z [mm]", aspect="equal", adjustable="datalim")
+
     def _with(self, objects: tuple[Object, ...], **cached: Any) -> Scene:
         """This scene with other objects, all checked already."""
         made = object.__new__(Scene)
         made.__dict__.update(objects=objects, workspace=self.workspace, hands=self.hands, **cached)
         return made
+
+
+def _kind(item: Object) -> str:
+    return type(item).__name__.lower()
+
+
+def _place(item: Object) -> str:
+    return " ".join(f"{1e3 * v:.0f}" for v in item.pose.position)
 
 
 def _bounds(objects: Iterable[Object]) -> Floats:

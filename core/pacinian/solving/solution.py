@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -130,6 +132,31 @@ class Solution:
             f"{len(self.sound_pressure)} points, {len(self.gains)} gains, "
             f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
         )
+
+    @card
+    def _repr_html_(self) -> Card:
+        rows = {
+            "status": f"{self.status.name}: {self.status.advice}",
+            "error": f"{100.0 * self.error:.2g} %; of the proportions {100.0 * self.shape_error:.2g} %",
+            "points": len(self.sound_pressure),
+            "transducers": f"{len(self.gains)}, {self.saturation:.0%} at their limit",
+            "iterations": self.iterations,
+            "time": f"{1e3 * self.seconds:.2f} ms",
+        }
+        if not math.isnan(self.gap):
+            rows["proof"] = f"objective {self.objective:.4g} Pa², optimum at least {self.bound:.4g}"
+        rows |= {f"broken: {name}": f"by {by:.2%}" for name, by in self.violations.items()}
+        rows |= {"note": self.note} if self.note else {}
+        draw = self._draw if len(self.sound_pressure) else None
+        return Card(f"Solution by {self.solver}", rows, draw=draw)
+
+    def _draw(self, panel: Any) -> None:
+        """What was asked, and what is achieved."""
+        panel.plot(self.targets.amplitudes, "o", mfc="none", ms=5, label="asked")
+        panel.plot(np.abs(self.sound_pressure), ".", ms=4, label="achieved")
+        panel.set(xlabel="point", ylabel="sound pressure [Pa]")
+        panel.set_ylim(bottom=0.0)
+        panel.legend(fontsize=6)
 
 
 def _ratio(part: Complexes, whole: Complexes | Floats) -> float:

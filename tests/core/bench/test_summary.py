@@ -7,16 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from matplotlib.text import Text
 from rich.console import Console
 
 from pacinian.bench import plots, report, tables
-from pacinian.bench.labels import label
 from pacinian.bench.process import Worker
 from pacinian.bench.rows import Row
 from pacinian.bench.summary import cells, fastest, growth
 from pacinian.bench.targets import TARGETS, verdicts
-from pacinian.plot import figure
 
 SIZES = [(249, 4), (249, 64), (2241, 4), (2241, 64)]
 
@@ -174,15 +171,3 @@ def test_nothing_measured_is_no_picture(tmp_path: Path) -> None:
     failed = replace(row("pacinian", "auto", 249, 4, 1.0), status="failed: x")
     assert plots.draw(cells([failed]), tmp_path) == []
     assert plots.draw([], tmp_path) == []
-
-
-def test_labels_keep_out_of_each_others_way() -> None:
-    page = figure(6.0, 4.0)
-    panel = page.subplots()
-    panel.set(xlim=(0, 1), ylim=(0, 1))
-    page.draw_without_rendering()
-    label(panel, [(f"solver {n}", 0.5, 0.5 + 1e-3 * n, "black") for n in range(8)], [(0.6, 0.5)])
-    page.draw_without_rendering()
-    boxes = [Text.get_window_extent(text) for text in panel.texts]  # without their leaders
-    assert len(boxes) == 8
-    assert not any(a.overlaps(b) for n, a in enumerate(boxes) for b in boxes[:n])

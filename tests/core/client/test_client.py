@@ -46,7 +46,12 @@ def test_hello_says_who_is_there_and_welcome_is_told(server: Fake) -> None:
     with pc.Client(server.connection, name="game", scene="hall", lease=0.1) as client:
         assert (client.scene, client.lease, client.connected) == ("hall", 0.1, True)
     hello, bye = server.seen
-    assert (hello.client, hello.scene, hello.lease, hello.protocol) == ("game", "hall", 0.1, (MAJOR, MINOR))
+    assert (hello.client, hello.scene, hello.lease, hello.protocol) == (
+        "game",
+        "hall",
+        0.1,
+        (MAJOR, MINOR),
+    )
     assert hello.version == importlib.metadata.version("pacinian")
     assert isinstance(bye, control.Bye)
 

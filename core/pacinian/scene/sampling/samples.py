@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
@@ -41,6 +43,22 @@ class Samples:
     def force(self) -> float:
         """What all of them press with [N]."""
         return float(self.radiation_pressure @ self.area)
+
+    @card
+    def _repr_html_(self) -> Card:
+        P, items = self.radiation_pressure, len(set(self.objects.tolist()))
+        rows = {"objects felt": items, "force": f"{1e3 * self.force:.3g} mN"}
+        rows |= {"pressure": f"{P.min():.3g} to {P.max():.3g} Pa"} if len(self) else {}
+        return Card(f"{len(self)} samples", rows, draw=self._draw if len(self) else None)
+
+    def _draw(self, panel: Any) -> None:
+        """Where they are, from above, and how strong."""
+        x, y, _ = 1e3 * self.positions.T
+        marks = panel.scatter(x, y, c=self.radiation_pressure, s=6, vmin=0.0)
+        bar = panel.figure.colorbar(marks)
+        bar.set_label("[Pa]", fontsize=7)
+        bar.ax.tick_params(labelsize=6)
+        panel.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal", adjustable="datalim")
 
     def only(self, kept: Flags | Indices) -> Samples:
         """Those samples: flags, (M,), or indices in the order wanted."""
