@@ -1,0 +1,92 @@
+"""What a notebook shows of an object: a short table, and a small picture where Matplotlib is installed."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import dataclass
+from functools import wraps
+from html import escape
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+T = TypeVar("T")
+
+MOST = 20  # rows of a table
+WIDTH, HEIGHT, DPI = 2.6, 1.9, 160  # [inch], [1/inch]
+SHOWN = 100  # [1/inch] at which a notebook shows the picture
+LEFT = 'style="text-align:left"'
+
+
+@dataclass(frozen=True)
+class Card:
+    """A title; rows of names and values; a table, and what draws a small picture into axes.
+
+    table: its header, and the first `MOST` of its rows. count: how many it has in all.
+    """
+
+    title: str
+    rows: Mapping[str, object]
+    table: Sequence[Sequence[object]] = ()
+    count: int = 0
+    draw: Callable[[Any], object] | None = None
+
+    def html(self) -> str:
+        """Nothing in it is taken for HTML."""
+        rows = "".join(f"<tr>{_cell('th', k)}{_cell('td', v)}</tr>" for k, v in self.rows.items())
+        text = f"<b>{escape(self.title)}</b><table>{rows}</table>{self._table()}"
+        picture = "" if self.draw is None else _picture(self.draw)
+        return (
+            f'<div style="display:flex;gap:1em;align-items:start"><div>{text}</div>{picture}</div>'
+        )
+
+    def _table(self) -> str:
+        if not self.count:
+            return ""
+        head, *rows = self.table
+        more = self.count - MOST
+        rest = f"<p>and {more} more</p>" if more > 0 else ""
+        body = "".join(_row("td", row) for row in rows[:MOST])
+        return f"<table><thead>{_row('th', head)}</thead><tbody>{body}</tbody></table>{rest}"
+
+
+def card(make: Callable[[T], Card]) -> Callable[[T], str | None]:
+    """A `_repr_html_` of what makes a card; where that fails, notebooks show the plain text."""
+
+    @wraps(make)
+    def shown(self: T) -> str | None:
+        try:
+            return make(self).html()
+        except Exception:
+            return None
+
+    return shown
+
+
+def _row(kind: str, cells: Iterable[object]) -> str:
+    return f"<tr>{''.join(_cell(kind, cell) for cell in cells)}</tr>"
+
+
+def _cell(kind: str, value: object) -> str:
+    return f"<{kind} {LEFT}>{escape(str(value))}</{kind}>"
+
+
+def _picture(draw: Callable[[Any], object]) -> str:
+    """A small picture in the page itself; none without Matplotlib."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        return ""
+    page = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+    panel = page.subplots()
+    draw(panel)
+    panel.tick_params(labelsize=6)
+    for text in (panel.xaxis.label, panel.yaxis.label):
+        text.set_fontsize(7)
+    buffer = BytesIO()
+    page.savefig(buffer, format="png", dpi=DPI)
+    data = b64encode(buffer.getvalue()).decode()
+    size = f'width="{WIDTH * SHOWN:.0f}" height="{HEIGHT * SHOWN:.0f}"'
+    return f'<img alt="" {size} src="data:image/png;base64,{data}">'

@@ -1,0 +1,115 @@
+"""What an array is driven with: the phase and the amplitude of each transducer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+
+from pacinian.errors import ArgumentError
+from pacinian.plot.page import panels
+from pacinian.plot.style import COLUMN, CYCLIC, MAP, bar, dress
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.acoustics.array import Array
+    from pacinian.plot.style import Panel
+    from pacinian.types import ArrayLike, Complexes, Floats
+
+Part = Literal["phase", "amplitude"]
+
+BESIDE, BELOW = 1.1, 0.4  # [inch] for labels and colour bar; for labels
+SHORTEST, TALLEST = 1.3, 4.0  # [inch]
+WIDE = 0.01  # [m] across, a transducer, or the way to the next if that is less
+OFF = "0.85"  # colour of what is silent
+LABELS = {"phase": "phase [rad]", "amplitude": "amplitude |g| (1: full drive)"}
+
+
+def drive(
+    array: Array,
+    gains: ArrayLike,
+    show: Part | None = None,
+    *,
+    ax: Axes | Sequence[Axes] | None = None,
+) -> Figure:
+    """Phase and amplitude of each transducer; grey where it is silent.
+
+    gains: (N,). show: "phase" [rad] or "amplitude" only. ax: to draw into, as many as are shown. Seen along the
+    axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
+    """
+    if show is not None and show not in get_args(Part):
+        raise ArgumentError("show", f'must be "phase" or "amplitude", not {show!r}')
+    parts = get_args(Part) if show is None else (show,)
+    g = _gains(array, gains)
+    i, j = across(array)
+    r = array.positions[:, [i, j]]
+    low, high = r.min(axis=0) - WIDE, r.max(axis=0) + WIDE
+    tall = float((high - low)[1] / (high - low)[0])
+    height = float(np.clip(BELOW + (COLUMN - BESIDE) * tall, SHORTEST, TALLEST))
+    page, axes, ours = panels(ax, [height] * len(parts))
+    for panel, part in zip(axes, parts, strict=True):
+        marks = _marks(panel, array, g, part, (i, j))
+        panel.set(xlim=1e3 * np.array([low[0], high[0]]), ylim=1e3 * np.array([low[1], high[1]]))
+        panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]", aspect="equal")
+        bar(page, marks, panel, LABELS[part])
+    return dress(page) if ours else page
+
+
+def across(array: Array) -> tuple[int, int]:
+    """Which two of x, y, z run across an array: not the one that most transducers face."""
+    along = int(np.abs(array.normals).mean(axis=0).argmax())
+    i, j = (k for k in range(3) if k != along)
+    return i, j
+
+
+def _gains(array: Array, gains: ArrayLike) -> Complexes:
+    g = np.asarray(gains)
+    if g.shape != (len(array),) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
+        raise ArgumentError(
+            "gains", f"must be {len(array)} finite numbers, not {g.shape} {g.dtype}"
+        )
+    return g.astype(np.complex128)
+
+
+def _marks(panel: Panel, array: Array, g: Complexes, part: str, axes: tuple[int, int]) -> Any:
+    """A disc for each transducer, of its size; return what is coloured."""
+    from matplotlib.collections import EllipseCollection
+
+    along = 3 - sum(axes)
+    order = np.argsort(array.positions[:, along], kind="stable")
+    if array.normals[:, along].sum() < 0.0:
+        order = order[::-1]
+    r, g, size = array.positions[order][:, list(axes)], g[order], np.abs(g[order])
+    d = 1e3 * min(WIDE, _pitch(array.positions))
+    discs: Any = EllipseCollection(
+        [d], [d], [0.0], units="xy", offsets=1e3 * r, offset_transform=panel.transData, linewidths=0
+    )
+    discs.set_array(np.ma.masked_where((size == 0.0) & (part == "phase"), _value(g, part)))
+    discs.set_cmap(_colours(part))
+    discs.set_clim(*((-np.pi, np.pi) if part == "phase" else (0.0, float(size.max()) or 1.0)))
+    panel.add_collection(discs)
+    return discs
+
+
+def _value(g: Complexes, part: str) -> Floats:
+    return np.asarray(np.angle(g) if part == "phase" else np.abs(g), np.float64)
+
+
+def _colours(part: str) -> Any:
+    from matplotlib import colormaps
+
+    return colormaps[CYCLIC if part == "phase" else MAP].with_extremes(bad=OFF)
+
+
+def _pitch(positions: Floats) -> float:
+    """From a transducer to the nearest other, for most of them [m]."""
+    from scipy.spatial import KDTree
+
+    if len(positions) < 2:
+        return WIDE
+    near = np.asarray(KDTree(positions).query(positions, 2)[0])[:, 1]
+    return float(np.median(near)) or WIDE

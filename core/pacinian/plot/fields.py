@@ -1,0 +1,123 @@
+"""The field in planes: any one, or the two that tell most."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.checks import kind, numbers
+from pacinian.plot.page import figure, panels
+from pacinian.plot.planes import cut, draw, mark, middle_of
+from pacinian.plot.quantities import QUANTITIES, clear, limits, values
+from pacinian.plot.style import COLUMN, bar, dress
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Pose
+    from pacinian.plot.planes import Plane
+    from pacinian.plot.quantities import Show
+    from pacinian.plot.style import Panel
+    from pacinian.types import ArrayLike, Floats
+
+NONE = np.empty((0, 3))
+LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
+TALLEST = 5.0  # [inch]
+FLAT = 1.5  # width over height, from which a colour bar is below
+
+
+def field(
+    array: Array,
+    gains: ArrayLike,
+    plane: str | Pose = "xz",
+    at: ArrayLike | None = None,
+    *,
+    show: Show = "radiation",
+    points: ArrayLike = NONE,
+    size: float | tuple[float, float] | None = None,
+    medium: Air | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """A slice of the field, with its colour bar.
+
+    array, gains: (N,), or (K, N) for the mean power over K moments. plane: "xy", "xz" or "yz" through `at`, (3,) [m],
+    or a pose, whose xy-plane it is. show: "radiation" pressure on skin [Pa], sound "pressure" [Pa], its "level"
+    [dB re 20 µPa], or "phase" [rad]. points: marked where they are near, (M, 3) [m]; their middle is `at`, and the
+    slice holds them all, unless given. size: of a square, or width and height [m]. medium: `Air()` unless given.
+    ax: to draw into. Colours end at the most that is farther than a wavelength from the transducers.
+    Raises ArgumentError, MissingExtra.
+    """
+    medium = _air(medium)
+    q = numbers("points", points, (None, 3))
+    where = cut(array, plane, at, q, size)
+    found = values(array, gains, where.points, medium, show)
+    flat = where.ratio > FLAT
+    wide = COLUMN - (LABELS if flat else BESIDE)
+    height = min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / where.ratio)
+    page, (panel,), ours = panels(ax, [height])
+    image = draw(panel, where, found, show, limits(found, clear(array, where.points, medium), show))
+    mark(panel, where.near(q), QUANTITIES[show].marks)
+    bar(page, image, panel, QUANTITIES[show].label, below=flat)
+    return dress(page) if ours else page
+
+
+def slices(
+    array: Array, gains: ArrayLike, points: Floats, medium: Air | None = None, title: str = ""
+) -> Figure:
+    """Radiation pressure on skin in the two planes through the points that tell most.
+
+    A horizontal slice at the points' mean height and a vertical one through the strongest of them.
+    array, gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
+    Raises ArgumentError, MissingExtra.
+    """
+    both = crossed(array, gains, points, medium)
+    narrow = both[1][0].ratio
+    page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
+    draw_both(page, array, page.subplots(1, 2, width_ratios=[1.0, narrow]), both, points, medium)
+    if title:
+        page.suptitle(title)
+    return page
+
+
+def crossed(
+    array: Array, gains: ArrayLike, points: Floats, medium: Air | None
+) -> list[tuple[Plane, Floats]]:
+    """A horizontal plane and a vertical one, as in `slices`, each with its radiation pressure [Pa]."""
+    medium, middle = _air(medium), middle_of(array, points)
+    through = middle.copy()
+    if len(points):
+        strongest = values(array, gains, points, medium, "radiation").argmax()
+        through[1] = points[strongest, 1]
+    both = cut(array, "xy", middle, points, None), cut(array, "xz", through, points, None)
+    return [(plane, values(array, gains, plane.points, medium, "radiation")) for plane in both]
+
+
+def draw_both(
+    page: Any,
+    array: Array,
+    panels: Sequence[Panel],
+    both: Sequence[tuple[Plane, Floats]],
+    points: Floats,
+    medium: Air | None,
+) -> None:
+    """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m]."""
+    medium, image, radiation = _air(medium), None, QUANTITIES["radiation"]
+    tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
+    for panel, (plane, P) in zip(panels, both, strict=True):
+        image = draw(panel, plane, P, "radiation", max(tops))
+        mark(panel, points[:, :2] if plane.axes == (0, 1) else plane.near(points), radiation.marks)
+    if len(points):
+        panels[0].legend(loc="upper right", framealpha=0.5)
+    bar(page, image, list(panels), radiation.label)
+
+
+def _air(medium: Air | None) -> Air:
+    made = Air() if medium is None else medium
+    kind("medium", made, Air)
+    return made

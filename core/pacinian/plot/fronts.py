@@ -1,0 +1,177 @@
+"""Run time against error, of what `pacinian bench` has measured."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from pacinian.errors import ArgumentError, RecordingError
+from pacinian.plot.labels import label
+from pacinian.plot.page import figure, panels
+from pacinian.plot.style import BLUE, GREEN, PINK, RED, SMALL, dress
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.plot.labels import Text
+    from pacinian.plot.style import Panel
+
+REFERENCE = "reference"  # a mode, and a family
+# A colour and a shape for each family.
+STYLES = {
+    "pacinian": (BLUE, "o"),
+    "autd3": (RED, "s"),
+    "acoustools": (GREEN, "^"),
+    "levitate": (PINK, "D"),
+    REFERENCE: ("0.4", "x"),
+}
+WEAK = 0.9  # scale; what makes less of what was asked is pale, and not on the front
+FLOOR, TOP = 1e-5, 200.0  # [%]; smaller errors are drawn there; where the axis ends
+SHOWN = ("cold", "warm", REFERENCE)
+MOST = 4  # panels along a side
+TALL = 2.8  # [inch]
+
+
+Timed = Any  # one solver on one kind of problem: `pacinian.bench.summary.Cell`, or what a file has of it
+
+
+def pareto(
+    results: str | Path | Iterable[Timed],
+    *,
+    level: float | None = None,
+    N: int | None = None,
+    M: int | None = None,
+    title: str = "",
+    ax: Axes | None = None,
+) -> Figure:
+    """Run time, p50, against error, with the front of what nothing beats in both.
+
+    results: the file `bench.json`, or its cells. level: of the targets; the lowest unless given. N, M: transducers and
+    points; a panel for each of both unless given. ax: to draw into, where both are. Filled: cold; hollow: warm; pale:
+    what makes less than 0.9 of what was asked. Errors under 1e-5 % are drawn there; what failed, or is wrong by more
+    than 100 %, is left out. Raises ArgumentError, RecordingError, MissingExtra.
+    """
+    cells = shown(read(results) if isinstance(results, (str, Path)) else results)
+    level = min((c.level for c in cells), default=0.0) if level is None else level
+    cells = [c for c in cells if c.level == level and N in (None, c.N) and M in (None, c.M)]
+    if not any(c.mode != REFERENCE for c in cells):
+        raise ArgumentError("results", f"must hold something measured at level {level:g}, N, M")
+    sizes, counts = some(sorted({c.N for c in cells})), some(sorted({c.M for c in cells}))
+    if len(sizes) == len(counts) == 1:
+        page, (panel,), ours = panels(ax, [TALL])
+        grid = [[panel]]
+    elif ax is not None:
+        raise ArgumentError("ax", "must be left out where there are several panels: give N and M")
+    else:
+        page, ours = figure(1.0 + 4.4 * len(sizes), 1.0 + 3.3 * len(counts)), False
+        grid = page.subplots(
+            len(counts), len(sizes), sharex=True, sharey=True, squeeze=False
+        ).tolist()
+    _axes(grid, sizes, counts, [1e3 * c.p50 for c in cells])
+    if title:
+        page.suptitle(title, fontsize=9, wrap=True)
+    if ours:
+        dress(page)
+    page.draw_without_rendering()  # lays the panels out, so that labels can be placed
+    for panels_of_count, count in zip(grid, counts, strict=True):
+        for panel, size in zip(panels_of_count, sizes, strict=True):
+            _draw(panel, [c for c in cells if size == c.N and count == c.M])
+    return page
+
+
+def read(path: str | Path) -> list[Timed]:
+    """The cells of a `bench.json`. Raises RecordingError."""
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))["cells"]
+        cells: list[Timed] = [
+            SimpleNamespace(**{k: math.nan if v is None else v for k, v in cell.items()})
+            for cell in found
+        ]
+        for cell in cells:
+            float(cell.p50 + cell.error + cell.scale + cell.level + cell.N + cell.M)
+            _ = cell.family, cell.solver, cell.mode, cell.note
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        problem = f"is no bench.json of `pacinian bench`: {error!r}"
+        raise RecordingError(path, problem) from error
+    return cells
+
+
+def shown(cells: Iterable[Timed]) -> list[Timed]:
+    """Those that can be drawn."""
+    return [
+        c for c in cells if c.mode in SHOWN and c.solver != "gemm" and not (c.note or c.error > 1.0)
+    ]
+
+
+def style(family: str) -> tuple[str, str]:
+    """A colour and a shape."""
+    return STYLES.get(family, STYLES[REFERENCE])
+
+
+def plainly(value: float, place: int) -> str:
+    """A tick without powers of ten."""
+    return f"{value:g}"
+
+
+def some(values: list[int]) -> list[int]:
+    """At most `MOST` of them, from the first to the last."""
+    if len(values) <= MOST:
+        return values
+    return [values[round(k * (len(values) - 1) / (MOST - 1))] for k in range(MOST)]
+
+
+def _axes(
+    grid: list[list[Panel]], sizes: list[int], counts: list[int], times: Sequence[float]
+) -> None:
+    """Scales, labels and titles of all panels."""
+    for row, count in zip(grid, counts, strict=True):
+        row[0].set_ylabel("error [%]")
+        for panel, size in zip(row, sizes, strict=True):
+            panel.set(xscale="log", yscale="log", ylim=(0.4 * FLOOR, TOP))
+            panel.set_xlim(0.6 * min(times), 8.0 * max(times))
+            panel.set_title(f"N = {size} transducers, M = {count} points", fontsize=9)
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_formatter(plainly)
+    for panel in grid[-1]:
+        panel.set_xlabel("run time, p50 [ms]")
+
+
+def _draw(panel: Panel, cells: list[Timed]) -> None:
+    at = {(c.solver, c.mode): (1e3 * c.p50, max(100.0 * c.error, FLOOR)) for c in cells}
+    texts: list[Text] = []
+    for c in cells:
+        x, y = at[c.solver, c.mode]
+        colour, marker = style(c.family)
+        alpha = 0.4 if c.scale < WEAK else 1.0
+        if c.mode == REFERENCE:
+            panel.axvline(x, color=colour, linestyle=":", linewidth=1)
+            panel.text(x, 0.75 * TOP, f" {c.solver}", color=colour, fontsize=SMALL, va="top")
+        elif c.mode == "warm":
+            panel.plot(x, y, marker, color=colour, ms=4, mfc="none", mew=0.8, alpha=alpha)
+            if cold := at.get((c.solver, "cold")):
+                panel.plot(*zip((x, y), cold, strict=True), color=colour, linewidth=0.5)
+        else:
+            panel.plot(x, y, marker, color=colour, ms=5, zorder=6, alpha=alpha)
+            scale = "" if abs(c.scale - 1.0) < 0.01 else f" x{c.scale:.2f}"
+            texts.append((c.solver + scale, x, y, colour))
+    front = _front([at[c.solver, "cold"] for c in cells if c.mode == "cold" and c.scale >= WEAK])
+    if front:
+        front = [(front[0][0], TOP), *front, (panel.get_xlim()[1], front[-1][1])]
+        panel.step(*zip(*front, strict=True), where="post", color="0.87", linewidth=3, zorder=0)
+    panel.grid(color="0.94", linewidth=0.5)
+    label(panel, texts, [at[c.solver, c.mode] for c in cells if c.mode == "warm"])
+
+
+def _front(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The points that none beats in both time and error."""
+    front: list[tuple[float, float]] = []
+    for at in sorted(points):
+        if not front or at[1] < front[-1][1]:
+            front.append(at)
+    return front

@@ -1,0 +1,137 @@
+"""Things in space as triangles: arrays, hands, objects, samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.plot.volumes import isosurface
+from pacinian.scene.hands import capsules as flesh
+from pacinian.scene.objects import Body
+from pacinian.scene.shapes import Disc, Rectangle
+from pacinian.scene.shapes.height_map import HeightMap
+from pacinian.scene.shapes.kinds import distance
+from pacinian.scene.shapes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
+    from pacinian.types import Floats, Indices, Longs
+
+SIDES = 12  # of a transducer's disc
+DOT, WIDE = 0.003, 0.0045  # [m] radius of a sample, and of a transducer
+CELLS, THINNEST = 48, 12  # along the longest edge of a solid's box; along any, at least
+ROUND = 48  # corners of a disc
+MOST = 200  # heights along an edge
+SKIN = 0.003  # [m] between the grid points about a hand
+ALONG = 0.004  # [m] between the spots of a line
+
+
+class Triangles(NamedTuple):
+    """vertices (V, 3) [m]; faces (F, 3); which of the things that were given each vertex is of, (V,)."""
+
+    vertices: Floats
+    faces: Longs
+    thing: Indices
+
+
+def discs(array: Array) -> Triangles:
+    """A disc for each transducer, facing where it does."""
+    n = array.normals
+    aside = np.where(np.abs(n[:, 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    u = np.cross(aside, n)
+    u /= np.sqrt((u * u).sum(axis=1, keepdims=True))
+    rim = spun(SIDES).T
+    rims = rim[0, :, None] * u[:, None] + rim[1, :, None] * np.cross(n, u)[:, None]
+    flat = np.concatenate([np.zeros((len(n), 1, 3)), WIDE * rims], axis=1)
+    fan = np.array([(0, 1 + k, 1 + (k + 1) % SIDES) for k in range(SIDES)])
+    return _copies(flat + array.positions[:, None], fan)
+
+
+def spots(points: Floats, radius: float = DOT) -> Triangles:
+    """A ball for each of the points, (K, 3) [m]."""
+    from trimesh.creation import icosphere
+
+    ball = icosphere(subdivisions=2, radius=radius)
+    return _copies(points[:, None] + np.asarray(ball.vertices), np.asarray(ball.faces))
+
+
+def hand(held: Hand) -> Triangles:
+    """The skin of a hand, which is not lost."""
+    if held.vertices is not None and held.faces is not None:
+        return _whole(held.vertices, held.faces)
+    assert held.joints is not None  # as it has no mesh
+    capsules = flesh.capsules(held)
+    far = capsules[:, 6].max() + 2.0 * SKIN
+    low, high = held.joints.min(axis=0) - far, held.joints.max(axis=0) + far
+    return _solid(lambda q: flesh.distance_to_skin(capsules, q), low, high, SKIN)
+
+
+def thing(item: Object) -> Triangles:
+    """An object in its own frame: its surface; of points and lines, small balls."""
+    if not isinstance(item, Body):
+        return spots(item.cover(ALONG).points)
+    shape = item.shape
+    if isinstance(shape, Mesh):
+        return _whole(shape.triangles.vertices, shape.triangles.faces)
+    if isinstance(shape, Rectangle):
+        ends = np.array([-0.5, 0.5])
+        return _sheet(ends * shape.width, ends * shape.height, np.zeros((2, 2)))
+    if isinstance(shape, HeightMap):
+        i, j = (np.linspace(0, n - 1, min(n, MOST)).round().astype(int) for n in shape.z.shape)
+        R, C = shape.z.shape
+        x, y = (j / (C - 1) - 0.5) * shape.width, (i / (R - 1) - 0.5) * shape.height
+        return _sheet(x, y, shape.z[np.ix_(i, j)])
+    if isinstance(shape, Disc):
+        rim = spun(ROUND) * shape.radius
+        fan = np.array([(0, 1 + k, 1 + (k + 1) % ROUND) for k in range(ROUND)])
+        return _whole(np.pad(rim, ((1, 0), (0, 1))), fan)
+    half = np.array(shape.extent)
+    cells = np.clip(np.ceil(CELLS * half / half.max()), THINNEST, CELLS)
+    step = 2.0 * half / cells
+    return _solid(
+        lambda q: distance(shape, q, np.inf, np.inf), -half - 1.5 * step, half + 1.5 * step, step
+    )
+
+
+def spun(count: int) -> Floats:
+    """Points of a circle of radius 1, (count, 2)."""
+    turn = 2.0 * np.pi * np.arange(count) / count
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+
+
+def _solid(
+    away: Callable[[Floats], Floats], low: Floats, high: Floats, step: float | Floats
+) -> Triangles:
+    """The surface of what has a signed distance."""
+    steps = np.broadcast_to(step, 3)
+    counts = np.ceil((high - low) / steps).astype(int) + 1
+    x, y, z = (low[k] + steps[k] * np.arange(counts[k]) for k in range(3))
+    Z, Y, X = np.meshgrid(z, y, x, indexing="ij")
+    d = away(np.stack([X, Y, Z], axis=-1).reshape(-1, 3)).reshape(Z.shape)
+    return _whole(*isosurface(-d, low, step, 0.0))
+
+
+def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
+    """An open surface over the xy-plane: heights (R, C) at x, (C,), and y, (R,) [m]."""
+    R, C = z.shape
+    X, Y = np.meshgrid(x, y)
+    first = (C * np.arange(R - 1)[:, None] + np.arange(C - 1)).ravel()
+    a, b, c, d = first, first + 1, first + C + 1, first + C
+    faces = np.concatenate([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)])
+    return _whole(np.stack([X, Y, z], axis=-1).reshape(-1, 3), faces)
+
+
+def _whole(vertices: Floats, faces: Longs) -> Triangles:
+    return Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))
+
+
+def _copies(vertices: Floats, faces: Longs) -> Triangles:
+    """K things, (K, V, 3), each with the same faces, (F, 3)."""
+    K, V = vertices.shape[:2]
+    every = (faces + V * np.arange(K)[:, None, None]).reshape(-1, 3)
+    return Triangles(vertices.reshape(-1, 3), every, np.repeat(np.arange(K), V))

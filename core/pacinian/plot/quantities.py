@@ -1,0 +1,93 @@
+"""What of a field can be drawn: its radiation pressure, sound pressure, level or phase."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure, sound_pressure_level
+from pacinian.acoustics.propagation import field
+from pacinian.errors import ArgumentError, PointOnTransducer
+from pacinian.plot.style import CYCLIC, MAP
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats
+
+Show = Literal["radiation", "pressure", "level", "phase"]
+
+DEEP = 40.0  # [dB] below the loudest that are drawn
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """How something is drawn. label: with its unit. colours: a map's name. marks: the colour of what is on it."""
+
+    label: str
+    colours: str = MAP
+    marks: str = "white"
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "radiation": Quantity("radiation pressure on skin [Pa]"),
+    "pressure": Quantity("sound pressure, peak [Pa]"),
+    "level": Quantity("sound pressure level [dB re 20 µPa]"),
+    "phase": Quantity("phase [rad]", CYCLIC, "#f0e442"),
+}
+
+
+def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: str) -> Floats:
+    """A quantity at points (..., 3) [m], (...); NaN on transducers.
+
+    gains: (N,), or (K, N) for the mean power over K moments. Raises ArgumentError.
+    """
+    if show not in QUANTITIES:
+        raise ArgumentError("show", f"must be one of {', '.join(QUANTITIES)}, not {show!r}")
+    moments = np.atleast_2d(gains)
+    if show == "phase" and len(moments) != 1:
+        raise ArgumentError("show", "must not be the phase of several moments: it has no mean")
+    p = np.stack([heard(array, g, points, medium) for g in moments])
+    if show == "phase":
+        return np.asarray(np.angle(p[0]))
+    power = np.asarray((p.real.astype(np.float64) ** 2 + p.imag**2).mean(axis=0))
+    if show == "radiation":
+        return radiation_pressure(np.sqrt(power), medium)
+    return np.sqrt(power) if show == "pressure" else sound_pressure_level(np.sqrt(power))
+
+
+def heard(array: Array, gains: ArrayLike, points: Floats, medium: Air) -> Complexes:
+    """Sound pressure at points (..., 3) [m], complex [Pa], (...); NaN on transducers."""
+    try:
+        return field(array, gains, points, medium)
+    except PointOnTransducer as error:
+        kept = np.ones(points.shape[:-1], dtype=np.bool_)
+        kept.ravel()[list(error.indices)] = False
+        p = np.full(kept.shape, np.nan, dtype=np.complex64)
+        p[kept] = field(array, gains, points[kept], medium)
+        return p
+
+
+def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
+    """The ends of the scale of colours. clear: where values count, of the shape of `found`."""
+    if show == "phase":
+        return -np.pi, np.pi
+    known = found[clear & np.isfinite(found)]
+    most = float(known.max(initial=-np.inf))
+    if show == "level":
+        return (most - DEEP, most) if np.isfinite(most) else (0.0, DEEP)
+    return 0.0, most if most > 0.0 else 1.0
+
+
+def clear(array: Array, points: Floats, medium: Air) -> Flags:
+    """Which points (..., 3) [m] are more than a wavelength away from all transducers, (...).
+
+    Nearer, a point source has no end, and would dim all the rest.
+    """
+    from scipy.spatial import KDTree
+
+    wavelength = medium.wavelength(array.transducer.frequency)
+    near = KDTree(array.positions).query(points, distance_upper_bound=wavelength)[0]
+    return np.isinf(near)

@@ -1,0 +1,185 @@
+"""What a run did over time: its drive, its ticks, its errors, and what it left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.checks import kind
+from pacinian.errors import ArgumentError, RecordingError
+from pacinian.plot.page import panels
+from pacinian.plot.style import BLUE, GREEN, GREY, LINE, ORANGE, RED, SMALL, dress
+from pacinian.rendering.recording import Recording
+from pacinian.rendering.report import REMEMBERED, Report
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.plot.style import Panel
+    from pacinian.types import Flags, Floats
+
+MANY, BINS = 2000, 300  # values that are drawn one by one; parts of what is more
+TALL = 1.6  # [inch] a panel
+EACH = 20  # ticks of a share, at least
+GAP = 1.5  # periods between two frames, from which ticks were missed
+PALE = "#99d6c4"
+ABOVE = {
+    "loc": "lower right",
+    "bbox_to_anchor": (1.0, 0.98),
+    "ncols": 2,
+    "frameon": False,
+    "borderpad": 0.1,
+}
+
+
+def timeline(
+    run: Report | Recording,
+    show: str | None = None,
+    *,
+    ax: Axes | Sequence[Axes] | None = None,
+) -> Figure:
+    """What a run did, panel by panel.
+
+    run: a report, for "ticks" (how long each took, the last 100,000), "error" (of every 64th solve, as emitted) and
+    "skipped" (work left out, by reason); or a recording, for "drive" (mean and most of all amplitudes), "ticks" (from
+    their first look at the clock to their last, and how late they began) and "skipped" (frames that were kept, ticks
+    that were missed). show: only that. ax: to draw into, as many as are shown. Where there are many values, a band from
+    the least to the most and the median are drawn. Raises ArgumentError, RecordingError, MissingExtra.
+    """
+    kind("run", run, Report, Recording)
+    drawn = _of_report(run) if isinstance(run, Report) else _of_recording(run)
+    if show is not None and show not in drawn:
+        raise ArgumentError("show", f"must be one of {', '.join(drawn)}, not {show!r}")
+    names = list(drawn) if show is None else [show]
+    page, axes, ours = panels(ax, [TALL] * len(names))
+    for panel, name in zip(axes, names, strict=True):
+        drawn[name](panel)
+    if isinstance(run, Recording):
+        for panel in axes[:-1]:
+            panel.set_xlabel("")
+            panel.sharex(axes[-1])
+            panel.tick_params(labelbottom=False)
+    return dress(page) if ours else page
+
+
+def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:
+    def ticks(panel: Panel) -> None:
+        times = 1e3 * report.recent(REMEMBERED)
+        _line(
+            panel, np.arange(report.ticks - len(times), report.ticks, dtype=np.float64), times, BLUE
+        )
+        panel.set(xlabel="tick", ylabel="tick time [ms]", ylim=(0.0, None))
+
+    def error(panel: Panel) -> None:
+        errors = 100.0 * report.errors
+        panel.plot(np.arange(len(errors)), errors, ".", color=RED, ms=3)
+        panel.set(xlabel="every 64th solve", ylabel="error [%]", ylim=(0.0, None))
+
+    def skipped(panel: Panel) -> None:
+        found = [(name, count) for name, count in report.skipped.most_common() if count]
+        names = [name for name, _ in reversed(found)]
+        panel.barh(names, [count for _, count in reversed(found)], color=PALE, height=0.7)
+        for k, name in enumerate(names):
+            panel.annotate(
+                name, (0.0, k), xycoords=panel.get_yaxis_transform(), xytext=(3, 0),
+                textcoords="offset points", va="center", fontsize=SMALL,
+            )  # fmt: skip
+        panel.set(yticks=(), xlabel="times skipped" if found else "nothing skipped")
+
+    return {"ticks": ticks, "error": error, "skipped": skipped}
+
+
+class _Course(NamedTuple):
+    """What a recording says of its T ticks: (T,) each; times from the first [s], shares of full drive."""
+
+    t: Floats
+    mean: Floats
+    most: Floats
+    took: Floats  # [s]
+    late: Floats  # [s]
+    kept: Flags
+    missed: Floats  # (K,) when there should have been a tick [s]
+    anew: Flags
+    period: float  # [s]
+
+
+def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
+    course = _course(recording)
+
+    def drive(panel: Panel) -> None:
+        _line(panel, course.t, course.most, ORANGE, "most")
+        _line(panel, course.t, course.mean, BLUE, "mean")
+        panel.set(xlabel="time [s]", ylabel="amplitude (1: full)", ylim=(0.0, 1.05))
+        panel.legend(**ABOVE)
+
+    def ticks(panel: Panel) -> None:
+        _line(panel, course.t, 1e3 * course.took, BLUE, "tick")
+        if (course.late > course.period).any():
+            _line(panel, course.t, 1e3 * course.late, RED, "late by")
+        panel.set(xlabel="time [s]", ylabel="time [ms]", ylim=(0.0, None))
+        panel.legend(**ABOVE)
+
+    def skipped(panel: Panel) -> None:
+        end = max(course.t[-1], course.period)
+        edges = np.linspace(0.0, end, int(np.clip(len(course.t) // EACH, 2, BINS)))
+        kept, missed, seen = (
+            np.histogram(t, edges)[0] for t in (course.t[course.kept], course.missed, course.t)
+        )
+        every = np.maximum(seen + missed, 1)
+        for count, colour, name in ((kept, GREEN, "frame kept"), (missed, RED, "tick missed")):
+            panel.stairs(100.0 * count / every, edges, color=colour, linewidth=LINE, label=name)
+        for t in course.t[course.anew][1:]:
+            panel.axvline(t, color=GREY, linestyle=":", linewidth=LINE)
+        panel.set(xlabel="time [s]", ylabel="skipped [%]", ylim=(-3.0, 103.0))
+        panel.legend(**ABOVE)
+
+    return {"drive": drive, "ticks": ticks, "skipped": skipped}
+
+
+def _course(recording: Recording) -> _Course:
+    sizes = recording.capability.sizes
+    rows: list[tuple[float, ...]] = []
+    last, mean, most = None, 0.0, 0.0
+    for tick in recording.ticks(frames_only=True):
+        frame, clock = tick.frame, tick.clock
+        same = last is not None and frame.amplitude is last.amplitude
+        if not same:
+            amplitude = sizes[frame.amplitude]
+            mean, most = float(amplitude.mean()), float(amplitude.max())
+        took, late = (clock[-1] - clock[0], clock[0] - frame.time) if clock else (np.nan, np.nan)
+        rows.append((frame.time, mean, most, took, late, same, tick.begins))
+        last = frame
+    if not rows:
+        raise RecordingError(recording.path, "has no tick")
+    time, means, mosts, took, lates, kept, anew = np.array(rows).T
+    steps = np.diff(time, prepend=time[0])
+    period = float(np.median(steps[1:])) if len(rows) > 1 else 1.0 / recording.capability.rate
+    gaps = np.flatnonzero(steps > GAP * period)
+    missed = [np.arange(time[k - 1] + period, time[k] - period / 2.0, period) for k in gaps]
+    return _Course(
+        time - time[0], means, mosts, took, lates, kept > 0.0,
+        np.concatenate([np.empty(0), *missed]) - time[0], anew > 0.0, period,
+    )  # fmt: skip
+
+
+def _line(panel: Panel, x: Floats, y: Floats, colour: str, name: str = "") -> None:
+    """A curve, broken where nothing was; of many values a band from the least to the most, and the median."""
+    given = {"color": colour, "linewidth": LINE, "label": name or None}
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+    if len(x) <= MANY:
+        steps = np.diff(x)
+        usual = np.median(steps) if len(steps) else 0.0
+        after = 1 + np.flatnonzero(steps > GAP * usual)
+        panel.plot(np.insert(x, after, np.nan), np.insert(y, after, np.nan), **given)
+        return
+    parts = np.array_split(np.arange(len(x)), BINS)
+    middle = [x[part[len(part) // 2]] for part in parts]
+    low, half, high = (
+        np.array([f(y[part]) for part in parts]) for f in (np.min, np.median, np.max)
+    )
+    panel.fill_between(middle, low, high, color=colour, alpha=0.3, linewidth=0)
+    panel.plot(middle, half, **given)

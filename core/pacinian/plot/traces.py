@@ -1,0 +1,150 @@
+"""How solvers come nearer to what was asked, iteration by iteration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pacinian.errors import ArgumentError
+from pacinian.plot.fronts import plainly
+from pacinian.plot.labels import label
+from pacinian.plot.page import panels
+from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
+from pacinian.plugins.registry import installed, solver
+from pacinian.session import Session
+from pacinian.solving.solution import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.plot.labels import Text
+    from pacinian.plugins.solver import Solver
+    from pacinian.solving.problem import Limits
+    from pacinian.types import ArrayLike
+
+FLOOR = 1e-6  # of the targets; smaller errors are drawn there: single precision ends
+SETTINGS = "steps", "passes"  # what solvers call the most iterations that they make
+LONGEST = 100_000  # looks at the clock
+TALL = 2.6  # [inch]
+ROOM = 6.0  # of the most iterations, to the right: for names
+
+
+def convergence(
+    array: Array,
+    points: ArrayLike,
+    amplitudes: ArrayLike,
+    solvers: Sequence[str | Solver] | None = None,
+    phases: ArrayLike | None = None,
+    *,
+    limits: Limits | None = None,
+    medium: Air | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Error against iterations, cold, of one problem solved again and again, each time with more of them.
+
+    solvers: names or objects; all that are installed unless given. Those that need no iteration are dashed lines.
+    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into.
+    An iteration is what each solver calls one: they differ in what they cost. Raises ArgumentError, UnknownPlugin,
+    MissingExtra.
+    """
+    chosen = list(_all() if solvers is None else solvers)
+    if not chosen:
+        raise ArgumentError("solvers", "must name one at least")
+    page, (panel,), ours = panels(ax, [TALL])
+    panel.set(xscale="log", yscale="log", xlabel="iterations", ylabel="error [%]")
+    texts: list[Text] = []
+    others: list[tuple[float, float]] = []
+    for k, one in enumerate(chosen):
+        colour, mark = CURVES[k % len(CURVES)], MARKS[k % len(MARKS)]
+        found = dict(trace(array, points, amplitudes, one, phases, limits=limits, medium=medium))
+        x = sorted(found)
+        y = [100.0 * max(found[n], FLOOR) for n in x]
+        name = one if isinstance(one, str) else one.name
+        if x == [0]:
+            panel.axhline(y[0], color=colour, linestyle="--", linewidth=LINE)
+            panel.annotate(
+                name, (1.0, y[0]), xycoords=panel.get_yaxis_transform(), xytext=(-3, 2),
+                textcoords="offset points", ha="right", fontsize=SMALL, color=colour,
+            )  # fmt: skip
+        else:
+            panel.plot(x, y, mark, linestyle="-", color=colour, ms=3, linewidth=LINE)
+            texts.append((name, float(x[-1]), y[-1], colour))
+            others += zip(map(float, x[:-1]), y[:-1], strict=True)
+    panel.set_xlim(0.8, ROOM * max((x for _, x, _, _ in texts), default=1.0))
+    panel.set_ylim(top=1.7 * panel.get_ylim()[1])
+    panel.xaxis.set_major_formatter(plainly)
+    panel.yaxis.set_major_formatter(plainly)
+    panel.grid(color="0.94", linewidth=0.5)
+    if ours:
+        dress(page)
+    page.draw_without_rendering()  # lays the panel out, so that labels can be placed
+    label(panel, texts, others)
+    return page
+
+
+def trace(
+    array: Array,
+    points: ArrayLike,
+    amplitudes: ArrayLike,
+    one: str | Solver,
+    phases: ArrayLike | None = None,
+    *,
+    limits: Limits | None = None,
+    medium: Air | None = None,
+) -> Iterator[tuple[int, float]]:
+    """Iterations and error of a solver that is stopped ever later.
+
+    By its setting `steps` or `passes`, if it is named and has one, else by a clock that tells how often it was asked.
+    """
+    setting, most = _setting(one) if isinstance(one, str) else ("", 0)
+    for count in _counts():
+        session = Session(array, medium, one, clock=Looks())
+        if setting and isinstance(one, str):
+            session.solver = solver(one, **{setting: min(count, most)})
+        found = session.solve(
+            points, amplitudes, phases, limits=limits, deadline=None if setting else count - 0.5
+        )
+        yield found.iterations, found.error
+        if (
+            found.iterations < count or count >= most
+            if setting
+            else found.status is not Status.deadline
+        ):
+            return
+
+
+class Looks:
+    """A clock that goes on by a second whenever it is looked at."""
+
+    def __init__(self) -> None:
+        self.seen = 0.0
+
+    def __call__(self) -> float:
+        """Seconds."""
+        self.seen += 1.0
+        return self.seen
+
+
+def _counts() -> Iterator[int]:
+    """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, ..."""
+    count = 1
+    while count < LONGEST:
+        yield count
+        count = max(count + 1, round(1.25 * count))
+
+
+def _setting(name: str) -> tuple[str, int]:
+    """The setting of a solver that ends its iterations, and what it is by itself; "" if it has none."""
+    options = installed().find("solver", name).options
+    for setting in SETTINGS:
+        if isinstance(most := options.get(setting), int):
+            return setting, most
+    return "", 0
+
+
+def _all() -> list[str]:
+    return [offer.name for offer in installed().list() if offer.kind == "solver"]

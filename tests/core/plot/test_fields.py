@@ -1,0 +1,171 @@
+"""Slices: the numbers in the picture are the field's, in double precision."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian import plot
+
+ARRAY = pc.autd()
+AIR = pc.Air()
+POINTS = np.array([[0.02, 0.0, 0.15], [-0.02, 0.01, 0.15]])
+GAINS = pc.solve(ARRAY, POINTS, [300.0, 200.0], medium=AIR).gains
+
+
+def drawn(page: Any) -> tuple[Any, Any]:
+    """The values of the one picture, and where each is: (rows, columns), (rows, columns, 2) [m]."""
+    (image,) = (panel.images[0] for panel in page.axes if panel.images)
+    found = np.ma.filled(image.get_array(), np.nan)
+    left, right, bottom, top = image.get_extent()
+    rows, columns = found.shape
+    u = left + (np.arange(columns) + 0.5) / columns * (right - left)
+    v = bottom + (np.arange(rows) + 0.5) / rows * (top - bottom)
+    return found, 1e-3 * np.stack(np.meshgrid(u, v), axis=-1)
+
+
+def heard(where: Any) -> Any:
+    return pc.field(ARRAY, GAINS, where, AIR, "double")
+
+
+@given(
+    plane=st.sampled_from(["xy", "xz", "yz"]),
+    at=st.tuples(*[st.floats(-0.05, 0.05)] * 2, st.floats(0.12, 0.2)),
+    size=st.tuples(st.floats(0.02, 0.1), st.floats(0.02, 0.1)),
+    show=st.sampled_from(["radiation", "pressure", "level", "phase"]),
+)
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_every_value_is_the_fields_where_the_axes_say(
+    plane: str, at: Any, size: Any, show: Any
+) -> None:
+    found, where = drawn(plot.field(ARRAY, GAINS, plane, at, size=size, show=show, medium=AIR))
+    q = np.broadcast_to(np.array(at), (*where.shape[:2], 3)).copy()
+    for k in range(2):
+        q[..., "xyz".index(plane[k])] = where[..., k]
+    rows = np.linspace(0, len(q) - 1, 3).astype(int)
+    p = heard(q[rows])
+    if show == "phase":
+        turn = np.exp(1j * found[rows]) * np.exp(-1j * np.angle(p))
+        loud = np.abs(p) > 0.02 * np.abs(p).max()
+        np.testing.assert_allclose(turn[loud], 1.0, atol=0.02)
+        return
+    exact = {
+        "radiation": pc.radiation_pressure(p, AIR),
+        "pressure": np.abs(p),
+        "level": pc.sound_pressure_level(p),
+    }[show]
+    loud = np.abs(p) > 0.05 * np.abs(p).max()
+    np.testing.assert_allclose(found[rows][loud], exact[loud], rtol=5e-3)
+
+
+def test_a_pose_is_a_plane_of_its_own() -> None:
+    pose = pc.Pose.turned("y", 30.0, (0.01, 0.0, 0.15))
+    page = plot.field(ARRAY, GAINS, pose, size=(0.1, 0.05), medium=AIR)
+    found, where = (part[::20] for part in drawn(page))
+    local = np.concatenate([where, np.zeros((*where.shape[:2], 1))], axis=-1)
+    P = pc.radiation_pressure(heard(pose.points(local)), AIR)
+    np.testing.assert_allclose(found, P, atol=2e-3 * P.max())
+    assert page.axes[0].get_xlabel() == "u [mm]"
+
+
+def test_several_moments_are_shown_by_their_mean_power() -> None:
+    other = pc.solve(ARRAY, POINTS[:1], [250.0], medium=AIR).gains
+    both = np.stack([GAINS, other])
+    one, two, mean = (drawn(plot.field(ARRAY, g, "xy", POINTS[0]))[0] for g in (GAINS, other, both))
+    np.testing.assert_allclose(mean, (one + two) / 2.0, rtol=1e-5, atol=1e-6)
+    p1, p2, rms = (
+        drawn(plot.field(ARRAY, g, "xy", POINTS[0], show="pressure"))[0]
+        for g in (GAINS, other, both)
+    )
+    np.testing.assert_allclose(rms, np.sqrt((p1**2 + p2**2) / 2.0), rtol=1e-5)
+
+
+def test_only_near_points_are_marked() -> None:
+    far = np.array([[0.0, 0.0, 0.15], [0.0, 0.05, 0.15]])
+    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.15), points=far, size=0.1)
+    (marks,) = page.axes[0].lines
+    np.testing.assert_allclose(marks.get_xydata(), [[0.0, 150.0]], atol=1e-9)
+
+
+def test_a_plane_through_the_transducers_has_holes_and_dims_nothing() -> None:
+    array = pc.lattice(0.1, 0.1)
+    g = pc.solve(array, [[0.0, 0.0, 0.1]], [20.0]).gains
+    page = plot.field(array, g, "xz", (0.0, 0.0, 0.05), size=0.1, show="pressure")
+    found, where = drawn(page)
+    (image,) = page.axes[0].images
+    low, high = image.get_clim()
+    assert low == 0.0
+    away = where[..., 1] > 0.009
+    assert high == pytest.approx(found[away].max(), rel=0.05)
+    flat = plot.field(array, g, "xy", (0.0, 0.0, 0.0), size=0.1)
+    assert np.isfinite(flat.axes[0].images[0].get_clim()).all()
+
+
+def test_what_is_silent_is_dark_and_not_missing() -> None:
+    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.0), size=0.1, show="level")
+    found, where = drawn(page)
+    behind = where[..., 1] < -0.01
+    np.testing.assert_array_equal(found[behind], page.axes[0].images[0].get_clim()[0])
+    nothing = plot.field(ARRAY, np.zeros(len(ARRAY)), "xy", show="level")
+    assert np.isfinite(drawn(nothing)[0]).all()
+
+
+def test_without_points_the_slice_is_before_the_array_wherever_it_faces() -> None:
+    down = ARRAY.moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.5)))
+    found = plot.field(down, GAINS, "xy").axes[0].get_title()
+    assert found == "z = 300 mm"
+
+
+@pytest.mark.parametrize("plane", ["xy", "xz"])
+def test_every_axis_has_its_unit(plane: str) -> None:
+    for show, unit in (
+        ("radiation", "[Pa]"),
+        ("pressure", "[Pa]"),
+        ("level", "[dB"),
+        ("phase", "[rad]"),
+    ):
+        panel, bar = plot.field(ARRAY, GAINS, plane, POINTS[0], show=show).axes  # type: ignore[arg-type]
+        assert panel.get_xlabel().endswith("[mm]")
+        assert panel.get_ylabel().endswith("[mm]")
+        assert unit in bar.get_ylabel() + bar.get_xlabel()
+
+
+def test_it_draws_into_given_axes(axes: Callable[..., Any]) -> None:
+    mine = axes()
+    assert plot.field(ARRAY, GAINS, ax=mine) is mine.figure
+    assert len(mine.images) == 1
+    assert mine.xaxis.label.get_size() == axes().xaxis.label.get_size()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "argument"),
+    [
+        ({"plane": "zz"}, "plane"),
+        ({"show": "colour"}, "show"),
+        ({"size": -1.0}, "size"),
+        ({"size": (0.1, 0.1, 0.1)}, "size"),
+        ({"size": 200.0}, "size"),
+        ({"at": (0.0, 0.0)}, "at"),
+        ({"at": (0.0, 0.0, np.nan)}, "at"),
+        ({"points": [1.0, 2.0]}, "points"),
+        ({"ax": "axes"}, "ax"),
+        ({"medium": "air"}, "medium"),
+        ({"plane": pc.Pose(), "at": (0.0, 0.0, 0.1)}, "at"),
+    ],
+)
+def test_bad_arguments_are_named(wrong: Any, argument: str) -> None:
+    with pytest.raises(pc.ArgumentError) as caught:
+        plot.field(ARRAY, GAINS, **wrong)
+    assert caught.value.argument == argument
+
+
+def test_bad_gains_are_named() -> None:
+    for g in (GAINS[:-1], GAINS * np.nan, "gains"):
+        with pytest.raises(pc.ArgumentError, match="gains"):
+            plot.field(ARRAY, g)
+    with pytest.raises(pc.ArgumentError, match="phase"):
+        plot.field(ARRAY, np.stack([GAINS, GAINS]), show="phase")

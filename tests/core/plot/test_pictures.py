@@ -1,0 +1,210 @@
+"""Pictures: what they show is what is there."""
+
+import sys
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import pacinian as pc
+from pacinian import plot
+from pacinian.plot.space import Discs, array_of, skin, thing, towards
+
+ARRAY = pc.autd()
+FOCUS = np.array([[0.01, -0.02, 0.15]])
+HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.165)))
+BALL = pc.Volume(shape=pc.Sphere(0.02), pose=pc.Pose((0.0, 0.0, 0.14)), radiation_pressure=5.0)
+
+
+def gains(q: Any = FOCUS, asked: float = 200.0) -> pc.Gains:
+    return pc.solve(ARRAY, q, np.full(len(q), asked)).gains
+
+
+def felt(scene: pc.Scene) -> pc.Samples:
+    sampler = pc.Sampler()
+    sampler.prepare(ARRAY, pc.Air())
+    return sampler.sample(scene)
+
+
+def images(page: Any) -> list[Any]:
+    return [panel.images[0] for panel in page.axes if panel.images]
+
+
+def test_slices_show_the_focus_where_it_is() -> None:
+    page = plot.slices(ARRAY, gains(), FOCUS, title="a focus")
+    peak = float(pc.radiation_pressure(np.array([200.0]), pc.Air())[0])
+    for image, (i, j) in zip(images(page), ((0, 1), (0, 2)), strict=True):
+        P = np.asarray(image.get_array())
+        left, right, bottom, top = image.get_extent()
+        row, column = np.unravel_index(P.argmax(), P.shape)
+        high, wide = P.shape
+        at = (
+            left + (column + 0.5) / wide * (right - left),
+            bottom + (row + 0.5) / high * (top - bottom),
+        )
+        np.testing.assert_allclose(at, 1e3 * FOCUS[0, [i, j]], atol=4.0)
+        assert P.max() == pytest.approx(peak, rel=0.05)
+    assert page.get_suptitle() == "a focus"
+
+
+def test_several_moments_are_shown_by_their_mean() -> None:
+    both = np.array([gains(), np.zeros(len(ARRAY))])
+    one, mean = (
+        np.asarray(images(plot.slices(ARRAY, g, FOCUS))[0].get_array()) for g in (both[0], both)
+    )
+    np.testing.assert_allclose(mean, one / 2.0, atol=1e-9)
+
+
+def test_silence_and_nothing_to_feel_can_be_drawn_too() -> None:
+    none = np.zeros(len(ARRAY), dtype=np.complex64)
+    page = plot.slices(ARRAY, none, np.empty((0, 3)))
+    assert all(not np.asarray(image.get_array()).any() for image in images(page))
+    plot.scene(ARRAY, pc.Scene(), felt(pc.Scene()), none)
+
+
+def test_a_scene_is_shown_in_space_and_in_two_planes() -> None:
+    scene = pc.Scene((BALL,), hands=(HAND,))
+    samples = felt(scene)
+    page = plot.scene(ARRAY, scene, samples, gains(samples.positions), title="a ball")
+    views = [panel for panel in page.axes if panel.name == "3d"]
+    assert [len(view.collections) for view in views] == [1, 2]  # samples apart, on the close one
+    close = views[1].collections[1]
+    assert len(close.get_sizes()) == len(samples)
+    assert (close.get_sizes() > 10.0).all()
+    assert len(images(page)) == 2
+    lines = [
+        line
+        for panel in page.axes
+        if panel.images
+        for line in panel.collections
+        if line.get_paths()
+    ]
+    assert len(lines) == 4  # the hand and the ball, in both planes
+
+
+def test_objects_that_move_are_drawn_where_they_are_at_the_time() -> None:
+    moving = pc.Motion(velocity=(1.0, 0.0, 0.0))
+    ball = pc.Volume(shape=pc.Sphere(0.01), pose=BALL.pose, motion=moving, radiation_pressure=5.0)
+    scene = pc.Scene((ball,))
+    samples = felt(pc.Scene((BALL,)))
+    middle = []
+    for t in (0.0, 0.03):
+        page = plot.scene(ARRAY, scene, samples, gains(), t=t)
+        panel = next(panel for panel in page.axes if panel.images)
+        middle.append(panel.collections[0].get_paths()[0].vertices.mean(axis=0))
+    np.testing.assert_allclose(middle[1] - middle[0], (30.0, 0.0), atol=1.0)
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0),
+        pc.Path(shape=pc.Circle(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0),
+        pc.Particles(positions=((0.0, 0.0, 0.15),), radiation_pressure=5.0),
+        pc.Surface(shape=pc.Disc(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0),
+    ],
+)
+def test_all_kinds_of_objects_have_discs(item: Any) -> None:
+    for elevation in (20.0, -20.0):
+        made = thing(item, item.pose, towards(elevation, 0.0))
+        assert len(made.points)
+        assert ((made.colours >= 0.0) & (made.colours <= 1.0)).all()
+
+
+def test_only_what_is_turned_to_the_eye_is_drawn() -> None:
+    eye = towards(-90.0, 0.0)
+    np.testing.assert_allclose(eye, (0.0, 0.0, -1.0), atol=1e-12)
+    below, above = skin(HAND, eye), skin(HAND, -eye)
+    assert below.points[:, 2].mean() < above.points[:, 2].mean()
+    half = thing(BALL, BALL.pose, eye).points[:, 2]
+    assert half.max() <= 0.14
+    assert len(array_of(ARRAY).points) == len(ARRAY)
+
+
+def test_a_surface_is_seen_through_and_shows_its_texture() -> None:
+    from pacinian.scene.shapes.texture import grating
+
+    plate = pc.Surface(shape=pc.Rectangle(0.1, 0.1), texture=grating(0.02), radiation_pressure=5.0)
+    made = thing(plate, plate.pose, towards(30.0, 0.0))
+    assert (made.colours[:, 3] < 1.0).all()
+    assert np.ptp(made.colours[:, 0]) > 0.1
+
+
+def test_discs_are_kept_within_a_box() -> None:
+    discs = Discs.of(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), (1.0, 0.0, 0.0), 0.01)
+    kept = discs.within(np.array([[-0.1] * 3, [0.1] * 3]))
+    np.testing.assert_array_equal(kept.points, [[0.0, 0.0, 0.0]])
+
+
+def test_a_lost_hand_is_left_out() -> None:
+    lost = pc.Hand(np.full((26, 3), np.nan))
+    scene = pc.Scene((BALL,), hands=(lost,))
+    plot.scene(ARRAY, scene, felt(pc.Scene((BALL,))), gains())
+
+
+def test_few_colours_make_a_small_file(tmp_path: Path) -> None:
+    page = plot.slices(ARRAY, gains(), FOCUS)
+    sizes = []
+    for name, colours in (("all", None), ("few", 64)):
+        plot.save(page, tmp_path / f"{name}.png", colours)
+        sizes.append((tmp_path / f"{name}.png").stat().st_size)
+        with Image.open(tmp_path / f"{name}.png") as picture:
+            picture.load()
+    assert sizes[1] < 0.7 * sizes[0]
+
+
+def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(pc.MissingExtra, match=r"pacinian\[plot\]"):
+        plot.figure(1.0, 1.0)
+
+
+def test_vector_files_keep_their_text(tmp_path: Path) -> None:
+    page = plot.field(ARRAY, gains(), "xy", FOCUS[0])
+    width = page.get_size_inches()[0]
+    plot.save(page, tmp_path / "field.svg")
+    drawing = (tmp_path / "field.svg").read_text()
+    assert ">radiation pressure on skin [Pa]</text>" in drawing
+    assert f'width="{72.0 * width:g}pt"' in drawing
+    plot.save(page, tmp_path / "field.pdf")
+    printed = (tmp_path / "field.pdf").read_bytes()
+    assert b"/FontFile2" in printed  # TrueType, which journals take
+    assert b"/Subtype /Type3" not in printed
+    box = f"/MediaBox [ 0 0 {72.0 * width:g} ".encode()
+    assert box in printed
+
+
+def test_a_figure_is_as_wide_as_a_papers_column_with_text_of_its_size() -> None:
+    for page in (plot.field(ARRAY, gains()), plot.drive(ARRAY, gains())):
+        assert page.get_size_inches()[0] == 3.5
+        for panel in page.axes:
+            sizes = [panel.xaxis.label.get_size(), panel.yaxis.label.get_size()]
+            sizes += [text.get_size() for text in panel.get_xticklabels() + panel.get_yticklabels()]
+            assert {*sizes} <= {7.0, 8.0}
+
+
+def test_a_notebook_gets_a_sharp_picture_of_a_readable_size() -> None:
+    data, shown = plot.figure(3.5, 2.0)._repr_png_()  # type: ignore[attr-defined]
+    with Image.open(BytesIO(data)) as picture:
+        assert picture.size == (700, 400)
+    assert shown == {"width": 385, "height": 220}
+
+
+def test_nothing_is_cut_off_at_the_edge() -> None:
+    for page in (
+        plot.drive(pc.autd(3, 3), np.ones(2241)),
+        plot.field(ARRAY, gains(), "xy", FOCUS[0], show="level"),
+        plot.field(ARRAY, gains(), "xz", FOCUS[0], size=(0.2, 0.1)),
+    ):
+        page.draw_without_rendering()
+        width, height = page.bbox.size
+        for panel in page.axes:
+            box = panel.get_tightbbox()
+            assert box is not None
+            assert box.x0 > -1.0
+            assert box.y0 > -1.0
+            assert box.x1 < width + 1.0
+            assert box.y1 < height + 1.0

@@ -1,0 +1,157 @@
+"""Time lines: what a report counted and a recording holds, at its place."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian import plot
+from pacinian.plot.timelines import BINS, MANY
+from pacinian.rendering.report import REMEMBERED
+from pacinian.testing import ManualClock
+
+ARRAY = pc.autd()
+PERIOD = 1e-3  # [s]
+PULSE = pc.Point(
+    position=(0.0, 0.0, 0.15), radiation_pressure=5.0, envelope=pc.Square(frequency=50.0)
+)
+STILL = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
+
+
+def report(ticks: int) -> pc.Report:
+    made = pc.Report()
+    for k in range(ticks):
+        made.tick(1e-6 * (k % 1000), late=False)
+    for k in range(5):
+        made.solved(pc.Status.ok, 0.01 * k)
+    made.skipped.update({"solve, nothing moved": 7, "<i>missed</i>": 2, "nothing": 0})
+    return made
+
+
+def panels(page: Any) -> dict[str, Any]:
+    return {panel.get_ylabel() or panel.get_xlabel(): panel for panel in page.axes}
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> pc.Recording:
+    """200 ticks, of 1 ms; 30 are missed after the 100th; anew, and still, at the 150th."""
+    path, clock = tmp_path / "run.rec", ManualClock()
+    scene = pc.Scene((PULSE,))
+    renderer = pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path), governed=False)
+    with renderer:
+        for k in range(200):
+            due = PERIOD * (k + 30 * (k >= 100))
+            clock.time = due
+            if k == 150:
+                renderer.reset()
+                renderer.scene = pc.Scene((STILL,))
+            renderer.tick(due)
+    return pc.Recording(path)
+
+
+def test_a_reports_ticks_errors_and_skips_are_shown() -> None:
+    found = panels(plot.timeline(report(100)))
+    ticks, error, skipped = found.values()
+    (line,) = ticks.lines
+    np.testing.assert_allclose(line.get_xydata()[:, 0], np.arange(100))
+    np.testing.assert_allclose(line.get_xydata()[:, 1], 1e-3 * np.arange(100))
+    np.testing.assert_allclose(error.lines[0].get_ydata(), [0.0, 1.0, 2.0, 3.0, 4.0])
+    assert [bar.get_width() for bar in skipped.patches] == [2, 7]
+    assert [text.get_text() for text in skipped.texts] == ["<i>missed</i>", "solve, nothing moved"]
+    assert list(found) == ["tick time [ms]", "error [%]", "times skipped"]
+
+
+def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
+    made = report(MANY + 1)
+    made.tick(0.5, late=True)
+    panel = plot.timeline(made, "ticks").axes[0]
+    (band,), (median,) = panel.collections, panel.lines
+    assert len(median.get_xdata()) == BINS
+    assert band.get_datalim(panel.transData).y1 == pytest.approx(500.0)
+
+
+def test_of_a_long_run_the_last_ticks_and_errors_are_in_their_order() -> None:
+    made = pc.Report()
+    for k in range(REMEMBERED + 10):
+        made.tick(1e-6 * k, late=False)
+        made.solved(pc.Status.ok, 1e-6 * k)
+    for kept in (made.recent(REMEMBERED), made.errors):
+        np.testing.assert_allclose(kept, 1e-6 * np.arange(10, REMEMBERED + 10))
+    x = plot.timeline(made, "ticks").axes[0].lines[0].get_xdata()
+    assert x[0] >= 10
+    assert x[-1] < REMEMBERED + 10
+
+
+def test_nothing_can_be_drawn_too() -> None:
+    page = plot.timeline(pc.Report())
+    assert "nothing skipped" in panels(page)
+
+
+def test_a_recordings_drive_is_that_of_its_frames(recording: pc.Recording) -> None:
+    panel = plot.timeline(recording, "drive").axes[0]
+    most, mean = panel.lines
+    frames = np.array([frame.amplitude[0] / 255.0 for frame in recording])
+    for line, exact in ((mean, frames.mean(axis=1)), (most, frames.max(axis=1))):
+        y = line.get_ydata()
+        np.testing.assert_allclose(y[np.isfinite(y)], exact, atol=1e-6)
+    x = mean.get_xdata()
+    np.testing.assert_allclose(np.nanmax(x), 0.229, atol=1e-9)
+    assert np.isnan(x).sum() == 1  # where ticks were missed, the curve is broken
+
+
+def test_missed_ticks_and_kept_frames_are_shares_of_all(recording: pc.Recording) -> None:
+    panel = plot.timeline(recording, "skipped").axes[0]
+    kept, missed = (patch.get_data() for patch in panel.patches)
+    each = np.diff(missed.edges) / PERIOD  # ticks in a part
+    assert (missed.values / 100.0 * each).sum() == pytest.approx(30.0, abs=1.0)
+    assert missed.values[(missed.edges[:-1] > 0.105) & (missed.edges[1:] < 0.125)] == (
+        pytest.approx(100.0)
+    )
+    assert not kept.values[kept.edges[1:] < 0.18].any()
+    assert kept.values[-1] > 90.0  # it stands still
+    (anew,) = panel.lines
+    assert anew.get_xdata()[0] == pytest.approx(0.180)
+
+
+def test_a_recordings_panels_share_their_time(recording: pc.Recording) -> None:
+    page = plot.timeline(recording)
+    assert [panel.get_ylabel() for panel in page.axes] == [
+        "amplitude (1: full)",
+        "time [ms]",
+        "skipped [%]",
+    ]
+    assert len({panel.get_xlim() for panel in page.axes}) == 1
+    assert page.axes[-1].get_xlabel() == "time [s]"
+
+
+def test_it_draws_into_given_axes(axes: Callable[..., Any]) -> None:
+    mine = axes(3)
+    assert plot.timeline(report(10), ax=mine) is mine[0].figure
+    one = axes()
+    plot.timeline(report(10), "error", ax=one)
+    assert one.lines
+
+
+def test_bad_arguments_are_named(recording: pc.Recording, axes: Callable[..., Any]) -> None:
+    with pytest.raises(pc.ArgumentError, match="run"):
+        plot.timeline("run.rec")  # type: ignore[arg-type]
+    with pytest.raises(pc.ArgumentError, match="drive"):
+        plot.timeline(recording, "error")
+    with pytest.raises(pc.ArgumentError, match="3 of them"):
+        plot.timeline(recording, ax=axes())
+
+
+def test_a_recording_without_ticks_or_cut_off_is_told_or_shown(
+    recording: pc.Recording, tmp_path: Path
+) -> None:
+    data = recording.path.read_bytes()
+    (tmp_path / "cut.rec").write_bytes(data[: len(data) - 1000])
+    plot.timeline(pc.Recording(tmp_path / "cut.rec"))
+    recorder = pc.Recorder(tmp_path / "none.rec")
+    recorder.begin(ARRAY, pc.Capability(), {})
+    recorder.close()
+    with pytest.raises(pc.RecordingError, match="no tick"):
+        plot.timeline(pc.Recording(tmp_path / "none.rec"))

@@ -1,0 +1,287 @@
+"""Dask for real: processes that are killed, workers elsewhere, schedulers that are not there."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import psutil
+import pytest
+
+import pacinian as pc
+import pacinian.study as ps
+from pacinian.study import engine
+from pacinian.study.tasks import Plan
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+LONG = """
+solvers = ["auto", "gs-pat"]
+[[layouts]]
+type = "lattice"
+width = [0.08, 0.1, 0.12, 0.14]
+[[layouts]]
+type = "random"
+width = 0.1
+count = 100
+seed = [0, 1]
+[[patterns]]
+type = "focus"
+[[patterns]]
+type = "letters"
+text = ["A", "B"]
+[[planes]]
+z = [0.15, 0.2]
+"""
+WAIT = (
+    200.0  # [s] until what must happen has happened: a worker imports for long where much else runs
+)
+
+pytestmark = pytest.mark.timeout(500)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """The table of the long study, done in this process."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+    (folder / "study.toml").write_text(LONG)
+    return ps.run(folder / "study.toml", folder / "out", workers=0)
+
+
+@contextlib.contextmanager
+def command(*arguments: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
+    """`pacinian study` as a process group of its own."""
+    process = subprocess.Popen(
+        [sys.executable, "-W", "error", "-m", "pacinian", "study", *arguments],
+        cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def until(happened: Callable[[], Any], run: subprocess.Popen[str] | None = None) -> Any:
+    """What a condition comes to when it is true; run: what must not end before."""
+    end = time.monotonic() + WAIT
+    while time.monotonic() < end:
+        if found := happened():
+            return found
+        if run is not None and run.poll() is not None:
+            pytest.fail(f"it has ended: {run.communicate()}")
+        time.sleep(0.005)
+    pytest.fail(f"it has not happened in {WAIT:g} s")
+
+
+def parts(out: Path) -> int:
+    return len(list((out / "parts").glob("*.parquet")))
+
+
+def workers(process: subprocess.Popen[str]) -> list[psutil.Process]:
+    """The worker processes of a command."""
+    children = psutil.Process(process.pid).children(recursive=True)
+    return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+
+
+def test_a_worker_that_is_killed_costs_nothing(
+    undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, out = write(LONG), tmp_path / "out"
+    with command(
+        str(path), "--out", str(out), "--workers", "2", "--no-pictures", cwd=tmp_path
+    ) as run:
+        until(lambda: parts(out) >= 2, run)
+        victim = workers(run)[0]
+        victim.kill()
+        done = parts(out)
+        stdout, stderr = run.communicate(timeout=WAIT)
+    assert done < len(undisturbed) / 2
+    assert run.returncode == 0, stderr
+    assert f"{len(undisturbed)} tasks, {len(undisturbed)} of them done now, 0 failed" in stdout
+    assert same(ps.load(out)) == same(undisturbed)
+
+
+def test_a_command_that_is_killed_and_then_interrupted_goes_on_where_it_stopped(
+    undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, out = write(LONG), tmp_path / "out"
+    arguments = (str(path), "--out", str(out), "--workers", "1", "--no-pictures")
+    with command(*arguments, cwd=tmp_path) as run:
+        until(lambda: parts(out) >= 2, run)
+        (worker,) = workers(run)
+        run.kill()
+        run.communicate()
+    until(lambda: not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE)
+    kept = parts(out)
+    with command(*arguments, cwd=tmp_path) as run:
+        until(lambda: parts(out) >= kept + 2, run)
+        (worker,) = workers(run)
+        os.killpg(run.pid, signal.SIGINT)  # as a terminal does
+        _, stderr = run.communicate(timeout=WAIT)
+    assert run.returncode == 130
+    assert "tasks were done before" in stderr
+    assert "what is done is kept: the same command goes on" in stderr
+    assert "Traceback" not in stderr
+    assert not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE
+    done = len(ps.load(out))
+    assert 0 < done < len(undisturbed)
+    table = ps.run(path, out, workers=0)
+    assert same(table) == same(undisturbed)
+
+
+@pytest.fixture
+def scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], str]]:
+    """Starts a scheduler as its own command does; then a worker, when it is called."""
+    monkeypatch.setattr(engine, "PATIENCE", WAIT)
+    here = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__HTTP__ROUTES": "[]"}
+    options: dict[str, Any] = {"cwd": tmp_path, "env": here, "stdout": subprocess.DEVNULL}
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    alone = ["--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", address, *alone],
+            stderr=subprocess.DEVNULL, **options,
+        )
+    ]  # fmt: skip
+
+    def work() -> str:
+        processes.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1",
+                 "--no-nanny", *alone],
+                stderr=subprocess.DEVNULL, **options,
+            )
+        )  # fmt: skip
+        return address
+
+    def listens() -> bool:
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", int(address.rsplit(":", 1)[1]))) == 0
+
+    until(listens)
+    work.address = address  # type: ignore[attr-defined]
+    work.processes = processes  # type: ignore[attr-defined]
+    yield work
+    for process in processes[::-1]:
+        process.kill()
+        process.wait()
+
+
+def test_a_scheduler_elsewhere_gives_the_same_numbers(
+    undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path,
+    scheduler: Callable[[], str],
+) -> None:  # fmt: skip
+    table = ps.run(write(LONG), tmp_path / "out", scheduler=scheduler())
+    assert same(table) == same(undisturbed)
+
+
+def test_a_scheduler_that_goes_away_is_told_and_nothing_is_lost(
+    undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path,
+    scheduler: Any,
+) -> None:  # fmt: skip
+    path, out = write(LONG), tmp_path / "out"
+    done: list[int] = []
+
+    def end(count: int) -> None:
+        done.append(count)
+        if len(done) == 2:
+            for process in scheduler.processes[::-1]:
+                process.kill()
+
+    with pytest.raises(pc.ServerError, match="the Dask scheduler is gone; what was done is kept"):
+        ps.run(path, out, scheduler=scheduler(), advance=end)
+    assert sum(done) <= len(ps.load(out)) < len(undisturbed)
+    assert same(ps.run(path, out, workers=0)) == same(undisturbed)
+
+
+def test_no_scheduler_and_no_workers_are_told(
+    write: Callable[..., Path], tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "PATIENCE", 0.5)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        for address in (nobody, "nonsense://x"):
+            with pytest.raises(pc.ServerError, match="no Dask scheduler answers at"):
+                ps.run(write(), tmp_path / "out", scheduler=address)
+
+    def refused() -> bool:
+        try:
+            ps.run(write(), tmp_path / "out", scheduler=scheduler.address)
+        except pc.ServerError as error:
+            return "has no workers; start one: dask worker" in str(error)
+        return False
+
+    until(refused)
+
+
+def test_local_processes_have_one_thread_listen_on_the_loopback_alone_and_know_each_other() -> None:
+    from distributed import Client
+
+    with engine.local(1) as client:
+        found = client.run(_surroundings)
+        mine = psutil.Process()
+        (pid,) = (told["pid"] for told in found.values())
+        for process in (mine, psutil.Process(pid)):
+            heard = [c.laddr.ip for c in process.net_connections() if c.status == "LISTEN"]
+            assert set(heard) <= {"127.0.0.1"}
+        (told,) = found.values()
+        assert told["threads"] == 1
+        assert set(told["environment"]) == {"1"}
+        assert told["ignored"]
+        address = client.scheduler.address
+        assert address.startswith("tls://127.0.0.1:")
+        for way in (address, address.replace("tls", "tcp")):
+            with pytest.raises((OSError, TypeError)):
+                Client(way, timeout=1.0)
+
+
+def _surroundings(dask_worker: Any) -> dict[str, Any]:
+    """Of a worker."""
+    from threadpoolctl import threadpool_info
+
+    return {
+        "pid": os.getpid(),
+        "threads": max(
+            [dask_worker.state.nthreads, *(p["num_threads"] for p in threadpool_info())]
+        ),
+        "environment": [os.environ[name] for name in engine.ONE],
+        "ignored": signal.getsignal(signal.SIGINT) is signal.SIG_IGN,
+    }
+
+
+def test_what_kills_its_workers_again_and_again_is_a_row(
+    write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dask import config
+
+    plan = Plan(ps.read(write()))
+    monkeypatch.setattr(engine, "measure", _die)
+    with config.set({"distributed.scheduler.allowed-failures": 0}), engine.local(1) as client:
+        (rows,) = engine.results(client, plan, plan.batches()[:1])
+    assert [row["key"] for row in rows] == [task.key for task in plan.batches()[0]]
+    assert all("have died, again and again" in row["failure"] for row in rows)
+
+
+def _die(batch: object) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_dashboard_needs_bokeh(
+    write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(pc.ArgumentError, match="pip install bokeh"):
+        ps.run(write(), tmp_path / "out", workers=1, dashboard=print)
