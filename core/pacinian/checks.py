@@ -113,3 +113,15 @@ def count(measure: float, spacing: float, dimension: int) -> float:
             "spacing", f"of {spacing:g} m makes {samples:g} samples: choose a larger one"
         )
     return samples
+
+
+def names(name: str, given: object) -> tuple[str, ...]:
+    """Different names: a list, or text with commas, as a server's clients give it. Raises ArgumentError."""
+    parts = given.split(",") if isinstance(given, str) else given
+    if isinstance(parts, (list, tuple)) and all(isinstance(part, str) for part in parts):
+        made = tuple(part.strip() for part in parts)
+        if made == ("",):
+            return ()
+        if len(set(made)) == len(made) and (all(made) or not isinstance(given, str)):
+            return made
+    raise ArgumentError(name, f'must be different names, as ["A", "B"] or "A, B", not {given!r}')

@@ -114,3 +114,14 @@ def test_a_whole_number_is_returned_as_int(value: Any) -> None:
 )
 def test_what_is_no_whole_number_is_refused(value: Any) -> None:
     assert "whole number of at least 1" in refused(checks.integer, value, low=1)
+
+
+@pytest.mark.parametrize("given", [["A", "B"], ("A", "B"), "A,B", " A , B "])
+def test_names_are_a_list_or_a_text_with_commas(given: object) -> None:
+    assert checks.names("thing", given) == ("A", "B")
+    assert checks.names("thing", "") == checks.names("thing", []) == ()
+
+
+@pytest.mark.parametrize("given", [["A", "A"], "A,,B", [1], 3, None, {"A": 1}])
+def test_names_that_are_none_are_refused(given: object) -> None:
+    assert "different names" in refused(checks.names, given)

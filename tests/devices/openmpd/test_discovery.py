@@ -251,7 +251,7 @@ def test_what_is_connected_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
         {"led": (0, 0)},
         {"led": (0, 0, 256)},
         {"led": (0, 0, 1.5)},
-        {"serials": "FT1"},
+        {"serials": "FT1,,FT2"},
         {"serials": ["A", "A"]},
     ],
 )

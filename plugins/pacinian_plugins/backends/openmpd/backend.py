@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import integer, number
+from pacinian.checks import integer, names, number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.openmpd.board import Board
 from pacinian_plugins.backends.openmpd.discovery import PRODUCT, VENDOR, picked, seen
@@ -47,7 +47,7 @@ class OpenMpd(pc.Backend):
     usb = ((VENDOR, PRODUCT),)
 
     description: str = ""
-    serials: Sequence[str] = ()
+    serials: str | Sequence[str] = ()
     rate: float = 2000.0
     led: Sequence[int] = (0, 0, 0)
     timeout: float = 0.01
@@ -58,10 +58,7 @@ class OpenMpd(pc.Backend):
     def __post_init__(self) -> None:
         self.rate = number("rate", self.rate, low=100.0, high=10_000.0)
         self.timeout = number("timeout", self.timeout, low=0.001, high=1.0)
-        if isinstance(self.serials, str) or len(set(self.serials)) < len(self.serials):
-            raise ArgumentError(
-                "serials", f"must be a list of different ones, not {self.serials!r}"
-            )
+        self.serials = names("serials", self.serials)
         self.led = [integer("led", level, low=0) for level in self.led]
         if len(self.led) != 3 or max(self.led) > 255:
             raise ArgumentError("led", f"must be red, green and blue, 0 to 255, not {self.led}")

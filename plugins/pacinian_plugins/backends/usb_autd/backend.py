@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import number
+from pacinian.checks import names, number
 from pacinian_plugins.backends.usb_autd.board import Board
 from pacinian_plugins.backends.usb_autd.discovery import NAME, picked, seen
 from pacinian_plugins.backends.usb_autd.link import UsbLink
@@ -49,7 +49,7 @@ class UsbAutd(pc.Backend):
     usb = (INTERFACE,)
 
     description: str = ""
-    serials: Sequence[str] = ()
+    serials: str | Sequence[str] = ()
     watchdog: float = 0.02
     lead: float = 0.002
     timeout: float = 0.01
@@ -60,6 +60,7 @@ class UsbAutd(pc.Backend):
         self.watchdog = number("watchdog", self.watchdog, low=0.001, high=1.0)
         self._lead = round(number("lead", self.lead, low=0.0, high=0.1) * RATE)
         self.timeout = number("timeout", self.timeout, low=0.001, high=1.0)
+        self.serials = names("serials", self.serials)
         self._capability = pc.Capability(PHASES, AMPLITUDES, RATE, self.watchdog)
         self.boards: list[Board] = []
         """Those that are open, in the array's order."""
