@@ -1,0 +1,69 @@
+"""Plans of arrays: where transducers are in a plane [m], (N, 2), about the origin."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # [rad], the golden angle
+TRIES = 500  # darts for each transducer
+
+
+def hexagonal(width: float, height: float, pitch: float) -> Floats:
+    """Rows along x that are pitch sqrt(3) / 2 apart, every other one shifted by half a pitch."""
+    rise = pitch * math.sqrt(3.0) / 2.0
+    below = math.floor(height / 2.0 / rise + 1e-9)
+    rows: list[Floats] = []
+    for j in range(-below, below + 1):
+        shift = pitch / 2.0 if j % 2 else 0.0
+        beside = math.floor((width / 2.0 - shift) / pitch + 1e-9)
+        x = shift + pitch * np.arange(-beside - (1 if j % 2 else 0), beside + 1)
+        rows.append(np.column_stack([x, np.full(len(x), j * rise)]).astype(np.float64))
+    return np.concatenate(rows)
+
+
+def sunflower(count: int, diameter: float) -> Floats:
+    """Fermat's spiral: number n at the radius (diameter / 2) sqrt((n + 1/2) / count), at n golden angles."""
+    n = np.arange(count)
+    radius, angle = diameter / 2.0 * np.sqrt((n + 0.5) / count), n * GOLDEN
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def rings(diameter: float, pitch: float) -> Floats:
+    """One in the middle; ring k has the radius k pitch and as many as fit at the pitch along it."""
+    places = [np.zeros((1, 2))]
+    for k in range(1, math.floor(diameter / 2.0 / pitch + 1e-9) + 1):
+        count = math.floor(2.0 * math.pi * k)
+        angle = 2.0 * math.pi / count * np.arange(count)
+        places.append(k * pitch * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return np.concatenate(places)
+
+
+def scattered(
+    width: float, height: float, count: int, apart: float, rng: np.random.Generator
+) -> Floats:
+    """Darts at a rectangle: one that lands nearer to another than `apart` [m] is thrown again.
+
+    Raises ArgumentError where they do not fit.
+    """
+    half = np.array([width, height]) / 2.0
+    places = np.empty((count, 2))
+    landed = 0
+    for _ in range(TRIES * count):
+        dart = rng.uniform(-half, half)
+        if landed and ((places[:landed] - dart) ** 2).sum(axis=1).min() < apart**2:
+            continue
+        places[landed] = dart
+        landed += 1
+        if landed == count:
+            return places
+    raise ArgumentError(
+        "apart", f"of {apart:g} m leaves room for {landed} of {count}: lower it, or the count"
+    )
