@@ -21,6 +21,7 @@ SAYS = {
     "hand_session": " 0 differ",
     "custom_solver": "superposition",
     "own_array": "at the focus",
+    "array_study": "sunflower",
 }
 UNSEEN = {"touch", "client"}
 
