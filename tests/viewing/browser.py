@@ -118,7 +118,7 @@ def status(connection: Path) -> State:
 
 
 class Game:
-    """Lets a ball and a plate be felt, in a thread of its own. moves: whether the plate does.
+    """Lets a ball, a plate and a point be felt, in a thread of its own. moves: whether the plate does.
 
     Where a busy machine makes it lose its lease or its connection, it begins again.
     """
@@ -135,12 +135,13 @@ class Game:
         plate = pc.Surface(
             shape=pc.Disc(0.01), pose=_at(0.03, 0.15), radiation_pressure=5.0, name="plate"
         )
+        spark = pc.Point(position=(-0.03, -0.03, 0.15), radiation_pressure=5.0, name="spark")
         while not self._ended.is_set():
             with (
                 contextlib.suppress(pc.ServerError),
                 pc.Client(self._connection, name="game", scene="room") as client,
             ):
-                client.put(ball, plate)
+                client.put(ball, plate, spark)
                 client.arm(take=True)
                 for step in itertools.count():
                     if self._ended.is_set():

@@ -67,9 +67,15 @@ def test_it_shows_what_there_is(browser: Browser, url: str, server: Running) -> 
     assert "Permission is hereby granted" in licences
 
 
-def _rings(shown: Seen, sample: dict[str, Any]) -> int:
+def _samples(shown: Seen, low: float, high: float) -> list[list[float]]:
+    """Where those are whose x is in a range [m]: of the plate beyond 0.02, of the point below -0.02."""
+    found = [sample["position"] for sample in shown.get("samples")]
+    return [position for position in found if low < position[0] < high]
+
+
+def _rings(shown: Seen, at: list[float]) -> int:
     """White pixels around where a sample is."""
-    x, y = shown.page.evaluate("(at) => pacinian.project(at)", sample["position"])
+    x, y = shown.page.evaluate("(at) => pacinian.project(at)", at)
     clip: Any = {"x": x - 12, "y": y - 12, "width": 24, "height": 24}
     image = Image.open(io.BytesIO(shown.page.screenshot(clip=clip))).convert("RGB")
     return int((np.asarray(image).min(axis=-1) > 225).sum())
@@ -80,13 +86,14 @@ def test_what_moves_is_seen_to_move(browser: Browser, url: str, server: Running)
         shown.until(lambda: "plate" in shown.get("objects"))
         shown.page.uncheck("#slice-on")
         shown.page.click("[data-from=near]")
-        shown.until(lambda: any(_rings(shown, sample) > 10 for sample in shown.get("samples")))
+        shown.until(lambda: any(_rings(shown, at) > 10 for at in _samples(shown, 0.02, 0.04)))
+        shown.until(lambda: any(_rings(shown, at) > 10 for at in _samples(shown, -0.04, -0.02)))
         game.moves = True
         heights, samples, places = set[float](), set[float](), set[float]()
 
         def moved() -> bool:
             heights.add(shown.get("objects.plate.position[2]"))
-            of_plate = [s["position"] for s in shown.get("samples") if s["position"][0] > 0.021]
+            of_plate = _samples(shown, 0.021, 0.04)
             samples.update(position[2] for position in of_plate)
             places.update(
                 shown.page.evaluate("(at) => pacinian.project(at)[1]", position)

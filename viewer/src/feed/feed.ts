@@ -1,0 +1,63 @@
+/** The connection to the viewer's server: it opens again by itself, and says how it is. */
+
+import { decode, encode } from "@msgpack/msgpack";
+
+import type { FromServer, ToServer } from "./messages";
+
+const FIRST = 250; // [ms] until the next try
+const LONGEST = 2000; // [ms]
+
+export interface Listener {
+  opened(): void;
+  message(message: FromServer): void;
+  closed(): void;
+}
+
+export class Feed {
+  private socket: WebSocket | undefined;
+  private wait = FIRST;
+
+  constructor(
+    private readonly address: string,
+    private readonly listener: Listener,
+  ) {}
+
+  /** Connect; from then on it keeps trying. */
+  open(): void {
+    const socket = new WebSocket(this.address);
+    socket.binaryType = "arraybuffer";
+    socket.addEventListener("open", () => {
+      this.wait = FIRST;
+      this.listener.opened();
+    });
+    socket.addEventListener("message", (event: MessageEvent<unknown>) => {
+      if (event.data instanceof ArrayBuffer) this.listener.message(read(event.data));
+    });
+    socket.addEventListener("close", () => {
+      if (this.socket !== socket) return;
+      this.listener.closed();
+      setTimeout(() => this.open(), this.wait);
+      this.wait = Math.min(2 * this.wait, LONGEST);
+    });
+    this.socket = socket;
+  }
+
+  /** Whether it was sent: not while there is no connection. */
+  send(message: ToServer): boolean {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(encode(message));
+    return true;
+  }
+}
+
+/** A message of the server. */
+export function read(data: ArrayBuffer): FromServer {
+  return decode(data) as FromServer;
+}
+
+/** Where the feed of this page is: same host, same token. */
+export function address(page: Location): string {
+  const token = new URLSearchParams(page.search).get("token") ?? "";
+  const scheme = page.protocol === "https:" ? "wss:" : "ws:";
+  return `${scheme}//${page.host}/feed?token=${encodeURIComponent(token)}`;
+}

@@ -1,0 +1,158 @@
+/** Drive and error over the last half minute, and how long ticks took. */
+
+import uPlot from "uplot";
+
+import type { Frame, Histogram, State } from "../feed/messages";
+import type { Store } from "../feed/store";
+import { element, say } from "./dom";
+import { History, SPAN } from "./history";
+import { digits, percent } from "./words";
+
+const EVERY = 250; // [ms] between two drawings
+const ERRORS = [1e-4, 0.01, 1, 100] as const; // [%] ticks; less is as good as nothing
+const COUNTS = [0, 10, 100, 1000, 10_000];
+const SHORTEST = 0.01; // [ms] of a tick
+const LONGEST = 100; // [ms]
+const INK = "#8b96a6";
+const LINE = "#8fc7ff";
+const FAINT = "#4b6d93";
+const AMBER = "#f3c66b";
+const RED = "#ff7a70";
+const GRID = { stroke: "#232b36", width: 1 };
+const FONT = "11px system-ui, sans-serif";
+
+export class Charts {
+  private readonly drive = new History(2);
+  private readonly error = new History(1);
+  private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
+  private histogram: Histogram | undefined;
+  private due = 0;
+
+  /** driven: mean and most of the amplitudes now, 0..1. */
+  constructor(store: Store, driven: () => { mean: number; most: number }) {
+    this.plots = {
+      drive: plot("chart-drive", over([LINE, FAINT], { range: [0, 100] })),
+      error: plot("chart-error", over([AMBER], { distr: 3, range: [ERRORS[0], ERRORS[3]] })),
+      ticks: plot("chart-ticks", this.bars()),
+    };
+    store.on("frame", (frame: Frame) => {
+      const { mean, most } = driven();
+      this.drive.add(frame.time, 100 * mean, 100 * most);
+      this.draw();
+    });
+    store.on("state", (state: State) => {
+      this.error.add(state.time, Math.min(Math.max(100 * state.error, ERRORS[0]), ERRORS[3]));
+      this.say(state, driven());
+      this.draw();
+    });
+    store.on("histogram", (histogram: Histogram) => {
+      this.histogram = histogram;
+      this.plots.ticks.setData(columns(histogram));
+    });
+  }
+
+  private draw(): void {
+    const now = performance.now();
+    if (now < this.due) return;
+    this.due = now + EVERY;
+    this.plots.drive.setData(this.drive.data);
+    this.plots.error.setData(this.error.data);
+  }
+
+  private say(state: State, { mean, most }: { mean: number; most: number }): void {
+    const [p50, p99, worst] = state.tick_ms.map((ms) => digits(ms, 2));
+    output("chart-drive", `mean ${percent(mean)}, most ${percent(most)}`);
+    output("chart-error", state.asked.length ? `${percent(state.error)}, ${state.status}` : "no samples");
+    output("chart-ticks", `p50 ${p50}, p99 ${p99}, max ${worst} ms`);
+  }
+
+  private bars(): Omit<uPlot.Options, "width" | "height"> {
+    const bars = uPlot.paths.bars?.({ size: [1, Infinity, 1], align: 1, gap: 1 });
+    return {
+      ...common(),
+      scales: {
+        x: { time: false, distr: 3, range: () => this.edges() },
+        y: { distr: 4, asinh: 5, range: (_plot, _low, high) => [0, Math.max(high, 10)] },
+      },
+      axes: [
+        axis({ splits: () => this.powers(), values: (_plot, ticks) => ticks.map((ms) => `${ms} ms`) }),
+        axis({ splits: (shown) => COUNTS.filter((each) => each <= (shown.scales["y"]?.max ?? 0)) }),
+      ],
+      series: [{}, { stroke: LINE, fill: "#8fc7ff99", width: 0, points: { show: false }, ...(bars && { paths: bars }) }],
+      hooks: { draw: [(shown) => this.deadline(shown)] },
+    };
+  }
+
+  private edges(): [number, number] {
+    const edges = this.histogram?.edges_ms ?? [];
+    return [edges[0] || SHORTEST, edges.at(-1) ?? LONGEST];
+  }
+
+  private powers(): number[] {
+    const [low, high] = this.edges().map((edge) => Math.round(Math.log10(edge)));
+    const first = low ?? 0;
+    return Array.from({ length: (high ?? 0) - first + 1 }, (_, k) => Number(`1e${first + k}`));
+  }
+
+  private deadline(shown: uPlot): void {
+    if (!this.histogram) return;
+    const { ctx, bbox } = shown;
+    const x = Math.round(shown.valToPos(this.histogram.deadline_ms, "x", true));
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = RED;
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
+    ctx.fillText(" deadline", x, bbox.top + 12 * devicePixelRatio);
+    ctx.restore();
+  }
+}
+
+function columns({ edges_ms, counts }: Histogram): uPlot.AlignedData {
+  return [edges_ms.slice(0, counts.length), [...counts]];
+}
+
+function common(): Pick<uPlot.Options, "legend" | "cursor" | "padding"> {
+  return { legend: { show: false }, cursor: { show: false }, padding: [8, 24, 0, 0] };
+}
+
+function over(colours: string[], y: uPlot.Scale): Omit<uPlot.Options, "width" | "height"> {
+  return {
+    ...common(),
+    scales: { x: { time: false, range: [-SPAN, 0] }, y },
+    axes: [
+      axis({ values: (_plot, ticks) => ticks.map((t) => (t ? `−${-t} s` : "now")) }),
+      axis(y.distr === 3 ? { size: 54, splits: () => [...ERRORS], values: (_plot, ticks) => ticks.map(String) } : {}),
+    ],
+    series: [{}, ...colours.map((stroke) => ({ stroke, width: 1.5, points: { show: false } }))],
+  };
+}
+
+function axis(more: Partial<uPlot.Axis> = {}): uPlot.Axis {
+  return { filter: (_plot, ticks) => ticks, stroke: INK, grid: GRID, ticks: { ...GRID, size: 4 }, font: FONT, gap: 4, size: 44, ...more };
+}
+
+/** A chart that fills what its figure has below the caption. */
+function plot(id: string, options: Omit<uPlot.Options, "width" | "height">): uPlot {
+  const figure = element(id);
+  const caption = figure.querySelector("figcaption");
+  const size = (): { width: number; height: number } => ({
+    width: figure.clientWidth,
+    height: Math.max(figure.clientHeight - (caption?.offsetHeight ?? 0), 40),
+  });
+  const made = new uPlot({ ...options, ...size() }, [[], []], figure);
+  new ResizeObserver(() => made.setSize(size())).observe(figure);
+  return made;
+}
+
+function output(id: string, text: string): void {
+  const figure = element(id);
+  const told = figure.querySelector("output");
+  if (told) say(told, text);
+  const what = figure.querySelector("figcaption")?.firstChild?.textContent?.trim() ?? "";
+  figure.setAttribute("aria-label", `${what}: ${text}`);
+}

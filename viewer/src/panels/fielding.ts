@@ -1,0 +1,124 @@
+/** What of the field is wanted: slice, surface, colour scale. */
+
+import type { Boxer } from "../field/boxer";
+import { round, type Scale } from "../field/scale";
+import type { Slicer } from "../field/slicer";
+import type { Store } from "../feed/store";
+import { AXES, number, peak } from "../space/planes";
+import type { Space } from "../space/space";
+import { button, element, input, say, select } from "./dom";
+import { digits, millimetres } from "./words";
+
+const WAIT = "being computed …";
+
+export class FieldPanel {
+  constructor(
+    private readonly space: Space,
+    private readonly slicer: Slicer,
+    private readonly boxer: Boxer,
+    private readonly scale: Scale,
+    store: Store,
+  ) {
+    this.listenSlice();
+    this.listenSurface();
+    this.listenScale();
+    slicer.onChange(() => {
+      this.showSlice();
+      if (store.link === "live") say(element("slice-most"), slicer.on ? WAIT : "–");
+    });
+    store.on("array", (array) => {
+      this.showSlice();
+      for (const id of ["slice-on", "surface-on"]) input(id).disabled = !array.fields;
+      say(element("slice-most"), array.fields ? WAIT : "This server does not tell what the field is made of.");
+    });
+    store.on("slice", () => this.showMost());
+    store.on("volume", () => this.showLevel());
+    this.showSlice();
+    this.showLevel();
+  }
+
+  private listenSlice(): void {
+    const { slicer, space } = this;
+    input("slice-on").addEventListener("change", () => slicer.show(input("slice-on").checked));
+    for (const radio of radios()) {
+      radio.addEventListener("change", () => {
+        const axis = AXES.find((each) => each === radio.value);
+        if (radio.checked && axis) slicer.turn(axis);
+      });
+    }
+    input("slice-at").addEventListener("input", () => slicer.move(Number(input("slice-at").value) / 1000, true));
+    input("slice-at").addEventListener("change", () => slicer.move(Number(input("slice-at").value) / 1000));
+    input("slice-mm").addEventListener("change", () => slicer.move(Number(input("slice-mm").value) / 1000));
+    button("slice-centre").addEventListener("click", () => slicer.centreOn(space.middle));
+    for (const id of ["slice-size", "slice-cells"]) {
+      select(id).addEventListener("change", () =>
+        slicer.resize(Number(select("slice-size").value), Number(select("slice-cells").value)),
+      );
+    }
+  }
+
+  private listenSurface(): void {
+    const { boxer, space } = this;
+    input("surface-on").addEventListener("change", () => {
+      boxer.follow(space.middle);
+      boxer.show(input("surface-on").checked);
+      space.recut();
+    });
+    input("level").addEventListener("input", () => {
+      boxer.share = Number(input("level").value) / 100;
+      space.recut();
+      this.showLevel();
+    });
+    select("box-size").addEventListener("change", () => boxer.resize(Number(select("box-size").value)));
+  }
+
+  private listenScale(): void {
+    const { scale, space } = this;
+    const top = input("scale");
+    select("scale-auto").addEventListener("change", () => {
+      scale.auto = select("scale-auto").value === "auto";
+      this.showMost();
+    });
+    top.addEventListener("change", () => {
+      scale.auto = false;
+      select("scale-auto").value = "fixed";
+      scale.most = Number(top.value) > 0 ? Number(top.value) : round(scale.most);
+      space.rescale();
+      this.showMost();
+    });
+  }
+
+  private showSlice(): void {
+    const { slicer, space } = this;
+    const n = number(slicer.axis);
+    const [low, high] = [space.extent.low[n], space.extent.high[n]];
+    const at = input("slice-at");
+    at.min = String(Math.floor(1000 * Math.min(low, slicer.position)));
+    at.max = String(Math.ceil(1000 * Math.max(high, slicer.position)));
+    at.value = String(Math.round(1000 * slicer.position));
+    at.setAttribute("aria-valuetext", `${slicer.axis} = ${millimetres(slicer.position)} mm`);
+    input("slice-mm").value = String(Math.round(1e4 * slicer.position) / 10);
+    input("slice-on").checked = slicer.on;
+    for (const radio of radios()) radio.checked = radio.value === slicer.axis;
+  }
+
+  private showMost(): void {
+    const { plane, values } = this.space.slice;
+    if (plane) {
+      const { most, at } = peak(plane, values);
+      const place = at.map((x) => millimetres(x)).join(", ");
+      say(element("slice-most"), `most ${digits(most)} Pa, at (${place}) mm`);
+    }
+    if (document.activeElement !== input("scale")) input("scale").value = String(this.scale.most);
+    this.showLevel();
+  }
+
+  private showLevel(): void {
+    say(element("level-value"), `${digits(this.space.level, 2)} Pa`);
+    input("level").setAttribute("aria-valuetext", `${digits(this.space.level, 2)} Pa`);
+  }
+}
+
+function radios(): HTMLInputElement[] {
+  return [...document.querySelectorAll<HTMLInputElement>("input[name=axis]")];
+}

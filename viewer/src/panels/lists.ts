@@ -1,0 +1,97 @@
+/** Samples by object, what was left out, faults with their times, clients. */
+
+import type { State } from "../feed/messages";
+import { floats, indices } from "../feed/numbers";
+import type { Store } from "../feed/store";
+import { element, made, rows, say } from "./dom";
+import { digits, plural, seconds, whole } from "./words";
+
+const EVERY = 200; // [ms] between two looks: figures that change faster cannot be read
+const OBJECTS = 8; // that are listed
+const KEPT = 50; // faults
+
+export class Lists {
+  /** How many faults there were. */
+  private known: number | undefined;
+  private due = 0;
+
+  constructor(store: Store) {
+    store.on("state", (state) => this.show(state));
+    store.on("link", () => {
+      this.known = undefined;
+    });
+  }
+
+  private show(state: State): void {
+    this.watch(state);
+    const now = performance.now();
+    if (now < this.due) return;
+    this.due = now + EVERY;
+    say(element("sample-count"), whole(state.asked.length / 4));
+    rows(body("samples"), sampled(state));
+    rows(
+      body("skipped"),
+      Object.entries(state.skipped)
+        .filter(([, count]) => count > 0)
+        .sort((a, b) => b[1] - a[1])
+        .map(([reason, count]) => [reason, whole(count)]),
+    );
+    const clients = state.clients.map((client) => [
+      `${client.name}${client.owner ? " ◆ owner" : ""}`,
+      whole(client.objects),
+      `${whole(client.commands)}${client.errors ? `, ${plural(client.errors, "error")}` : ""}${client.dropped ? `, ${whole(client.dropped)} dropped` : ""}`,
+      seconds(client.renewed),
+    ]);
+    rows(body("clients"), clients);
+  }
+
+  /** Faults are told with the time at which they were seen first. */
+  private watch(state: State): void {
+    const { known } = this;
+    const { faults, fault_count: count } = state;
+    this.known = count;
+    say(element("fault-count"), whole(count));
+    element("fault-count").dataset["some"] = String(count > 0);
+    const fresh = known !== undefined ? Math.min(Math.max(count - known, 0), faults.length) : faults.length;
+    if (!fresh) return;
+    const at = new Date();
+    for (const text of faults.slice(-fresh)) {
+      element("faults").prepend(item(text, at, known === undefined));
+    }
+    while (element("faults").children.length > KEPT) element("faults").lastElementChild?.remove();
+    if (known !== undefined) say(element("spoken"), `Fault: ${faults.at(-1) ?? ""}`);
+  }
+}
+
+function item(text: string, at: Date, before: boolean): HTMLLIElement {
+  const time = made("time", before ? "before" : at.toLocaleTimeString("en-GB"));
+  time.dateTime = at.toISOString();
+  return made("li", time, made("span", text));
+}
+
+function body(table: string): HTMLElement {
+  return element(table).querySelector("tbody") ?? element(table);
+}
+
+/** Object, samples, mean asked, mean achieved. */
+function sampled(state: State): string[][] {
+  const asked = floats(state.asked);
+  const achieved = floats(state.achieved);
+  const index = indices(state.index);
+  const sums = state.objects.map((name) => ({ name, count: 0, asked: 0, achieved: 0 }));
+  index.forEach((which, k) => {
+    const sum = sums[which];
+    if (!sum) return;
+    sum.count += 1;
+    sum.asked += asked[k] ?? 0;
+    sum.achieved += achieved[k] ?? 0;
+  });
+  return sums
+    .slice(0, OBJECTS)
+    .map(({ name, count, ...sum }) => [
+      name || "unnamed",
+      whole(count),
+      digits(sum.asked / count),
+      digits(sum.achieved / count),
+    ]);
+}

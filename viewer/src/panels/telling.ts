@@ -1,0 +1,20 @@
+/** The value under the mouse. */
+
+import type { Told } from "../space/pointing";
+import { element, say } from "./dom";
+import { digits, millimetres } from "./words";
+
+const BESIDE = 14; // [px]
+
+export function tell(told: Told | null): void {
+  const note = element("told");
+  note.hidden = !told;
+  if (!told) return;
+  const { x, y, pressure, at } = told;
+  const place = [at.x, at.y, at.z].map(millimetres).join(", ");
+  say(note, `${digits(pressure)} Pa at (${place}) mm`);
+  const { left, top, right } = element("space").getBoundingClientRect();
+  const over = x + BESIDE + note.offsetWidth > right;
+  const across = x - left + (over ? -BESIDE - note.offsetWidth : BESIDE);
+  note.style.transform = `translate(${across}px, ${y - top + BESIDE}px)`;
+}

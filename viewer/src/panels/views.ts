@@ -1,0 +1,24 @@
+/** Buttons for directions to look from, and the help on keys. */
+
+import type { Space } from "../space/space";
+import { button, element } from "./dom";
+
+export function watchViews(space: Space): void {
+  const { view } = space;
+  view.canvas.setAttribute("role", "application");
+  view.canvas.setAttribute("aria-label", "3-D view; arrow keys turn it, Page Up and Page Down move the slice");
+  for (const each of document.querySelectorAll<HTMLButtonElement>("[data-from]")) {
+    each.addEventListener("click", () => {
+      const from = each.dataset["from"];
+      if (from === "x" || from === "y" || from === "z") view.from(from);
+      else if (from === "near") space.close();
+      else view.reset();
+    });
+  }
+  const help = button("help");
+  help.addEventListener("click", () => {
+    const open = help.getAttribute("aria-expanded") !== "true";
+    help.setAttribute("aria-expanded", String(open));
+    element("keys").hidden = !open;
+  });
+}

@@ -1,0 +1,35 @@
+/** Numbers as people read them. */
+
+const DIGITS = 3;
+
+/** Three digits, without a needless power of ten. */
+export function digits(x: number, count = DIGITS): string {
+  if (!Number.isFinite(x)) return "–";
+  if (x === 0) return "0";
+  const size = Math.abs(x);
+  if (size >= 1e6 || size < 1e-4) return x.toExponential(count - 1).replace("-", "−");
+  const after = Math.max(count - 1 - Math.floor(Math.log10(size)), 0);
+  return x.toFixed(Math.min(after, 6)).replace("-", "−");
+}
+
+/** A whole number with thin spaces between thousands. */
+export function whole(x: number): string {
+  return Math.round(x).toString().replace(/\B(?=(\d{3})+$)/g, "\u2009").replace("-", "−");
+}
+
+export function percent(share: number): string {
+  return `${digits(100 * share)} %`;
+}
+
+/** Seconds. */
+export function seconds(t: number): string {
+  return t < 1 ? `${whole(1000 * t)} ms` : `${digits(t)} s`;
+}
+
+export function millimetres(length: number): string {
+  return (Math.round(1e4 * length) / 10).toFixed(1).replace("-", "−");
+}
+
+export function plural(count: number, one: string): string {
+  return `${whole(count)} ${one}${count === 1 ? "" : "s"}`;
+}

@@ -1,0 +1,116 @@
+/** Solids as closed triangle meshes; those made of others by three-bvh-csg. */
+
+import {
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  Matrix4,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
+} from "three";
+import { ADDITION, Brush, Evaluator, INTERSECTION, SUBTRACTION } from "three-bvh-csg";
+
+import { floats, indices } from "../feed/numbers";
+import type { Part, Pose, Primitive, Solid } from "../feed/things";
+import { surface } from "./marching";
+
+/** What a solid is made of, each by itself; none where even that is not possible. */
+export function parts(shape: Solid): BufferGeometry[] {
+  if (shape.type === "difference") return [part(shape.of)];
+  if (shape.type === "union" || shape.type === "intersection") return shape.parts.map(part);
+  return [];
+}
+
+/** In its own frame. Throws what the library throws where parts are not closed. */
+export function solid(shape: Solid): BufferGeometry {
+  switch (shape.type) {
+    case "union":
+      return combined(shape.parts, ADDITION);
+    case "intersection":
+      return combined(shape.parts, INTERSECTION);
+    case "difference":
+      return combined([shape.of, ...shape.less], SUBTRACTION);
+    default:
+      return part(shape);
+  }
+}
+
+function part(shape: Part): BufferGeometry {
+  return shape.type === "placed"
+    ? primitive(shape.shape).applyMatrix4(matrix(shape.pose))
+    : primitive(shape);
+}
+
+function primitive(shape: Primitive): BufferGeometry {
+  switch (shape.type) {
+    case "sphere":
+      return new SphereGeometry(shape.radius, 48, 32).rotateX(Math.PI / 2);
+    case "box":
+      return new BoxGeometry(...shape.size);
+    case "capsule":
+      return new CapsuleGeometry(shape.radius, shape.length, 12, 40).rotateX(Math.PI / 2);
+    case "mesh":
+      return mesh(floats(shape.vertices), indices(shape.faces), shape.scale);
+    case "voxels":
+      return voxels(shape);
+  }
+}
+
+function mesh(points: Float32Array, faces: Uint32Array, scale: number): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(points, 3));
+  geometry.setIndex(new BufferAttribute(faces, 1));
+  geometry.scale(scale, scale, scale);
+  const free = geometry.toNonIndexed(); // edges stay sharp
+  free.computeVertexNormals();
+  return free;
+}
+
+/** With a rim of nothing around the grid, so that it closes. */
+function voxels(shape: Extract<Primitive, { type: "voxels" }>): BufferGeometry {
+  const { grid, pitch, level } = shape;
+  const values = floats(shape.values);
+  const [X, Y, Z] = [grid[0] + 2, grid[1] + 2, grid[2] + 2];
+  const padded = new Float32Array(X * Y * Z);
+  for (let x = 0; x < grid[0]; x++) {
+    for (let y = 0; y < grid[1]; y++) {
+      const row = (x * grid[1] + y) * grid[2];
+      const place = ((x + 1) * Y + y + 1) * Z + 1;
+      padded.set(values.subarray(row, row + grid[2]), place);
+    }
+  }
+  const half = (n: number): number => (-pitch * (n - 1)) / 2;
+  return surface(
+    {
+      values: padded,
+      shape: [X, Y, Z],
+      origin: [half(X), half(Y), half(Z)],
+      spacing: pitch,
+    },
+    level,
+  );
+}
+
+function combined(parts: Part[], how: typeof ADDITION): BufferGeometry {
+  const evaluator = new Evaluator();
+  evaluator.attributes = ["position", "normal"];
+  evaluator.useGroups = false;
+  const [first, ...others] = parts.map((each) => {
+    const brush = new Brush(part(each));
+    brush.updateMatrixWorld();
+    return brush;
+  });
+  if (!first) return new BufferGeometry();
+  return others.reduce((made, next) => evaluator.evaluate(made, next, how), first).geometry;
+}
+
+/** As a matrix. */
+export function matrix({ position, rotation }: Pose): Matrix4 {
+  return new Matrix4().compose(
+    new Vector3(...position),
+    new Quaternion(...rotation),
+    new Vector3(1, 1, 1),
+  );
+}

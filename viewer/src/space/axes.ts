@@ -1,0 +1,98 @@
+/** Floor and axes around the array, in millimetres. */
+
+import {
+  Box3,
+  BufferGeometry,
+  Float32BufferAttribute,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Vector3,
+} from "three";
+
+import { Label } from "./labels";
+
+const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
+const LINES = 7; // on the longer side, at most, about
+const BELOW = 0.006; // [m] under the array
+const AWAY = 0.018; // of the diagonal: from an axis to its numbers
+const GRID = "#2a323d";
+const AXIS = "#55606f";
+
+/** What is to be seen [m]. */
+export interface Extent {
+  low: readonly [number, number, number];
+  high: readonly [number, number, number];
+}
+
+/** The step of a scale of so long [m]. */
+export function step(length: number): number {
+  return STEPS.find((each) => length / each <= LINES) ?? 1;
+}
+
+export class Axes extends Group {
+  readonly labels: Label[] = [];
+  /** What is between them [m]. */
+  readonly box = new Box3();
+
+  /** Around another array. */
+  place({ low, high }: Extent): void {
+    for (const label of this.labels) label.dispose();
+    this.labels.length = 0;
+    for (const child of [...this.children]) {
+      this.remove(child);
+      if (child instanceof LineSegments) child.geometry.dispose();
+    }
+    const apart = step(Math.max(high[0] - low[0], high[1] - low[1]));
+    const x = ticks(low[0], high[0], apart);
+    const y = ticks(low[1], high[1], apart);
+    const floor = low[2] - BELOW;
+    const tall = ticks(low[2], high[2], step(high[2] - low[2])).filter((z) => z >= low[2]);
+    const [left, right, near, far] = [x[0], x.at(-1), y[0], y.at(-1)].map((each) => each ?? 0);
+    if (left === undefined || right === undefined || near === undefined || far === undefined) {
+      return;
+    }
+    const top = tall.at(-1) ?? floor;
+    this.box.set(new Vector3(left, near, floor), new Vector3(right, far, top));
+    const away = AWAY * Math.hypot(right - left, far - near);
+    this.lines(GRID, [
+      ...x.flatMap((each) => [each, near, floor, each, far, floor]),
+      ...y.flatMap((each) => [left, each, floor, right, each, floor]),
+    ]);
+    this.lines(AXIS, [
+      ...[left, near, floor, right, near, floor, right, near, floor, right, far, floor],
+      ...[left, far, floor, left, far, top],
+      ...tall.flatMap((z) => [left, far, z, left - away / 3, far, z]),
+    ]);
+    for (const each of x) this.label(millimetres(each), each, near - 1.6 * away, floor);
+    for (const each of y) this.label(millimetres(each), right + 1.6 * away, each, floor);
+    for (const z of tall) this.label(millimetres(z), left - 1.6 * away, far, z);
+    this.label("x [mm]", (left + right + apart) / 2, near - 3.8 * away, floor, true);
+    this.label("y [mm]", right + 3.8 * away, (near + far + apart) / 2, floor, true);
+    this.label("z [mm]", left, far, top + 1.6 * away, true);
+  }
+
+  private lines(color: string, points: number[]): void {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
+    this.add(new LineSegments(geometry, new LineBasicMaterial({ color })));
+  }
+
+  private label(text: string, x: number, y: number, z: number, name = false): void {
+    const label = new Label(text, name ? { colour: "#9aa6b5" } : { colour: "#7f8b9b", size: 10 });
+    label.position.set(x, y, z);
+    this.labels.push(label);
+    this.add(label);
+  }
+}
+
+/** Multiples of a step that hold a range between them. */
+export function ticks(low: number, high: number, apart: number): number[] {
+  const first = Math.floor(low / apart + 1e-6);
+  const last = Math.ceil(high / apart - 1e-6);
+  return Array.from({ length: last - first + 1 }, (_, k) => (first + k) * apart);
+}
+
+function millimetres(length: number): string {
+  return (Math.round(1e4 * length) / 10).toString().replace("-", "−");
+}

@@ -1,0 +1,155 @@
+/**
+ * Things that can be seen through: hands, objects, surfaces of equal pressure.
+ *
+ * Of each only the surface next to the eye is drawn: first its depth, then its colour. What is farther away is drawn
+ * first, so that it shines through.
+ */
+
+import {
+  Color,
+  DoubleSide,
+  FrontSide,
+  Group,
+  Mesh,
+  ShaderMaterial,
+  Vector3,
+  type BufferGeometry,
+  type Camera,
+  type Texture,
+} from "three";
+
+export const SHADED = `
+invariant gl_Position; // the same for depth and for colour
+varying vec3 facing, seen;
+`;
+
+const VERTEX = `
+${SHADED}
+varying vec3 at;
+void main() {
+  vec4 p = modelViewMatrix * vec4(position, 1.0);
+  at = position;
+  facing = normalMatrix * normal;
+  seen = -p.xyz;
+  gl_Position = projectionMatrix * p;
+}`;
+
+const FRAGMENT = `
+varying vec3 facing, seen;
+uniform vec3 colour;
+uniform float body;
+#ifdef TEXTURED
+varying vec3 at;
+uniform sampler2D map;
+uniform vec2 extent;
+#endif
+void main() {
+  vec3 n = normalize(facing);
+  float towards = abs(dot(n, normalize(seen)));
+  float light = 0.62 + 0.38 * abs(dot(n, normalize(vec3(0.35, 0.8, 0.6))));
+  float rim = pow(1.0 - towards, 2.5);
+  vec3 c = colour * (light + 0.45 * rim) + 0.06 * rim;
+  float a = mix(body, min(body + 0.55, 1.0), rim);
+#ifdef TEXTURED
+  float felt = texture2D(map, at.xy / extent + 0.5).r;
+  c *= mix(0.45, 1.15, felt);
+  a *= mix(0.6, 1.2, felt);
+#endif
+  gl_FragColor = vec4(c, a);
+}`;
+
+export interface Look {
+  colour: string;
+  /** Opacity where it is looked at straight. */
+  body: number;
+  /** Seen from both sides: not closed. */
+  open?: boolean;
+  /** A factor on pressure over x and y, and how wide and high it is [m]. */
+  texture?: { map: Texture; size: [number, number] };
+  /** Instead of a plain one. */
+  vertex?: string;
+}
+
+/** One thing: the mesh of its depth and the mesh of its colour. */
+export class Glass extends Group {
+  constructor(geometry: BufferGeometry, look: Look) {
+    super();
+    const { colour, body, texture } = look;
+    const side = look.open ? DoubleSide : FrontSide;
+    const vertexShader = look.vertex ?? VERTEX;
+    const depth = new ShaderMaterial({
+      vertexShader,
+      fragmentShader: "void main() {}",
+      side,
+      colorWrite: false,
+      transparent: true, // so that it is drawn in its turn
+    });
+    const shown = new ShaderMaterial({
+      vertexShader,
+      fragmentShader: FRAGMENT,
+      side,
+      transparent: true,
+      depthWrite: false,
+      defines: texture ? { TEXTURED: "" } : {},
+      uniforms: {
+        colour: { value: plain(colour) },
+        body: { value: body },
+        map: { value: texture?.map ?? null },
+        extent: { value: texture?.size ?? [1, 1] },
+      },
+    });
+    this.add(new Mesh(geometry, depth), new Mesh(geometry, shown));
+    for (const mesh of this.meshes) mesh.frustumCulled = false;
+  }
+
+  get meshes(): Mesh<BufferGeometry, ShaderMaterial>[] {
+    return this.children as Mesh<BufferGeometry, ShaderMaterial>[];
+  }
+
+  /** Another geometry. */
+  set geometry(geometry: BufferGeometry) {
+    for (const mesh of this.meshes) mesh.geometry = geometry;
+  }
+
+  set colour(colour: string) {
+    const uniform = this.meshes[1]?.material.uniforms["colour"];
+    if (uniform) (uniform.value as Color).copy(plain(colour));
+  }
+
+  /** Its turn among others. */
+  set turn(turn: number) {
+    for (const [k, mesh] of this.meshes.entries()) mesh.renderOrder = 2 * turn + k;
+  }
+
+  override dispose(): void {
+    for (const mesh of this.meshes) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+    }
+  }
+}
+
+/** What is drawn in turns, the farthest first. */
+export interface Turned {
+  /** Where it is, for its turn. */
+  readonly middle: Vector3;
+  turn: number;
+}
+
+/** Gives all things their turns, as they are seen by a camera. */
+export function takeTurns(things: Turned[], camera: Camera): void {
+  things.sort((a, b) => apart(b, camera) - apart(a, camera));
+  for (let turn = 0; turn < things.length; turn++) {
+    const thing = things[turn];
+    if (thing) thing.turn = turn;
+  }
+}
+
+function apart(thing: Turned, camera: Camera): number {
+  return thing.middle.distanceToSquared(camera.position);
+}
+
+/** A colour as it is written: our shaders convert nothing. */
+function plain(colour: string): Color {
+  return new Color().setStyle(colour, "srgb-linear");
+}

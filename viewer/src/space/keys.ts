@@ -1,0 +1,40 @@
+/** The keyboard in the view: turn, come nearer, move the slice. */
+
+import type { Slicer } from "../field/slicer";
+import type { Space } from "./space";
+
+const NEARER = 1.1;
+const FINE = 0.001; // [m]
+const COARSE = 0.01; // [m]
+
+export function listen(space: Space, slicer: Slicer): void {
+  const { view } = space;
+  const move = (by: number, event: KeyboardEvent): void =>
+    slicer.move(slicer.position + by * (event.shiftKey ? COARSE : FINE));
+  const actions: Record<string, (event: KeyboardEvent) => void> = {
+    ArrowLeft: () => view.orbit(-1, 0),
+    ArrowRight: () => view.orbit(1, 0),
+    ArrowUp: () => view.orbit(0, 1),
+    ArrowDown: () => view.orbit(0, -1),
+    "+": () => view.orbit(0, 0, NEARER),
+    "=": () => view.orbit(0, 0, NEARER),
+    "-": () => view.orbit(0, 0, 1 / NEARER),
+    Home: () => view.reset(),
+    "1": () => view.from("y"),
+    "2": () => view.from("x"),
+    "3": () => view.from("z"),
+    "4": () => space.close(),
+    PageUp: (event) => move(1, event),
+    PageDown: (event) => move(-1, event),
+    x: () => slicer.turn("x"),
+    y: () => slicer.turn("y"),
+    z: () => slicer.turn("z"),
+    c: () => slicer.centreOn(space.middle),
+  };
+  view.canvas.addEventListener("keydown", (event) => {
+    const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
+    action(event);
+    event.preventDefault();
+  });
+}

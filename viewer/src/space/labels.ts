@@ -1,0 +1,60 @@
+/** Words in space: always upright, of one size on the page, drawn over everything. */
+
+import { CanvasTexture, LinearFilter, NoColorSpace, Sprite, SpriteMaterial } from "three";
+
+const FINE = 2; // pixels of the texture for one of the page
+const FONT = "system-ui, sans-serif";
+const PADDING = 3; // [px]
+
+export interface Style {
+  colour?: string;
+  size?: number; // [px]
+  weight?: number;
+}
+
+export class Label extends Sprite {
+  private readonly across: number; // [px]
+  private readonly high: number; // [px]
+
+  constructor(text: string, { colour = "#c3ccd8", size = 11, weight = 400 }: Style = {}) {
+    const canvas = document.createElement("canvas");
+    const draw = context(canvas);
+    draw.font = `${weight} ${size * FINE}px ${FONT}`;
+    const across = draw.measureText(text).width / FINE + 2 * PADDING;
+    const high = 1.4 * size + 2;
+    canvas.width = Math.ceil(across * FINE);
+    canvas.height = Math.ceil(high * FINE);
+    draw.font = `${weight} ${size * FINE}px ${FONT}`; // forgotten with the size
+    draw.textBaseline = "middle";
+    draw.lineJoin = "round";
+    draw.lineWidth = 3 * FINE;
+    draw.strokeStyle = "rgb(12 15 20 / 0.85)";
+    draw.fillStyle = colour;
+    draw.strokeText(text, PADDING * FINE, canvas.height / 2);
+    draw.fillText(text, PADDING * FINE, canvas.height / 2);
+    const map = new CanvasTexture(canvas);
+    map.colorSpace = NoColorSpace;
+    map.generateMipmaps = false;
+    map.minFilter = LinearFilter;
+    super(new SpriteMaterial({ map, sizeAttenuation: false, depthTest: false, toneMapped: false }));
+    this.across = across;
+    this.high = high;
+    this.renderOrder = 9500;
+  }
+
+  /** perPixel: size of a pixel at distance 1, in parts of it. */
+  fit(perPixel: number): void {
+    this.scale.set(this.across * perPixel, this.high * perPixel, 1);
+  }
+
+  override dispose(): void {
+    this.material.map?.dispose();
+    this.material.dispose();
+  }
+}
+
+function context(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
+  const made = canvas.getContext("2d");
+  if (!made) throw new Error("no 2-D canvas");
+  return made;
+}

@@ -1,0 +1,27 @@
+/** Colour maps as textures of one row. Colours are used as they are: our shaders convert nothing. */
+
+import {
+  ClampToEdgeWrapping,
+  DataTexture,
+  LinearFilter,
+  NoColorSpace,
+  RepeatWrapping,
+  type Wrapping,
+} from "three";
+
+import { COLOURS, cyclic, viridis, type Map256 } from "../colours/maps";
+
+export const PHASES = cyclic();
+export const PRESSURES = viridis();
+
+function row(map: Map256, wrapping: Wrapping): DataTexture {
+  const texture = new DataTexture(map, COLOURS, 1);
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.wrapS = wrapping;
+  texture.colorSpace = NoColorSpace;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+export const phaseMap = row(PHASES, RepeatWrapping);
+export const pressureMap = row(PRESSURES, ClampToEdgeWrapping);

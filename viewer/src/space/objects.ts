@@ -1,0 +1,90 @@
+/** The objects of the scene that is felt, each where it is now. */
+
+import { Group, Mesh, Vector3 } from "three";
+
+import type { Bytes, Scenery } from "../feed/messages";
+import { into } from "../feed/numbers";
+import type { Thing } from "../feed/things";
+import { made, type Made } from "../shapes/things";
+import { Glass, type Turned } from "./glass";
+import { Label } from "./labels";
+
+const LABELLED = 12; // objects of which the names are shown
+const OVER = 0.006; // [m] of a name over its object
+
+export class Placed extends Group implements Turned {
+  readonly middle = new Vector3();
+  readonly label: Label;
+  private readonly numbers = new Float32Array(7);
+
+  constructor(
+    name: string,
+    readonly thing: Thing,
+    private readonly shown: Made,
+  ) {
+    super();
+    this.label = new Label(shown.drawn ? name : `${name} (outline)`);
+    this.add(shown.object);
+  }
+
+  get drawn(): boolean {
+    return this.shown.drawn;
+  }
+
+  set turn(turn: number) {
+    if (this.shown.object instanceof Glass) this.shown.object.turn = turn;
+  }
+
+  /** x, y, z [m], quaternion x, y, z, w. */
+  move(pose: Bytes): void {
+    into(this.numbers, pose);
+    this.position.fromArray(this.numbers);
+    this.quaternion.fromArray(this.numbers, 3);
+    this.middle.copy(this.position);
+    this.label.position.copy(this.position);
+    this.label.position.z += this.shown.reach + OVER;
+  }
+
+  override dispose(): void {
+    this.label.dispose();
+    this.traverse((each) => {
+      if (each instanceof Mesh) each.geometry.dispose();
+    });
+  }
+}
+
+export class Objects {
+  readonly group = new Group();
+  readonly all = new Map<string, Placed>();
+
+  show({ objects, poses }: Scenery): void {
+    for (const name of this.all.keys()) {
+      if (!(name in poses) || name in objects) this.remove(name);
+    }
+    for (const [name, thing] of Object.entries(objects)) {
+      if (name in poses) this.add(name, thing);
+    }
+    for (const [name, pose] of Object.entries(poses)) this.all.get(name)?.move(pose);
+    const few = this.all.size <= LABELLED;
+    for (const placed of this.all.values()) placed.label.visible = few;
+  }
+
+  /** None any more. */
+  clear(): void {
+    for (const name of [...this.all.keys()]) this.remove(name);
+  }
+
+  private add(name: string, thing: Thing): void {
+    const placed = new Placed(name, thing, made(thing));
+    this.all.set(name, placed);
+    this.group.add(placed, placed.label);
+  }
+
+  private remove(name: string): void {
+    const placed = this.all.get(name);
+    if (!placed) return;
+    this.group.remove(placed, placed.label);
+    placed.dispose();
+    this.all.delete(name);
+  }
+}

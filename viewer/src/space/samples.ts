@@ -1,0 +1,118 @@
+/** Samples: a ring whose area is the pressure asked, filled as far as it is achieved. */
+
+import {
+  DoubleSide,
+  GreaterDepth,
+  Group,
+  LessEqualDepth,
+  Mesh,
+  ShaderMaterial,
+  Vector3,
+  type DepthModes,
+} from "three";
+
+import type { State } from "../feed/messages";
+import { floats, into } from "../feed/numbers";
+import { FACED, Instances, square } from "./instances";
+
+const LARGEST = 0.0045; // [m] radius of the strongest
+const ABOVE = 0.0012; // [m] over the skin
+const BEHIND = 0.3; // opacity where something is before it
+
+const VERTEX = `
+attribute vec3 centre, facing;
+attribute float asked, achieved;
+uniform float most;
+varying vec2 at;
+varying float ring, fill;
+${FACED}
+void main() {
+  ring = max(sqrt(asked / most), 0.22);
+  fill = sqrt(achieved / most);
+  at = position.xy * (max(ring, fill) + 0.25);
+  vec3 n = dot(facing, facing) > 0.5 ? facing : normalize(cameraPosition - centre);
+  vec3 p = centre + ${ABOVE} * n + ${LARGEST} * faced(n, at);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(p, 1.0);
+}`;
+
+const FRAGMENT = `
+uniform float opacity;
+varying vec2 at;
+varying float ring, fill;
+void main() {
+  float r = length(at), soft = fwidth(r);
+  float inside = 1.0 - smoothstep(fill - soft, fill + soft, r);
+  float width = max(0.07, 1.1 * soft);
+  float line = 1.0 - smoothstep(width - soft, width + soft, abs(r - ring));
+  float halo = 1.0 - smoothstep(width + 0.08, width + 0.08 + soft, abs(r - ring));
+  vec3 c = mix(vec3(1.0, 0.69, 0.28), vec3(1.0), line);
+  float a = max(max(inside * 0.95, line), halo * 0.45);
+  c = mix(vec3(0.04, 0.05, 0.07), c, max(inside, line));
+  if (a < 0.01) discard;
+  gl_FragColor = vec4(c, a * opacity);
+}`;
+
+export class Samples {
+  readonly group = new Group();
+  /** The pressure of the largest ring [Pa]. */
+  most = 0;
+  /** The mean place of all. */
+  readonly middle = new Vector3();
+  private readonly discs = new Instances(square(), {
+    centre: 3,
+    facing: 3,
+    asked: 1,
+    achieved: 1,
+  });
+  private readonly scale = { value: 1 };
+
+  constructor() {
+    this.group.add(this.mesh(LessEqualDepth, 1, 9000), this.mesh(GreaterDepth, BEHIND, 9001));
+  }
+
+  get count(): number {
+    return this.discs.count;
+  }
+
+  show({ points, normals, asked, achieved }: State): void {
+    const count = Math.floor(asked.length / 4);
+    this.discs.resize(count);
+    into(this.discs.values("centre"), points);
+    into(this.discs.values("facing"), normals);
+    into(this.discs.values("asked"), asked);
+    into(this.discs.values("achieved"), achieved);
+    this.discs.change("centre", "facing", "asked", "achieved");
+    this.most = 0;
+    this.middle.set(0, 0, 0);
+    const wanted = this.discs.values("asked");
+    const at = this.discs.values("centre");
+    for (let k = 0; k < count; k++) {
+      this.most = Math.max(this.most, wanted[k] ?? 0);
+      this.middle.x += (at[3 * k] ?? 0) / count;
+      this.middle.y += (at[3 * k + 1] ?? 0) / count;
+      this.middle.z += (at[3 * k + 2] ?? 0) / count;
+    }
+    this.scale.value = this.most || 1;
+  }
+
+  private mesh(depth: DepthModes, opacity: number, turn: number): Mesh {
+    const material = new ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      side: DoubleSide,
+      transparent: true,
+      depthWrite: false,
+      depthFunc: depth,
+      uniforms: { most: this.scale, opacity: { value: opacity } },
+    });
+    const mesh = new Mesh(this.discs.geometry, material);
+    mesh.frustumCulled = false;
+    mesh.renderOrder = turn;
+    return mesh;
+  }
+}
+
+/** Radiation pressures of a state, asked and achieved [Pa]. */
+export function pressures(state: State): { asked: Float32Array; achieved: Float32Array } {
+  return { asked: floats(state.asked), achieved: floats(state.achieved) };
+}

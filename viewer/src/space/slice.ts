@@ -1,0 +1,182 @@
+/** The slice: what is known of the field, where it was computed, and a frame where it is wanted. */
+
+import {
+  ConeGeometry,
+  CylinderGeometry,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  Group,
+  LinearFilter,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  NearestFilter,
+  PlaneGeometry,
+  Quaternion,
+  RedFormat,
+  ShaderMaterial,
+  Vector3,
+} from "three";
+
+import type { Plane, Slice } from "../feed/messages";
+import { into } from "../feed/numbers";
+import type { Turned } from "./glass";
+import { pressureMap } from "./maps";
+import { matrix } from "./planes";
+
+const ACCENT = "#8fc7ff";
+const GRIP = 52; // [px] length of the arrow that is dragged
+
+const VERTEX = `
+varying vec2 at;
+void main() {
+  at = uv;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+const FIELD = `
+uniform sampler2D values, map;
+uniform float most;
+varying vec2 at;
+void main() {
+  float share = clamp(texture2D(values, at).r / most, 0.0, 1.0);
+  if (!(share >= 0.0)) share = 0.0;
+  gl_FragColor = vec4(texture2D(map, vec2(share, 0.5)).rgb, mix(0.38, 0.97, smoothstep(0.0, 0.3, share)));
+}`;
+
+const FRAME = `
+uniform vec3 colour;
+uniform float strong;
+varying vec2 at;
+void main() {
+  vec2 away = min(at, 1.0 - at) / fwidth(at);
+  float width = mix(1.2, 2.4, strong);
+  float line = 1.0 - smoothstep(width, width + 1.0, min(away.x, away.y));
+  if (line < 0.01) discard;
+  gl_FragColor = vec4(colour, line * mix(0.55, 1.0, strong));
+}`;
+
+export class FieldSlice implements Turned {
+  readonly group = new Group();
+  readonly middle = new Vector3();
+  /** What is shown, and its values [Pa]. */
+  plane: Plane | undefined;
+  values = new Float32Array(0);
+  private readonly field: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly frame: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly grip = new Group();
+  private readonly placing = new Matrix4();
+
+  /** smooth: whether the graphics card can look between float numbers. */
+  constructor(private readonly smooth: boolean) {
+    const square = new PlaneGeometry(1, 1);
+    this.field = new Mesh(
+      square,
+      material(FIELD, { values: null, map: pressureMap, most: 1 }),
+    );
+    this.frame = new Mesh(
+      square,
+      material(FRAME, { colour: new Vector3(0.56, 0.78, 1), strong: 0 }),
+    );
+    this.frame.renderOrder = 8000;
+    const arrow = new MeshBasicMaterial({ color: ACCENT, depthTest: false, transparent: true });
+    const shaft = new Mesh(new CylinderGeometry(0.035, 0.035, 0.8), arrow);
+    const tips = [0.5, -0.5].map((y) => {
+      const tip = new Mesh(new ConeGeometry(0.13, 0.34, 20), arrow);
+      tip.position.y = y;
+      if (y < 0) tip.rotation.z = Math.PI;
+      return tip;
+    });
+    this.grip.add(shaft, ...tips);
+    for (const mesh of [shaft, ...tips]) mesh.renderOrder = 8500;
+    this.field.visible = false;
+    for (const each of [this.field, this.frame]) each.matrixAutoUpdate = false;
+    this.group.add(this.field, this.frame, this.grip);
+  }
+
+  set turn(turn: number) {
+    this.field.renderOrder = 2 * turn;
+  }
+
+  /** What is white on the colour bar [Pa]. */
+  set most(most: number) {
+    this.set(this.field, "most", most || 1);
+  }
+
+  get hovered(): boolean {
+    return this.frame.material.uniforms["strong"]?.value === 1;
+  }
+
+  set hovered(hovered: boolean) {
+    this.set(this.frame, "strong", hovered ? 1 : 0);
+    for (const each of this.grip.children as Mesh<never, MeshBasicMaterial>[]) {
+      each.material.opacity = hovered ? 1 : 0.75;
+    }
+  }
+
+  /** Where the arrow is that it is dragged by. */
+  get gripped(): Vector3 {
+    return this.grip.position;
+  }
+
+  /** Where it is wanted. */
+  want(plane: Plane): void {
+    matrix(plane, this.frame.matrix);
+    this.frame.matrixWorldNeedsUpdate = true;
+    this.grip.position.set(0.5, 0, 0).applyMatrix4(this.frame.matrix);
+    const n = new Vector3().setFromMatrixColumn(this.frame.matrix, 2).normalize();
+    this.grip.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), n));
+  }
+
+  /** What has been computed. */
+  show(slice: Slice): void {
+    const [rows, columns] = slice.shape;
+    if (slice.pressure.length !== 4 * rows * columns) return;
+    if (this.plane?.shape[0] !== rows || this.plane.shape[1] !== columns) {
+      this.values = new Float32Array(rows * columns);
+      this.texture?.dispose();
+      this.set(this.field, "values", this.made(rows, columns));
+    }
+    into(this.values, slice.pressure);
+    this.plane = slice;
+    if (this.texture) this.texture.needsUpdate = true;
+    matrix(slice, this.placing);
+    this.field.matrix.copy(this.placing);
+    this.field.matrixWorldNeedsUpdate = true;
+    this.middle.set(...slice.centre);
+    this.field.visible = true;
+  }
+
+  /** Nothing is known any more. */
+  clear(): void {
+    this.field.visible = false;
+    this.plane = undefined;
+  }
+
+  /** perPixel: length that is one pixel at the arrow [m]. */
+  fit(perPixel: number): void {
+    this.grip.scale.setScalar(GRIP * perPixel);
+  }
+
+  private get texture(): DataTexture | null {
+    return this.field.material.uniforms["values"]?.value as DataTexture | null;
+  }
+
+  private made(rows: number, columns: number): DataTexture {
+    const texture = new DataTexture(this.values, columns, rows, RedFormat, FloatType);
+    texture.minFilter = texture.magFilter = this.smooth ? LinearFilter : NearestFilter;
+    return texture;
+  }
+
+  private set(mesh: Mesh<PlaneGeometry, ShaderMaterial>, name: string, value: unknown): void {
+    const uniform = mesh.material.uniforms[name];
+    if (uniform) uniform.value = value;
+  }
+}
+
+function material(fragmentShader: string, values: Record<string, unknown>): ShaderMaterial {
+  const uniforms = Object.fromEntries(Object.entries(values).map(([k, value]) => [k, { value }]));
+  const given = { vertexShader: VERTEX, fragmentShader, uniforms };
+  return new ShaderMaterial({ ...given, side: DoubleSide, transparent: true });
+}

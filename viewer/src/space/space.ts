@@ -1,0 +1,176 @@
+/** All that is seen in space, kept as the newest messages say. */
+
+import { Box3, Vector3 } from "three";
+
+import { css } from "../colours/maps";
+import type { Boxer } from "../field/boxer";
+import type { Scale } from "../field/scale";
+import type { Slicer } from "../field/slicer";
+import type { Arrayed, Slice, State, Triple, Volume } from "../feed/messages";
+import { floats } from "../feed/numbers";
+import type { Store } from "../feed/store";
+import { Axes, type Extent } from "./axes";
+import { takeTurns, type Turned } from "./glass";
+import { Hands } from "./hands";
+import { Isosurface } from "./isosurface";
+import { PRESSURES } from "./maps";
+import { Objects } from "./objects";
+import { peak } from "./planes";
+import { Samples } from "./samples";
+import { FieldSlice } from "./slice";
+import { Transducers } from "./transducers";
+import { View } from "./view";
+
+const AHEAD = 0.3; // [m] before the array that is looked at
+const FOCUS = 0.2; // [m] before the array, where there is no sample
+const ROOM = 0.02; // [m] around the array
+const CLOSE = 0.09; // [m] around the samples
+
+export class Space {
+  readonly view: View;
+  readonly transducers = new Transducers();
+  readonly hands = new Hands();
+  readonly objects = new Objects();
+  readonly samples = new Samples();
+  readonly axes = new Axes();
+  readonly surface = new Isosurface();
+  readonly slice: FieldSlice;
+  extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, AHEAD] };
+  private readonly focus = new Vector3(0, 0, FOCUS);
+  private aimed = false;
+  /** Whether the objects that are shown are of a server that has gone. */
+  private left = false;
+  private readonly things: Turned[] = [];
+
+  constructor(
+    element: HTMLElement,
+    store: Store,
+    private readonly slicer: Slicer,
+    private readonly boxer: Boxer,
+    private readonly scale: Scale,
+  ) {
+    this.view = new View(element);
+    this.slice = new FieldSlice(this.view.smooth);
+    this.view.scene.add(
+      this.axes,
+      this.transducers.mesh,
+      this.objects.group,
+      this.hands.glass,
+      this.slice.group,
+      this.surface.glass,
+      this.samples.group,
+    );
+    this.view.onFrame(() => this.beforeFrame());
+    this.slicer.onChange(() => this.wanted());
+    this.wanted();
+    this.surface.glass.visible = false;
+    store.on("array", (array) => this.changed(() => this.place(array)));
+    store.on("frame", (frame) => this.changed(() => this.transducers.show(frame)));
+    store.on("state", (state) => this.changed(() => this.show(state)));
+    store.on("scenery", (scenery) => {
+      if (store.link === "live") this.changed(() => this.objects.show(scenery));
+      else this.left = true;
+    });
+    store.on("slice", (slice) => this.changed(() => this.cut(slice)));
+    store.on("volume", (volume) => this.changed(() => this.fill(volume)));
+  }
+
+  /** The middle of what can be felt, or of what there is before the array [m]. */
+  get middle(): Triple {
+    const { x, y, z } = this.samples.count ? this.samples.middle : this.focus;
+    return [x, y, z];
+  }
+
+  /** Look at what can be felt, closely. */
+  close(): void {
+    const middle = new Vector3(...this.middle);
+    this.view.fit(new Box3(middle.clone(), middle).expandByScalar(CLOSE));
+  }
+
+  /** The level of the surface [Pa]. */
+  get level(): number {
+    return this.boxer.share * this.scale.most;
+  }
+
+  /** The surface of another level, or none. */
+  recut(): void {
+    if (this.boxer.on) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.boxer.share));
+    else this.surface.clear();
+    this.view.urge();
+  }
+
+  /** Another top of the colour scale. */
+  rescale(): void {
+    this.slice.most = this.scale.most;
+    this.recut();
+  }
+
+  private changed(change: () => void): void {
+    change();
+    this.view.change();
+  }
+
+  private place(array: Arrayed): void {
+    if (this.left) this.objects.clear();
+    this.left = false;
+    const centres = floats(array.positions);
+    const low: Triple = [Infinity, Infinity, Infinity];
+    const high: Triple = [-Infinity, -Infinity, -Infinity];
+    for (let k = 0; k < centres.length; k++) {
+      const x = centres[k] ?? 0;
+      low[k % 3] = Math.min(low[k % 3] ?? x, x);
+      high[k % 3] = Math.max(high[k % 3] ?? x, x);
+    }
+    if (!centres.length) return;
+    const before = this.extent.low;
+    this.transducers.place(array);
+    this.extent = {
+      low: [low[0] - ROOM, low[1] - ROOM, low[2]],
+      high: [high[0] + ROOM, high[1] + ROOM, high[2] + AHEAD],
+    };
+    this.axes.place(this.extent);
+    const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
+    this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
+    if (before.every((x, n) => x === this.extent.low[n])) return; // the server is back
+    this.view.look(this.axes.box);
+    this.slicer.centreOn(this.middle);
+  }
+
+  private show(state: State): void {
+    this.samples.show(state);
+    this.hands.show(state.hands);
+    if (!this.samples.count) return;
+    if (!this.aimed) this.slicer.centreOn(this.middle);
+    this.aimed = true;
+    this.boxer.follow(this.middle);
+  }
+
+  private cut(slice: Slice): void {
+    if (!this.slicer.on) return;
+    this.slice.show(slice);
+    if (this.scale.see(peak(slice, this.slice.values).most)) this.rescale();
+  }
+
+  private fill(volume: Volume): void {
+    if (!this.boxer.on) return;
+    this.surface.show(volume);
+    this.recut();
+  }
+
+  private wanted(): void {
+    this.slice.group.visible = this.slicer.on;
+    if (!this.slicer.on) this.slice.clear();
+    this.slice.want(this.slicer.plane);
+    this.view.urge();
+  }
+
+  private beforeFrame(): void {
+    this.things.length = 0;
+    this.things.push(this.hands, this.slice, this.surface, ...this.objects.all.values());
+    takeTurns(this.things, this.view.camera);
+    const pixel = this.view.pixel;
+    for (const label of this.axes.labels) label.fit(pixel);
+    for (const { label } of this.objects.all.values()) label.fit(pixel);
+    this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
+  }
+}

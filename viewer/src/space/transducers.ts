@@ -1,0 +1,132 @@
+/** The array: a disc for each transducer, coloured by phase and filled by amplitude. */
+
+import { Mesh, ShaderMaterial } from "three";
+
+import type { Arrayed, Frame } from "../feed/messages";
+import { floats, into } from "../feed/numbers";
+import { FACED, Instances, square } from "./instances";
+import { phaseMap } from "./maps";
+
+const FILL = 0.46; // radius of a disc over the distance to its neighbour
+const ALONE = 0.005; // [m] radius of a single one
+const COMPARED = 64; // transducers whose neighbours are looked for
+
+// The colour is looked up once a corner, not once a pixel: that is felt where the processor draws.
+const VERTEX = `
+attribute vec3 centre, facing;
+attribute float phase, amplitude;
+uniform float radius;
+uniform sampler2D map;
+varying vec2 at;
+varying vec4 fill;
+${FACED}
+void main() {
+  at = position.xy * 1.12;
+  fill.rgb = texture2D(map, vec2(phase, 0.5)).rgb * mix(0.72, 1.0, amplitude);
+  fill.a = amplitude > 0.0 ? mix(0.3, 0.92, sqrt(amplitude)) : -1.0;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(centre + radius * faced(facing, at), 1.0);
+}`;
+
+const FRAGMENT = `
+varying vec2 at;
+varying vec4 fill;
+void main() {
+  float r = length(at);
+  if (r > 1.12) discard;
+  float soft = fwidth(r);
+  float ring = clamp((r - 0.86) / soft + 0.5, 0.0, 1.0);
+  float inside = clamp((fill.a - r) / soft + 0.5, 0.0, 1.0);
+  vec3 body = mix(vec3(0.125, 0.15, 0.185), vec3(0.25, 0.29, 0.345), ring);
+  gl_FragColor = vec4(mix(body, fill.rgb, inside), clamp((1.0 - r) / soft + 0.5, 0.0, 1.0));
+}`;
+
+export class Transducers {
+  readonly mesh: Mesh;
+  /** Mean and most of the amplitudes, 0..1. */
+  readonly drive = { mean: 0, most: 0 };
+  private readonly discs = new Instances(square(), {
+    centre: 3,
+    facing: 3,
+    phase: 1,
+    amplitude: 1,
+  });
+  private readonly radius = { value: ALONE };
+  private levels = new Uint16Array(0);
+
+  constructor() {
+    const material = new ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      transparent: true,
+      depthWrite: false,
+      uniforms: { map: { value: phaseMap }, radius: this.radius },
+    });
+    this.mesh = new Mesh(this.discs.geometry, material);
+    this.mesh.frustumCulled = false;
+    this.mesh.renderOrder = -10;
+  }
+
+  get count(): number {
+    return this.discs.count;
+  }
+
+  /** Another array, silent. */
+  place({ positions, normals }: Arrayed): void {
+    const centres = floats(positions);
+    this.discs.resize(centres.length / 3);
+    this.discs.values("centre").set(centres);
+    into(this.discs.values("facing"), normals);
+    this.discs.change("centre", "facing");
+    this.levels = new Uint16Array(this.count);
+    this.radius.value = radius(centres);
+    this.silence();
+  }
+
+  /** The levels that are emitted; silence if there are none, or another number of them. */
+  show({ phase, amplitude, phases, amplitudes }: Frame): void {
+    if (amplitude.length !== this.levels.byteLength || phase.length !== amplitude.length) {
+      this.silence();
+      return;
+    }
+    this.write("phase", phase, Math.max(phases, 1));
+    const most = Math.max(amplitudes - 1, 1);
+    this.write("amplitude", amplitude, most);
+    let sum = 0;
+    let highest = 0;
+    for (const level of this.levels) {
+      sum += level;
+      if (level > highest) highest = level;
+    }
+    this.drive.mean = this.count ? sum / this.count / most : 0;
+    this.drive.most = highest / most;
+  }
+
+  private write(name: string, data: Frame["phase"], full: number): void {
+    const values = this.discs.values(name);
+    const levels = this.levels;
+    into(levels, data);
+    for (let n = 0; n < levels.length; n++) values[n] = (levels[n] ?? 0) / full;
+    this.discs.change(name);
+  }
+
+  private silence(): void {
+    this.discs.values("amplitude").fill(0);
+    this.discs.change("amplitude");
+    this.drive.mean = this.drive.most = 0;
+  }
+}
+
+/** Of a disc: so that neighbours do not touch [m]. */
+function radius(centres: Float32Array): number {
+  const count = centres.length / 3;
+  const apart = (i: number, j: number, axis: number): number =>
+    (centres[3 * i + axis] ?? 0) - (centres[3 * j + axis] ?? 0);
+  let least = Infinity;
+  for (let i = 0; i < Math.min(count, COMPARED); i++) {
+    for (let j = 0; j < count; j++) {
+      const away = Math.hypot(apart(i, j, 0), apart(i, j, 1), apart(i, j, 2));
+      if (away > 1e-6 && away < least) least = away;
+    }
+  }
+  return Number.isFinite(least) ? FILL * least : ALONE;
+}

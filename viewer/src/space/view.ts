@@ -1,0 +1,218 @@
+/** The space that is looked at: camera, renderer, and frames only when something has changed. */
+
+import {
+  Box3,
+  PerspectiveCamera,
+  Scene,
+  Spherical,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import { drawnBySoftware } from "./power";
+
+const FOV = 32; // [deg]
+const SECOND = 1000; // [ms]
+const FINEST = 2; // pixels of the device for one of the page, at most
+const SELDOM = 120; // [ms] from frame to frame where the processor draws, but for what the user does
+const STEP = Math.PI / 36; // one press of a key
+const DAMPING = 0.12;
+const POLAR = 1.12; // [rad] from above
+const AZIMUTH = -0.62; // [rad] from the front
+const FILLED = 0.88; // of the view, by what is looked at
+const ROUNDS = 5; // until it does
+
+export class View {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(FOV, 1, 0.02, 30);
+  readonly size = new Vector2(1, 1);
+  readonly controls: OrbitControls;
+  /** Frames in the last second. */
+  rate = 0;
+  /** Duration of the last frame's drawing [ms]. */
+  cost = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly before: (() => void)[] = [];
+  private readonly spherical = new Spherical();
+  private readonly offset = new Vector3();
+  private readonly home = new Box3();
+  private readonly flat = new Box3();
+  private untouched = true;
+  private readonly apart: number;
+  private readonly finest: number;
+  private changed = true;
+  private urgent = true;
+  private last = 0;
+  private drawn = 0;
+  private since = 0;
+
+  /** Throws where there is no WebGL. */
+  constructor(readonly element: HTMLElement) {
+    const software = drawnBySoftware();
+    this.apart = software ? SELDOM : 0;
+    this.finest = software ? 1 : FINEST;
+    this.renderer = new WebGLRenderer({ alpha: true, antialias: !software });
+    this.renderer.setClearColor(0x000000, 0);
+    this.canvas.tabIndex = 0;
+    element.prepend(this.canvas);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.controls.dampingFactor = DAMPING;
+    this.controls.maxDistance = 10;
+    this.controls.minDistance = 0.05;
+    this.controls.addEventListener("change", () => this.urge());
+    this.controls.addEventListener("start", () => {
+      this.untouched = false;
+    });
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.resize();
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
+  }
+
+  /** Whether textures of float numbers can be smooth. */
+  get smooth(): boolean {
+    return this.renderer.extensions.has("OES_texture_float_linear");
+  }
+
+  /** Size of a pixel of the page at distance 1, in parts of it. */
+  get pixel(): number {
+    return (2 * Math.tan((FOV * Math.PI) / 360)) / this.size.y;
+  }
+
+  /** Something is to be drawn anew. */
+  change(): void {
+    this.changed = true;
+  }
+
+  /** Something is to be drawn anew at once: the user does it. */
+  urge(): void {
+    this.changed = true;
+    this.urgent = true;
+  }
+
+  /** Called before each frame that is drawn. */
+  onFrame(listener: () => void): void {
+    this.before.push(listener);
+  }
+
+  /** What is looked at, (low, high) [m]; the view that `reset` goes back to. */
+  look(box: Box3): void {
+    this.home.copy(box);
+    this.reset();
+  }
+
+  /** The first view again. */
+  reset(): void {
+    this.fit(this.home, POLAR, AZIMUTH);
+    this.untouched = true;
+  }
+
+  /** A box fills the view, as it is seen from a direction [rad], or from the one of now. */
+  fit(box: Box3, polar?: number, azimuth?: number): void {
+    this.current();
+    const { phi, theta } = this.spherical;
+    box.getCenter(this.controls.target);
+    let radius = 2 * box.min.distanceTo(box.max);
+    for (let round = 0; round < ROUNDS; round++) {
+      this.turn(polar ?? phi, azimuth ?? theta, radius);
+      this.camera.updateMatrixWorld();
+      this.flat.makeEmpty();
+      for (let corner = 0; corner < 8; corner++) {
+        const x = corner & 1 ? box.max.x : box.min.x;
+        const y = corner & 2 ? box.max.y : box.min.y;
+        const z = corner & 4 ? box.max.z : box.min.z;
+        this.flat.expandByPoint(this.offset.set(x, y, z).project(this.camera));
+      }
+      const { min, max } = this.flat;
+      const tall = Math.tan((FOV * Math.PI) / 360) * radius;
+      const right = ((min.x + max.x) / 2) * tall * this.camera.aspect;
+      const up = ((min.y + max.y) / 2) * tall;
+      const { matrixWorld } = this.camera;
+      const { target } = this.controls;
+      target.addScaledVector(this.offset.setFromMatrixColumn(matrixWorld, 0), right);
+      target.addScaledVector(this.offset.setFromMatrixColumn(matrixWorld, 1), up);
+      radius *= Math.max(max.x - min.x, max.y - min.y) / 2 / FILLED;
+    }
+    this.turn(polar ?? phi, azimuth ?? theta, radius);
+    this.untouched = false;
+  }
+
+  /** From the front, the side or above. */
+  from(side: "x" | "y" | "z"): void {
+    this.fit(this.home, side === "z" ? 1e-3 : Math.PI / 2, side === "x" ? Math.PI / 2 : 0);
+  }
+
+  /** Turn by steps of a key about the target, and come nearer by a factor. */
+  orbit(right: number, up: number, nearer = 1): void {
+    this.current();
+    const { phi, theta, radius } = this.spherical;
+    this.turn(phi - up * STEP, theta + right * STEP, radius / nearer);
+    this.untouched = false;
+  }
+
+  /** Where a point is on the page [px]; z is its depth. */
+  project(point: Vector3): Vector3 {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const p = point.clone().project(this.camera);
+    p.x = left + ((p.x + 1) / 2) * this.size.x;
+    p.y = top + ((1 - p.y) / 2) * this.size.y;
+    return p;
+  }
+
+  private current(): void {
+    const { x, y, z } = this.offset.copy(this.camera.position).sub(this.controls.target);
+    this.spherical.setFromCartesianCoords(x, z, -y); // three's own up is y
+  }
+
+  private turn(polar: number, azimuth: number, radius: number): void {
+    const near = Math.min(Math.max(polar, 1e-3), Math.PI - 1e-3);
+    const far = Math.min(
+      Math.max(radius, this.controls.minDistance),
+      this.controls.maxDistance,
+    );
+    this.spherical.set(far, near, azimuth);
+    const { x, y, z } = this.offset.setFromSpherical(this.spherical);
+    this.camera.position.set(x, -z, y).add(this.controls.target);
+    this.controls.update();
+    this.urge();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.element;
+    this.size.set(Math.max(clientWidth, 1), Math.max(clientHeight, 1));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, this.finest));
+    this.renderer.setSize(this.size.x, this.size.y);
+    this.camera.aspect = this.size.x / this.size.y;
+    this.camera.updateProjectionMatrix();
+    if (this.untouched) this.reset();
+    this.draw();
+  }
+
+  private frame(now: number): void {
+    requestAnimationFrame((next) => this.frame(next));
+    this.controls.update();
+    if (now - this.since >= SECOND) {
+      this.rate = (SECOND * this.drawn) / (now - this.since);
+      this.drawn = 0;
+      this.since = now;
+    }
+    if (this.changed && (this.urgent || now - this.last >= this.apart)) this.draw();
+  }
+
+  private draw(): void {
+    this.changed = this.urgent = false;
+    this.drawn += 1;
+    const begin = performance.now();
+    this.last = begin;
+    for (const listener of this.before) listener();
+    this.renderer.render(this.scene, this.camera);
+    this.cost = performance.now() - begin;
+  }
+}

@@ -1,0 +1,30 @@
+/** Runs the tests of the sources that need no browser, with Node's own runner: node test.mjs. */
+
+import { spawnSync } from "node:child_process";
+import { mkdtemp, readdir, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+import { build } from "esbuild";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const folder = await mkdtemp(join(tmpdir(), "pacinian-viewer-"));
+try {
+  const files = (await readdir(join(here, "tests"))).filter((name) => name.endsWith(".test.ts"));
+  await build({
+    absWorkingDir: here,
+    entryPoints: files.map((name) => join("tests", name)),
+    outdir: folder,
+    outExtension: { ".js": ".mjs" },
+    bundle: true,
+    platform: "node",
+    mainFields: ["module", "main"], // as for a browser: one three, not two
+    format: "esm",
+    logLevel: "warning",
+  });
+  const made = files.map((name) => join(folder, name.replace(/ts$/, "mjs")));
+  process.exitCode = spawnSync(process.execPath, ["--test", ...made], { stdio: "inherit" }).status ?? 1;
+} finally {
+  await rm(folder, { recursive: true });
+}
