@@ -49,7 +49,8 @@ def test_a_ball_from_nothing_to_silence(program: Path, tmp_path: Path) -> None:
                 game.kill()
                 state = until_silent(onlooker)
                 seen = time.perf_counter() - at
-            events = server.other.read(max(0, server.other.count - 10_000))
+            other = server.logs[1]
+            events = other.read(max(0, other.count - 10_000))
             last = float(events["time"][events["sounds"] == 1].max()) - at
             assert state.owner == ""
             assert max(seen, last) < SLACK

@@ -45,7 +45,7 @@ def test_from_nothing_to_a_hand_that_feels(csharp_core: Path, tmp_path: Path) ->
                     if state.output == "silent":
                         break
                 published = time.perf_counter() - since
-        device = silent(server, since, server.other) - since
+        device = silent(server, since, server.logs[1]) - since
     print({**told, "published": published, "device": device})  # noqa: T201
     assert before == "sounding"
     assert device < LEASE + LATE

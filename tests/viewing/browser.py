@@ -36,7 +36,7 @@ ARGUMENTS = (
     "--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run",
 )  # fmt: skip
-SMALL = 1000, 640  # [px]: all is drawn by the processor
+SMALL = 960, 540  # [px]: all is drawn by the processor
 LIMIT = 60.0  # [s] for something to be shown
 PATIENT = replace(
     SETTINGS, safety=Safety(lease=10.0)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 ARRAY = pc.autd(1, 1)
 AIR = pc.Air()
+TINY = 480, 400  # [px]
 
 
 pytestmark = pytest.mark.timeout(300)
@@ -48,8 +49,13 @@ def server() -> Iterator[Running]:
         yield running
 
 
-def test_it_shows_what_there_is(browser: Browser, url: str, server: Running) -> None:
-    with Game(server.connection), seen(browser, url) as shown:
+def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Running) -> None:
+    with (
+        Game(server.connection),
+        viewer(server.connection) as other,
+        seen(browser, url) as shown,
+        seen(browser, other, TINY) as second,
+    ):
         shown.until(lambda: shown.get("output") == "sounding" and shown.get("drive.mean") > 0.0)
         assert shown.get("transducers") == len(ARRAY)
         shown.until(lambda: {"ball", "plate"} <= shown.get("objects").keys())
@@ -62,6 +68,9 @@ def test_it_shows_what_there_is(browser: Browser, url: str, server: Running) -> 
         assert all(0.0 < sample["asked"] <= 5.01 for sample in samples)
         assert float(np.mean([s["achieved"] / s["asked"] for s in samples])) > 0.5
         shown.until(lambda: "p99" in shown.text("#chart-ticks"))
+        shown.until(lambda: shown.text("#clients").count("viewer") == 2)
+        second.until(lambda: {"ball", "plate"} <= second.get("objects").keys())
+        second.until(lambda: len(second.get("samples")) > 0 and second.get("slice"))
     licences = urlopen(url.split("?", maxsplit=1)[0] + "LICENSES.txt").read().decode()
     assert "three 0." in licences
     assert "Permission is hereby granted" in licences
@@ -182,19 +191,6 @@ def test_the_surface_is_where_the_field_is_so_strong(
         shown.until(lambda: shown.get("surface.triangles") > 1.5 * triangles)
         shown.page.uncheck("#surface-on")
         shown.until(lambda: shown.get("surface.triangles") == 0)
-
-
-def test_a_second_viewer_shows_the_same(browser: Browser, url: str, server: Running) -> None:
-    with (
-        Game(server.connection),
-        viewer(server.connection) as other,
-        seen(browser, url) as shown,
-        seen(browser, other) as second,
-    ):
-        for page in (shown, second):
-            page.until(lambda page=page: len(page.get("samples")) > 0 and page.get("slice"))
-            page.until(lambda page=page: {"ball", "plate"} <= page.get("objects").keys())
-        shown.until(lambda: shown.text("#clients").count("viewer") == 2)
 
 
 def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-import json
+import time
 from typing import TYPE_CHECKING, Any
 
 import msgpack
@@ -11,7 +11,7 @@ import pytest
 
 from pacinian.testing.server import serving
 
-from .browser import PATIENT, Game, chromium, seen, status
+from .browser import LIMIT, PATIENT, Game, chromium, seen, status
 from .watching import viewer
 
 if TYPE_CHECKING:
@@ -34,6 +34,12 @@ FOCUSED = """() => {
     const name = e.getAttribute("aria-label") || e.innerText || [...(e.labels ?? [])].map(l => l.innerText).join("");
     return [e.id || e.name || e.dataset.from || e.tagName.toLowerCase(), name.trim(),
             s.outlineStyle !== "none" && parseFloat(s.outlineWidth) >= 2];
+}"""
+# Whether something lies beside the page, or the emergency stop not within its first 120 pixels.
+OUTSIDE = """() => {
+    const { left, right, top, bottom } = document.getElementById("stop").getBoundingClientRect();
+    return document.documentElement.scrollWidth > innerWidth
+        || left < 0 || top < 0 || right > innerWidth || bottom > 120;
 }"""
 # Of each text its contrast to the ground that it stands on, where that is plain.
 CONTRAST = """() => {
@@ -137,14 +143,13 @@ def test_arm_stop_and_reset_by_keys_alone(browser: Browser, url: str, server: Ru
 
 def test_who_closes_an_armed_page_lets_go(browser: Browser, url: str, server: Running) -> None:
     now = functools.partial(status, server.connection)
-    with seen(browser, url) as other:
-        with seen(browser, url) as shown:
-            shown.page.click("#arm")
-            shown.until(lambda: now().owner == "viewer")
-            other.until(lambda: other.text("#owner") == "viewer")
-            assert other.page.is_disabled("#disarm")  # it has not armed
-        other.until(lambda: not now().armed)
-        other.until(lambda: other.text("#owner") == "nobody")
+    with seen(browser, url) as shown:
+        shown.page.click("#arm")
+        shown.until(lambda: now().owner == "viewer")
+    end = time.monotonic() + LIMIT
+    while now().armed:
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
@@ -174,6 +179,9 @@ def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
         assert shown.page.get_attribute("#spoken", "aria-live") == "assertive"
         assert shown.text("#output-name") == "Faulted"
         assert shown.page.is_enabled("#reset")
+        for size in ((1920, 1080), (1280, 800), (800, 900)):
+            shown.page.set_viewport_size({"width": size[0], "height": size[1]})
+            shown.until(lambda: not shown.page.evaluate(OUTSIDE))
 
 
 def test_a_recording_is_made_and_gone_through(
@@ -202,17 +210,3 @@ def test_a_recording_is_made_and_gone_through(
         shown.until(lambda: "ball" in shown.get("objects"))
         page.click("#play")
         shown.until(lambda: shown.text("#replay-time") == shown.text("#replay-end") != "0.00 s")
-
-
-@pytest.mark.parametrize("size", [(1280, 800), (800, 900)])
-def test_nothing_lies_beside_the_page(browser: Browser, url: str, size: tuple[int, int]) -> None:
-    with seen(browser, url, size) as shown:
-        width, inner, stop = shown.page.evaluate(
-            "() => [document.documentElement.scrollWidth, innerWidth,"
-            " JSON.stringify(document.getElementById('stop').getBoundingClientRect())]"
-        )
-        assert width <= inner
-        where = json.loads(stop)
-        assert where["left"] >= 0
-        assert where["right"] <= inner
-        assert where["bottom"] < 120
