@@ -4,11 +4,13 @@ import uPlot from "uplot";
 
 import type { Frame, Histogram, State } from "../feed/messages";
 import type { Store } from "../feed/store";
+import { drawnBySoftware } from "../space/power";
 import { element, say } from "./dom";
 import { History, SPAN } from "./history";
 import { digits, percent } from "./words";
 
-const EVERY = 250; // [ms] between two drawings
+const OFTEN = 250; // [ms] between two drawings
+const SELDOM = 1000; // [ms], where the processor draws
 const ERRORS = [1e-4, 0.01, 1, 100] as const; // [%] ticks; less is as good as nothing
 const COUNTS = [0, 10, 100, 1000, 10_000];
 const SHORTEST = 0.01; // [ms] of a tick
@@ -26,6 +28,7 @@ export class Charts {
   private readonly error = new History(1);
   private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
   private histogram: Histogram | undefined;
+  private readonly apart = drawnBySoftware() ? SELDOM : OFTEN;
   private due = 0;
 
   /** driven: mean and most of the amplitudes now, 0..1. */
@@ -38,25 +41,24 @@ export class Charts {
     store.on("frame", (frame: Frame) => {
       const { mean, most } = driven();
       this.drive.add(frame.time, 100 * mean, 100 * most);
-      this.draw();
     });
     store.on("state", (state: State) => {
       this.error.add(state.time, Math.min(Math.max(100 * state.error, ERRORS[0]), ERRORS[3]));
-      this.say(state, driven());
-      this.draw();
+      this.draw(state, driven());
     });
     store.on("histogram", (histogram: Histogram) => {
       this.histogram = histogram;
-      this.plots.ticks.setData(columns(histogram));
     });
   }
 
-  private draw(): void {
+  private draw(state: State, drive: { mean: number; most: number }): void {
     const now = performance.now();
     if (now < this.due) return;
-    this.due = now + EVERY;
+    this.due = now + this.apart;
+    this.say(state, drive);
     this.plots.drive.setData(this.drive.data);
     this.plots.error.setData(this.error.data);
+    if (this.histogram) this.plots.ticks.setData(columns(this.histogram));
   }
 
   private say(state: State, { mean, most }: { mean: number; most: number }): void {
