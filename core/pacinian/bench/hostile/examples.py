@@ -63,6 +63,7 @@ COMMANDS: tuple[Message, ...] = (
     {"type": "hands", "hands": [{"side": "left", "name": "a", "joints": JOINTS}]},
     {"type": "quiet", "zones": [{"position": [0.0, 0.3, 0.3], "pressure": 100.0, "radius": 0.1}]},
     {"type": "field", "points": GRID[:12]},
+    {"type": "show", "scene": "shared", "since": 1},
 )
 CONTROLS: tuple[Message, ...] = (
     {"type": "renew", "sequence": 1, "time": 0.0},
