@@ -31,14 +31,14 @@ button = pc.Volume(
 )
 array, clock = pc.autd(3, 3), ManualClock()
 backend = pc.backend("simulated")
-felt = []
+felt, at = [], np.empty((0, 3))
 scene = pc.Scene((button,), hands=(hand,))
 with pc.Renderer(array, scene, backend=backend, governed=False, clock=clock) as renderer:
     for tick in range(500):
         clock.time = tick * renderer.period
         renderer.tick(clock.time)
         samples = renderer.samples
-        at = samples.positions if samples is not None else np.empty((0, 3))
+        at = samples.positions if samples is not None else at[:0]
         p = pc.field(array, renderer.sent.gains(backend.capability)[-1], at)
         felt.append(pc.radiation_pressure(p, pc.Air()).max(initial=0.0))
 print(f"{len(at)} samples on the fingertip, at most {max(felt):.1f} Pa")
