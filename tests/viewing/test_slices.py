@@ -8,6 +8,7 @@ import os
 import signal
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
 import psutil
 import pytest
@@ -19,7 +20,7 @@ from pacinian.viewing import slices
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
-from pacinian.viewing.slices import Fields, points, pressure
+from pacinian.viewing.slices import Fields, grid, interpolated, pressure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,7 +40,7 @@ HERE = Slice(
 def test_points_of_a_slice_are_the_middles_of_its_cells(turn: float, rows: int, cols: int) -> None:
     u, v = (math.cos(turn), math.sin(turn), 0.0), (-math.sin(turn), math.cos(turn), 0.0)
     asked = Slice(id=1, centre=(0.1, 0.2, 0.3), u=u, v=v, size=(0.5, 0.2), shape=(rows, cols))
-    found = points(asked).reshape(rows, cols, 3)
+    found = grid(asked).points
     assert np.allclose(found.mean(axis=(0, 1)), asked.centre)
     assert np.allclose(found[0, 1] - found[0, 0], 0.5 / cols * np.array(u))
     assert np.allclose(found[1, 0] - found[0, 0], 0.2 / rows * np.array(v))
@@ -49,18 +50,35 @@ def test_points_of_a_slice_are_the_middles_of_its_cells(turn: float, rows: int, 
 
 
 def test_points_of_a_volume_count_the_last_side_fastest() -> None:
-    found = points(Volume(id=1, origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(2, 3, 4)))
+    asked = Volume(id=1, origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(2, 3, 4))
+    found = grid(asked).points.reshape(-1, 3)
     assert found[1].tolist() == [1.0, 2.0, 3.5]
     assert found[4].tolist() == [1.0, 2.5, 3.0]
     assert found[-1].tolist() == [1.5, 3.0, 4.5]
 
 
+def exactly(asked: Slice | Volume, begin: int = 0, end: int = 1 << 20) -> bytes:
+    return pressure(DRIVE.model.packed, DRIVE.gains, grid(asked), begin, end)
+
+
 def test_pressures_are_those_of_the_reference_and_nan_on_a_transducer() -> None:
-    at = np.vstack([points(HERE), ARRAY.positions[7]])
-    found = np.frombuffer(pressure(DRIVE.model.packed, DRIVE.gains, at), "<f4")
-    wanted = pc.radiation_pressure(pc.field(ARRAY, GAINS, at[:-1], AIR, "double"), AIR)
-    assert np.abs(found[:-1] - wanted).max() < 1e-3 * wanted.max()
-    assert np.isnan(found[-1])
+    on = msgspec.structs.replace(HERE, centre=tuple(ARRAY.positions[7].tolist()), shape=(31, 41))
+    for asked in (HERE, on):
+        found = np.frombuffer(exactly(asked), "<f4")
+        at = grid(asked).points.reshape(-1, 3)
+        free = np.isfinite(found)
+        assert len(found) - free.sum() == (asked is on)
+        wanted = pc.radiation_pressure(pc.field(ARRAY, GAINS, at[free], AIR, "double"), AIR)
+        assert np.abs(found[free] - wanted).max() < 1e-3 * wanted.max()
+    assert np.isnan(found[len(found) // 2])
+
+
+def test_a_fine_slice_is_interpolated(fields: Fields) -> None:
+    fine = msgspec.structs.replace(HERE, shape=(120, 160))
+    (found,) = computed(fields, fine)
+    assert found == interpolated(DRIVE.model.packed, DRIVE.gains, grid(fine))
+    wanted = np.frombuffer(exactly(fine), "<f4")
+    assert np.abs(np.frombuffer(found or b"", "<f4") - wanted).max() < 2e-3 * wanted.max()
 
 
 @pytest.fixture
@@ -88,7 +106,7 @@ def workers() -> list[psutil.Process]:
 def test_another_process_computes_it_by_parts(
     fields: Fields, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = pressure(DRIVE.model.packed, DRIVE.gains, points(HERE))
+    whole = exactly(HERE)
     monkeypatch.setattr(slices, "PAIRS", 300.0 * len(ARRAY))
     first, second = computed(fields, HERE, HERE)
     assert first == second == whole

@@ -1,25 +1,28 @@
-"""The field in planes and boxes, by `pacinian.field`, in a process of its own that gives way to all others."""
+"""The field in planes and boxes, in a process of its own that gives way to all others."""
 
 from __future__ import annotations
 
 import asyncio
 import functools
+import math
 import multiprocessing
 import os
 import pickle
 import signal
 import sys
 import threading
+from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.grid import Grid
 from pacinian.errors import ArgumentError
-from pacinian.viewing.messages import Slice
+from pacinian.viewing.messages import Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,23 +31,27 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats
     from pacinian.viewing.hub import Drive
-    from pacinian.viewing.messages import Volume
+    from pacinian.viewing.messages import Slice
 
 PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
 CALM = 19  # nice
 AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
 
 
-def points(asked: Slice | Volume) -> Floats:
-    """Where the field is asked for, (K, 3) [m], in the order of the answer."""
-    if isinstance(asked, Slice):
-        rows, columns = asked.shape
-        x = ((np.arange(columns) + 0.5) / columns - 0.5) * asked.size[0]
-        y = ((np.arange(rows) + 0.5) / rows - 0.5) * asked.size[1]
-        plane = y[:, None, None] * np.array(asked.v) + x[:, None] * np.array(asked.u)
-        return np.asarray(plane + np.array(asked.centre)).reshape(-1, 3)
-    grid = np.moveaxis(np.indices(asked.shape, dtype=np.float64), 0, -1)
-    return np.asarray(grid * asked.spacing + np.array(asked.origin)).reshape(-1, 3)
+def grid(asked: Slice | Volume) -> Grid:
+    """Where the field is asked for, in the order of the answer."""
+    if isinstance(asked, Volume):
+        steps = tuple(tuple(row) for row in (asked.spacing * np.eye(3)).tolist())
+        return Grid(asked.origin, steps, asked.shape)
+    down, right = (
+        length / count * np.array(along)
+        for length, count, along in zip(
+            asked.size[::-1], asked.shape, (asked.v, asked.u), strict=True
+        )
+    )
+    rows, columns = asked.shape
+    first = np.array(asked.centre) - (rows - 1) / 2.0 * down - (columns - 1) / 2.0 * right
+    return Grid(tuple(first.tolist()), (tuple(down.tolist()), tuple(right.tolist())), asked.shape)
 
 
 class Fields:
@@ -52,6 +59,7 @@ class Fields:
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
+        self._rough: deque[Grid] = deque(maxlen=16)  # where interpolation would not do
 
     async def pressure(
         self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
@@ -60,27 +68,32 @@ class Fields:
 
         NaN on a transducer. Raises ArgumentError.
         """
-        at = points(asked)
+        where = grid(asked)
+        count = math.prod(where.shape)
         if not drive.gains:
-            return bytes(4 * len(at))
+            return bytes(4 * count)
+        if where not in self._rough:
+            if found := await self._done(interpolated, drive, where):
+                return found
+            self._rough.append(where)
         step = max(256, int(PAIRS / len(drive.model.array)))
         made: list[bytes] = []
-        for begin in range(0, len(at), step):
+        for begin in range(0, count, step):
             if not wanted():
                 return None
-            made.append(await self._part(drive, at[begin : begin + step]))
+            made.append(await self._done(pressure, drive, where, begin, begin + step))
         return b"".join(made)
 
-    async def _part(self, drive: Drive, at: Floats) -> bytes:
+    async def _done(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
         """In the other process; a new one, if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(1, context, initializer=calm, initargs=(CALM,))
-            pool, work = self._pool, (drive.model.packed, drive.gains, at)
+            pool, given = self._pool, (drive.model.packed, drive.gains, *about)
             try:
-                return await loop.run_in_executor(pool, pressure, *work)
+                return await loop.run_in_executor(pool, work, *given)
             except BrokenProcessPool:
                 if pool is self._pool:
                     self.close()
@@ -93,14 +106,25 @@ class Fields:
             self._pool = None
 
 
-def pressure(model: bytes, gains: bytes, at: Floats) -> bytes:
-    """Radiation pressure at points (K, 3) [m], float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
+def interpolated(model: bytes, gains: bytes, where: Grid) -> bytes:
+    """Radiation pressure at all points of a grid, float32 [Pa], by `Grid.field`; empty where that would not do."""
+    from pacinian.acoustics.pressure import radiation_pressure
+    from pacinian.solving.blas import one_thread
+
+    array, medium = _unpacked(model)
+    with one_thread():
+        p = where.field(array, np.frombuffer(gains, np.complex64), medium)
+    return b"" if p is None else radiation_pressure(p, medium).astype(np.float32).tobytes()
+
+
+def pressure(model: bytes, gains: bytes, where: Grid, begin: int, end: int) -> bytes:
+    """Radiation pressure at some points of a grid, float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.propagation import field
     from pacinian.errors import PointOnTransducer
 
     array, medium = _unpacked(model)
-    g = np.frombuffer(gains, np.complex64)
+    g, at = np.frombuffer(gains, np.complex64), _points(where)[begin:end]
     found = np.full(len(at), np.nan, np.float32)
     here = np.ones(len(at), np.bool_)
     try:
@@ -116,6 +140,11 @@ def pressure(model: bytes, gains: bytes, at: Floats) -> bytes:
 def _unpacked(model: bytes) -> tuple[Array, Air]:
     made: tuple[Array, Air] = pickle.loads(model)  # of our own
     return made
+
+
+@functools.lru_cache(maxsize=2)
+def _points(where: Grid) -> Floats:
+    return where.points.reshape(-1, 3)
 
 
 def calm(nice: int) -> None:
