@@ -9,11 +9,12 @@ sys.path.insert(0, str(Path(__file__).parent / "building"))
 project = "Pacinian"
 author = copyright = "the Pacinian developers"  # noqa: A001
 release = metadata.version("pacinian")
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "docstrings", "sources"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "equations", "sources"]
 exclude_patterns = ["building"]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
+html_math_renderer = "mathml"
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "signature"
@@ -24,6 +25,8 @@ add_module_names = False
 html_theme = "furo"
 html_title = f"Pacinian {release}"
 html_copy_source = False
+html_static_path = ["building/static"]
+html_css_files = ["pages.css"]
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#31688e", "color-brand-content": "#31688e"},
     "dark_css_variables": {"color-brand-primary": "#5ec962", "color-brand-content": "#5ec962"},

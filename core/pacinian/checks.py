@@ -99,7 +99,8 @@ def kind(name: str, value: object, *kinds: type) -> None:
     if not isinstance(value, kinds):
         *most, last = (k.__name__ for k in kinds)
         wanted = f"{', '.join(most)} or {last}" if most else last
-        raise ArgumentError(name, f"must be a {wanted}, not {value!r}")
+        article = "an" if wanted[0] in "AEIOU" else "a"
+        raise ArgumentError(name, f"must be {article} {wanted}, not {value!r}")
 
 
 def count(measure: float, spacing: float, dimension: int) -> float:

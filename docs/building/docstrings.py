@@ -18,7 +18,9 @@ def setup(app: Any) -> dict[str, bool]:
 
 
 def process(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
-    """Rewrite `lines` in place."""
+    """Rewrite `lines` in place; a module's are for who reads the source, and its page says the rest."""
+    if what == "module":
+        lines.clear()
     known = arguments(thing)
     made: list[str] = []
     for paragraph in "\n".join(lines).split("\n\n"):

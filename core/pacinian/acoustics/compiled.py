@@ -46,5 +46,5 @@ def _announce(kernel: Any) -> None:
         return
     announced = True
     logging.getLogger("pacinian").warning(
-        "compiling the numerical kernels for this machine: up to half a minute, this once"
+        "compiling numerical kernels for this machine: once after an installation, up to half a minute"
     )

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import number
+from pacinian.acoustics.air import Air
+from pacinian.checks import kind, number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.air import Air
     from pacinian.types import ArrayLike, Floats
 
 SKIN = 2.0  # alpha for skin, or any liquid or solid: nearly all of the sound is reflected
@@ -24,6 +24,7 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
     medium: gives rho and c. alpha: about 2 on skin. Returns the shape of `p`.
     Raises ArgumentError.
     """
+    kind("medium", medium, Air)
     alpha = number("alpha", alpha, low=0.0, above=True)
     rms2 = _amplitude(p) ** 2 / 2.0  # [Pa^2]
     return np.asarray(alpha * rms2 / (medium.density * medium.speed_of_sound**2))
@@ -35,6 +36,7 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
     radiation_pressure: [Pa], not negative, any shape. medium: gives rho and c. alpha: about 2 on skin.
     Returns the shape of `radiation_pressure`. Raises ArgumentError.
     """
+    kind("medium", medium, Air)
     alpha = number("alpha", alpha, low=0.0, above=True)
     try:
         P = np.asarray(radiation_pressure, dtype=np.float64)

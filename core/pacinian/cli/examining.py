@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import os
 import re
 import shutil
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 SLEEPS, SLEEP = 200, 0.001  # how many, [s]
 PATIENCE = 1.0  # [s] for the server's answer
 SHARED = Path("/dev/shm")
-EXTRAS = {"plot": "matplotlib"}
+EXTRAS = "plot", "view", "devices", "study", "autd3"
 DEVICES = 2241 * 4  # transducers that shared memory should have room for
 
 
@@ -84,10 +83,14 @@ def _version(name: str) -> str | None:
 
 
 def extras() -> Finding:
-    """Optional libraries."""
-    return findings.extras(
-        {name: lib for name, lib in EXTRAS.items() if importlib.util.find_spec(lib) is None}
-    )
+    """Optional libraries: of each extra the first that is not there."""
+    missing: dict[str, str] = {}
+    for requirement in importlib.metadata.requires("pacinian") or ():
+        name = _name(requirement)
+        asked = re.search(r"extra == ['\"]([\w-]+)", requirement)
+        if asked and asked[1] in EXTRAS and name != "pacinian" and _version(name) is None:
+            missing.setdefault(asked[1], name)
+    return findings.extras(missing)
 
 
 def curve() -> Finding:

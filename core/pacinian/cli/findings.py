@@ -16,7 +16,7 @@ RIGHTS = (
     "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
 )
-INSTALL = "`pip install --upgrade pacinian` in a fresh virtual environment"
+INSTALL = "`pip install` Pacinian again, in a fresh virtual environment"
 
 
 @dataclass(frozen=True)

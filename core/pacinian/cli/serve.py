@@ -11,10 +11,13 @@ import click
 if TYPE_CHECKING:
     from collections.abc import Generator
 
+    from pacinian.plugins.registry import Kind
+    from pacinian.scene.file import Choice
     from pacinian.serving.settings import Settings
 
 FAREWELL = 5.0  # [s] that the viewer may take to end
 PORT = click.IntRange(0, 65535)
+VIEWER = "starlette", "uvicorn", "websockets"
 
 
 @click.command()
@@ -45,6 +48,9 @@ def serve(config: Path | None, view: bool, **given: Any) -> None:
     from pacinian.serving.settings import Settings, load
 
     settings = _with(load(config) if config else Settings(), given)
+    _known(settings)
+    if view:
+        _viewable()
     with contextlib.ExitStack() as stack:
 
         def ready(path: Path) -> None:
@@ -53,6 +59,34 @@ def serve(config: Path | None, view: bool, **given: Any) -> None:
                 stack.enter_context(_viewer(path))
 
         run(settings, ready)
+
+
+def _known(settings: Settings) -> None:
+    """Whether there are such plug-ins, before anything starts. Raises UnknownPlugin, PluginError."""
+    from importlib.metadata import entry_points
+
+    from pacinian.plugins.registry import GROUP, Plugins
+
+    installed = entry_points(group=GROUP)
+    chosen: tuple[tuple[Kind, str | Choice], ...] = (
+        ("solver", settings.solver),
+        ("backend", settings.backend),
+    )
+    for kind, choice in chosen:
+        name = choice if isinstance(choice, str) else choice.name
+        if name not in installed.names:  # only then are plug-ins imported to look for it
+            Plugins().find(kind, name)
+
+
+def _viewable() -> None:
+    """Whether the viewer's libraries are there, before anything starts. Raises MissingExtra."""
+    from importlib.util import find_spec
+
+    from pacinian.errors import MissingExtra
+
+    for library in VIEWER:
+        if find_spec(library) is None:
+            raise MissingExtra(library, "view")
 
 
 @contextlib.contextmanager

@@ -71,7 +71,9 @@ def table(state: State) -> Table:
         "output": f"[bold]{state.output}[/bold]" + (", armed" if state.armed else ""),
         "owner": escape(f"{state.owner}, scene {state.scene}") if state.owner else "nobody",
         "solver, backend": escape(f"{state.solver}, {state.backend}"),
-        "technique, strength": escape(f"{state.technique}, {state.intensity:.0%}"),
+        "technique, strength": escape(
+            f"{state.technique or 'of each object'}, {state.intensity:.0%}"
+        ),
         "felt": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
         "error, as emitted": f"{state.error:.3%} of the sound pressures asked",
         "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",

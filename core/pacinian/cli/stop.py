@@ -8,6 +8,8 @@ import click
 
 from pacinian.cli.connecting import CONNECTION
 
+STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Client().reset()`"
+
 
 @click.command()
 @CONNECTION
@@ -27,4 +29,4 @@ def stop(connection: str | None, timeout: float, as_json: bool) -> None:
     from pacinian.client.emergency import emergency_stop
 
     emergency_stop(connection, timeout=timeout)
-    click.echo(json.dumps({"stopped": True}) if as_json else "stopped: silent until a reset")
+    click.echo(json.dumps({"stopped": True}) if as_json else STOPPED)

@@ -25,7 +25,7 @@ def found(connection: Connection | Path | str | None, keys: Path | str | None) -
         try:
             made = Connection.read(connection or "")
         except ServerError as error:
-            raise ConnectionLost(str(error)) from error
+            raise ConnectionLost(str(error)) from None
     return made if keys is None else _with_keys(made, Path(keys))
 
 

@@ -94,8 +94,8 @@ def _decoded(path: Path) -> Connection:
     try:
         with path.open("rb") as file:
             status, text = os.fstat(file.fileno()), file.read(LONGEST)
-    except FileNotFoundError as error:
-        raise ServerError(f"{path}: no connection file; {FIX}") from error
+    except FileNotFoundError:
+        raise ServerError(f"{path}: no connection file; {FIX}") from None
     except (OSError, ValueError) as error:
         problem = getattr(error, "strerror", None) or error
         raise ServerError(f"{path}: cannot be read: {problem}") from error

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,6 +79,12 @@ def test_an_alpha_of_nothing_is_refused(alpha: float) -> None:
     for convert in (pc.radiation_pressure, pc.sound_pressure):
         with pytest.raises(pc.ArgumentError, match="`alpha`"):
             convert(1.0, pc.Air(), alpha)
+
+
+@pytest.mark.parametrize("convert", [pc.radiation_pressure, pc.sound_pressure])
+def test_a_medium_that_is_none_is_refused(convert: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match="`medium` must be an Air, not 22"):
+        convert([20.0], 22)
 
 
 def test_one_pascal_rms_is_94_decibels() -> None:

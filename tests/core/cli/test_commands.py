@@ -294,3 +294,15 @@ def test_a_viewer_that_is_not_installed_is_told_before_the_server_starts(
     assert not started
     assert run("serve").exit_code == 0
     assert len(started) == 1
+
+
+@pytest.mark.parametrize("kind", ["solver", "backend"])
+def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pacinian.serving import server
+
+    monkeypatch.setattr(server, "serve", lambda *given: pytest.fail("it starts"))
+    result = run("serve", f"--{kind}", "nonsense")
+    assert isinstance(result.exception, pc.UnknownPlugin)
+    assert f"no {kind} is called 'nonsense'" in str(result.exception)

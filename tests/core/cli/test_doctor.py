@@ -102,6 +102,17 @@ def test_it_sees_a_server_and_why_one_does_not_answer(server: Fake, tmp_path: Pa
     assert found["server"]["level"] == PROBLEM
 
 
+def test_each_extra_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert examining.extras().told == "all installed"  # as the tests need them
+    absent = {"matplotlib", "starlette", "pyarrow", "pyftdi", "autd3"}
+    there = examining._version
+    monkeypatch.setattr(examining, "_version", lambda name: None if name in absent else there(name))
+    found = examining.extras()
+    assert set(found.fix.partition("[")[2].partition("]")[0].split(",")) == set(examining.EXTRAS)
+    assert "view without starlette" in found.told
+    assert "devices without pyftdi" in found.told
+
+
 def test_a_look_that_fails_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def broken(*_: object) -> None:
         raise RuntimeError("odd machine")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import number, numbers
+from pacinian.checks import kind, number, numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.hands import rest
 
@@ -97,6 +97,7 @@ class Hand:
         rotation the hand looks down on an array that sends up; seen from above the thumb of the right
         hand is at -x, of the left at +x. given: radii, velocities, time or name.
         """
+        kind("pose", pose, Pose)
         local = rest.joints()
         if side == "left":
             local[:, 0] *= -1.0

@@ -221,6 +221,12 @@ def test_what_leap_cannot_mean_is_refused(given_: dict[str, Any], word: str) -> 
         Hand.leap(**{**leap(), **given_})
 
 
+def test_a_position_is_no_pose() -> None:
+    where: Any = (0.0, 0.0, 0.2)
+    with pytest.raises(pc.ArgumentError, match="`pose` must be a Pose"):
+        Hand.open("right", where)
+
+
 @settings(max_examples=30)
 @given(st.sampled_from(["left", "right"]), poses)
 def test_a_hand_opens_where_it_is_put(side: Any, pose: pc.Pose) -> None:
