@@ -72,8 +72,9 @@ def _advice(kind: type[Struct], problem: str, key: str) -> str:
 @functools.cache
 def _words(kind: type[Struct], part: str) -> list[str]:
     """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
-    definitions = msgspec.json.schema(kind)["$defs"]
-    root = definitions[kind.__name__]["properties"]
+    schema = msgspec.json.schema(kind)
+    definitions = schema["$defs"]  # by name; with their modules, where two have one name
+    root = definitions[schema["$ref"].removeprefix("#/$defs/")]["properties"]
     if part not in root:
         return sorted(root)
     words: set[str] = set()
@@ -81,7 +82,7 @@ def _words(kind: type[Struct], part: str) -> list[str]:
     waiting = [json.dumps(root[part])]
     while waiting:
         text = waiting.pop()
-        for name in set(re.findall(r"#/\$defs/(\w+)", text)) - seen:
+        for name in set(re.findall(r'"#/\$defs/([^"]+)"', text)) - seen:
             seen.add(name)
             properties = definitions[name].get("properties", {})
             words |= properties.keys()

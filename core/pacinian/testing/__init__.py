@@ -1,16 +1,20 @@
-"""For the tests of programs and plug-ins: a clock that is told, a server of one's own, conformance."""
+"""For the tests of programs and plug-ins: a clock that is told, a server of one's own, USB in memory, conformance."""
 
 from pacinian.testing.clock import ManualClock
 from pacinian.testing.conformance import NotConforming
 from pacinian.testing.conformance_backend import check_backend
 from pacinian.testing.conformance_solver import check_solver
 from pacinian.testing.server import Running, Usage, serving
+from pacinian.testing.usb_bus import UsbBus
+from pacinian.testing.usb_device import UsbDevice
 
 __all__ = [
     "ManualClock",
     "NotConforming",
     "Running",
     "Usage",
+    "UsbBus",
+    "UsbDevice",
     "check_backend",
     "check_solver",
     "serving",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,10 +11,8 @@ import pytest
 
 import pacinian as pc
 from pacinian_plugins.backends.openmpd import OpenMpd
-from pacinian_plugins.backends.openmpd.troubles import ANONYMOUS, explained, holders
 
-from ..usb_in_memory import error
-from .chips import UDEV, Chip, Setup
+from .chips import BITMODE, LATENCY, RESET, UDEV, Setup
 
 
 def test_only_boards_that_are_named_are_touched() -> None:
@@ -36,57 +32,11 @@ def test_only_boards_that_are_named_are_touched() -> None:
     assert (other.requests, other.writes, other.configured) == ([], [], False)
 
 
-def test_a_dead_chip_that_is_still_listed_is_passed_over() -> None:
-    it = Setup()
-    it.bus.stale = True
-    it.chip.unplug()
-    it.refused(it.open, "openmpd FT1: is not connected; there are: none")
-    again = Chip("FT1", it.clock)
-    it.bus.plug(again)
-    it.open()
-    it.play()
-    assert again.model.pulses().any()
-    it.backend.close()
-
-
-def test_a_chip_that_is_listed_and_answers_nothing() -> None:
-    it = Setup()
-    it.chip.configured = it.chip.mute = True
-    silent = "bus 1, address 2: it does not answer: unplug it and plug it in again"
-    it.refused(it.open, f"openmpd FT1: is not connected; there are: none; {silent}")
-
-
-def test_it_is_plugged_in_while_the_program_runs() -> None:
-    it = Setup()
-    it.bus.devices.clear()
-    it.refused(it.open, "openmpd FT1: is not connected; there are: none")
-    it.bus.plug(it.chip)
-    it.open()
-    it.backend.close()
-
-
 def test_all_or_none_are_opened() -> None:
     it = Setup("FT1", "FT2")
     it.bus.devices.remove(it.chips[1])
     it.refused(it.open, "openmpd FT2: is not connected; there are: FT1")
     assert (it.bus.open, it.chip.requests) == (0, [])
-
-
-def test_no_permission() -> None:
-    it = Setup("FT1", "FT2")
-    it.chip.denied = True
-    told = f"bus 1, address 2: {UDEV}"
-    it.refused(it.open, f"openmpd FT1: is not connected; there are: FT2; {told}")
-
-
-def test_no_driver_on_windows() -> None:
-    it = Setup()
-    it.chip.driverless = True
-    it.refused(
-        it.open,
-        "openmpd FT1: is not connected; there are: none; bus 1, address 2: it has no driver that "
-        "programs may use: give it WinUSB with Zadig (https://zadig.akeo.ie)",
-    )
 
 
 def test_another_program_has_it_and_is_not_disturbed() -> None:
@@ -106,29 +56,6 @@ def test_another_program_has_it_and_is_not_disturbed() -> None:
     other.close()
 
 
-def test_who_holds_it_is_told_where_that_can_be_known(tmp_path: Path) -> None:
-    for pid, node in ((12, "/dev/null"), (345, "/dev/bus/usb/001/002")):
-        fds = tmp_path / str(pid) / "fd"
-        fds.mkdir(parents=True)
-        (fds / "3").symlink_to(node)
-        (fds.parent / "comm").write_text(f"program{pid}\n")
-    (tmp_path / "99").mkdir()  # it has ended since
-    assert holders(1, 2, tmp_path) == "program345 (345)"
-    assert holders(1, 3, tmp_path) == ""
-    assert str(os.getpid()) not in holders(250, 250)
-
-
-def test_the_systems_serial_driver_gives_way_and_is_back_afterwards() -> None:
-    it = Setup()
-    it.chip.driver = True
-    it.chip.configured = True
-    it.open()
-    assert it.bus.calls == ["detach"]
-    it.play()
-    it.backend.close()
-    assert it.bus.calls == ["detach", "attach"]
-
-
 def test_boards_are_in_the_order_in_which_they_are_named() -> None:
     it = Setup("FT2", "FT1").open()
     levels = np.zeros((1, 512), np.uint16)
@@ -136,16 +63,6 @@ def test_boards_are_in_the_order_in_which_they_are_named() -> None:
     it.backend.send(pc.Frame(0, 0.0, levels, levels))
     assert [int(chip.model.pulses().sum(axis=1).max()) for chip in it.chips] == [1, 2]
     it.backend.close()
-
-
-def test_two_with_one_serial_are_an_error() -> None:
-    it = Setup("FT1", "FT1", serials=["FT1"])
-    it.array = pc.Array(it.array.positions[:256], it.array.normals[:256])
-    it.refused(
-        it.open,
-        "openmpd FT1: 2 have this serial number, at bus 1, address 2 and bus 1, address 3: unplug one",
-    )
-    assert it.bus.open == 0
 
 
 def test_an_array_of_another_size_is_refused() -> None:
@@ -198,20 +115,6 @@ def test_the_examples_pins_are_where_the_boards_have_them() -> None:
     assert order[253] == 224  # below the first
 
 
-def test_no_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    import usb.core
-
-    def find(**_: Any) -> Any:
-        raise usb.core.NoBackendError("No backend available")
-
-    monkeypatch.setattr(usb.core, "find", find)
-    message = "openmpd: libusb is not installed: `apt install libusb-1.0-0`, or `pip install libusb-package`"
-    it = Setup()
-    it.refused(it.open, message)
-    (found,) = OpenMpd.found()
-    assert f"openmpd: {found.problem}" == message
-
-
 def test_without_pyftdi_the_extra_is_named_and_the_chip_given_back(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -222,10 +125,19 @@ def test_without_pyftdi_the_extra_is_named_and_the_chip_given_back(
     assert (it.bus.open, it.chip.holder, it.chip.writes) == (0, None, [])
 
 
-def test_errors_that_nobody_expected_say_what_was_being_done() -> None:
-    told = explained(error(errno.EIO), "openmpd X", "sending")
-    assert str(told).startswith("openmpd X: sending: ")
-    assert "Input/Output Error" in str(told)
+@pytest.mark.parametrize("request_", [RESET, BITMODE, LATENCY])
+def test_a_chip_that_refuses_to_be_set_up_is_given_back(
+    monkeypatch: pytest.MonkeyPatch, request_: int
+) -> None:
+    it = Setup()
+    set_up = it.chip.control
+
+    def control(setup: Any, data: bytes) -> bytes | None:
+        return None if setup[1] == request_ else set_up(setup, data)
+
+    monkeypatch.setattr(it.chip, "control", control)
+    it.refused(it.open, "openmpd FT1: opening it: it refuses (stall)")
+    assert (it.bus.open, it.chip.holder, it.chip.writes) == (0, None, [])
 
 
 def test_what_is_connected_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -233,11 +145,14 @@ def test_what_is_connected_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     it.chips[2].denied = True
     find = __import__("usb.core").core.find
     monkeypatch.setattr("usb.core.find", lambda **given: find(**{**given, "backend": it.bus}))
-    found = list(OpenMpd.found())
-    assert [one.serial for one in found] == ["", "", "FT1", "FT2"]
-    assert {found[0].problem, found[1].problem} == {UDEV, ANONYMOUS}
-    title = "FT232H, an OpenMPD board or anything else, bus 1, address 3"
-    assert found[2] == pc.Found("openmpd", "FT1", title)
+    title = "FT232H, an OpenMPD board or anything else, bus 1, address"
+    nameless = "it has no serial number: write one to its EEPROM, with FTDI's FT_PROG or pyftdi's ftconf.py"
+    assert list(OpenMpd.found()) == [
+        pc.Found("openmpd", "", f"{title} 4", UDEV),
+        pc.Found("openmpd", "", f"{title} 5", nameless),
+        pc.Found("openmpd", "FT1", f"{title} 3"),
+        pc.Found("openmpd", "FT2", f"{title} 2"),
+    ]
     assert it.bus.open == 0
     assert not any(chip.requests for chip in it.chips)
 

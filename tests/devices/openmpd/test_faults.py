@@ -42,11 +42,11 @@ def test_it_is_silent_when_it_is_open_sounds_with_frames_and_is_silent_when_it_i
 SHORT = "the board hangs, has no power, or the bus is overloaded"
 WRITES: dict[Any, str] = {
     "unplug": GONE,
-    "stall": "openmpd FT1: sending: it refuses (stall)",
-    "timeout": f"openmpd FT1: sending: {TIMEOUT}",
-    100: f"openmpd FT1: sending: it took 100 of 1024 bytes in 11 ms: {SHORT}",
-    512: f"openmpd FT1: sending: it took 512 of 1024 bytes in 11 ms: {SHORT}",
-    700: f"openmpd FT1: sending: it took 700 of 1024 bytes in 11 ms: {SHORT}",
+    "stall": "openmpd FT1: sending a frame: it refuses (stall)",
+    "timeout": f"openmpd FT1: sending a frame: {TIMEOUT}",
+    100: f"openmpd FT1: sending a frame: it took 100 of 1024 bytes in 11 ms: {SHORT}",
+    512: f"openmpd FT1: sending a frame: it took 512 of 1024 bytes in 11 ms: {SHORT}",
+    700: f"openmpd FT1: sending a frame: it took 700 of 1024 bytes in 11 ms: {SHORT}",
 }
 
 
@@ -124,7 +124,7 @@ def test_a_silence_that_fails_is_told_and_can_be_asked_for_again() -> None:
     it.play()
     for fault in ("timeout", 600, "stall"):
         it.chip.fault = fault
-        with pytest.raises(pc.BackendError, match="openmpd FT1: sending"):
+        with pytest.raises(pc.BackendError, match="openmpd FT1: sending a frame"):
             it.backend.silence()
         it.chip.fault = None
     it.backend.silence()
@@ -137,7 +137,7 @@ def test_a_board_that_hangs_holds_nobody_up() -> None:
     it.play()
     it.chip.fault = "hang"
     for act in (lambda: it.backend.send(it.frame()), it.backend.silence):
-        it.refused(act, f"openmpd FT1: sending: {TIMEOUT}")
+        it.refused(act, f"openmpd FT1: sending a frame: {TIMEOUT}")
     assert max(timeout for _, timeout in it.chip.writes) == 11  # [ms]
     it.backend.close()
     assert it.bus.open == 0

@@ -136,7 +136,7 @@ def test_the_servers_guard_asks_for_silence_until_it_succeeds_and_never_waits() 
         turn()
         assert guard.loud
     assert it.clock.now() - begun < 0.1
-    assert "takes nothing" in guard.fault
+    assert "does not answer in time" in guard.fault
     it.chip.fault = None
     turn()
     assert not guard.loud

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.testing import ManualClock
+from pacinian.testing import ManualClock, UsbBus
 from pacinian_plugins.backends.usb_autd import UsbAutd
 
-from ..usb_in_memory import Bus, Plugged
+from .units import Units
 
 ARRAY = pc.autd()
 AGAIN = "reset the server, or open the backend again"
@@ -35,9 +35,9 @@ class Setup:
 
     def __init__(self, *serials: str, **options: Any) -> None:
         self.clock = ManualClock()
-        self.plugged = [Plugged(s, now=self.clock.now) for s in serials or ("PUA-1",)]
+        self.plugged = [Units(s, now=self.clock.now) for s in serials or ("PUA-1",)]
         self.device = self.plugged[0]
-        self.bus = Bus(*self.plugged)
+        self.bus = UsbBus(*self.plugged)
         self.backend = UsbAutd(library=self.bus, **options)
         self.array = pc.autd(len(self.plugged))
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import pacinian as pc
-from pacinian.testing import ManualClock, check_backend
+from pacinian.testing import ManualClock, UsbBus, check_backend
 from pacinian_plugins.backends.usb_autd import UsbAutd
 
-from ..usb_in_memory import Bus, Plugged
+from .units import Units
 
 
 def test_on_usb_in_memory() -> None:
     clock = ManualClock()
-    device = Plugged("PUA-1", now=clock.now)
-    bus = Bus(device)
+    device = Units("PUA-1", now=clock.now)
+    bus = UsbBus(device)
 
     def heard(backend: Any) -> pc.Gains:
         clock.advance(1e-3)

@@ -14,12 +14,12 @@ import pacinian as pc
 from pacinian.rendering.clock import paced
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.time.technique import STM
-from pacinian.testing import ManualClock
+from pacinian.testing import ManualClock, UsbBus
 from pacinian_plugins.backends.simulated import Simulated
 from pacinian_plugins.backends.usb_autd import UsbAutd
 from pacinian_plugins.backends.usb_autd.protocol import State
 
-from ..usb_in_memory import Bus, Plugged
+from .units import Units
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -54,8 +54,8 @@ SCENES = {
 @pytest.mark.parametrize("lead", [0.0, 0.002])
 def test_a_device_emits_what_the_simulated_array_does_row_by_row(scene: Any, lead: float) -> None:
     array, clock = pc.autd(2, 1), ManualClock()
-    plugged = [Plugged(serial, now=clock.now) for serial in ("A", "B")]
-    ours = UsbAutd(library=Bus(*plugged), lead=lead)
+    plugged = [Units(serial, now=clock.now) for serial in ("A", "B")]
+    ours = UsbAutd(library=UsbBus(*plugged), lead=lead)
     other = Simulated(**LEVELS)
     one = pc.Renderer(array, scene, backend=ours, clock=clock)
     two = pc.Renderer(array, scene, backend=other, clock=clock)
@@ -84,9 +84,9 @@ def test_a_device_emits_what_the_simulated_array_does_row_by_row(scene: Any, lea
 
 def test_what_stands_still_takes_half_the_bytes() -> None:
     clock = ManualClock()
-    device = Plugged("A", now=clock.now)
+    device = Units("A", now=clock.now)
     renderer = pc.Renderer(
-        pc.autd(), pc.Scene((TREMBLE,)), backend=UsbAutd(library=Bus(device)), clock=clock
+        pc.autd(), pc.Scene((TREMBLE,)), backend=UsbAutd(library=UsbBus(device)), clock=clock
     )
     with renderer:
         for k in range(40):
@@ -99,8 +99,8 @@ def test_what_stands_still_takes_half_the_bytes() -> None:
 
 def test_another_device_takes_over_and_back_while_a_scene_plays() -> None:
     array, clock = pc.autd(), ManualClock()
-    plugged = Plugged("A", now=clock.now)
-    simulated, ours, again = Simulated(), UsbAutd(library=Bus(plugged)), Simulated(phases=64)
+    plugged = Units("A", now=clock.now)
+    simulated, ours, again = Simulated(), UsbAutd(library=UsbBus(plugged)), Simulated(phases=64)
     renderer = pc.Renderer(array, moving, backend=simulated, clock=clock)
     coming = {20: ours, 40: again}
     leaving: pc.Backend | None = None
@@ -127,8 +127,8 @@ def test_another_device_takes_over_and_back_while_a_scene_plays() -> None:
 
 def test_unplugged_while_a_scene_plays_it_is_a_fault_and_comes_back_when_told() -> None:
     array, clock = pc.autd(), ManualClock()
-    plugged = Plugged("A", now=clock.now)
-    bus = Bus(plugged)
+    plugged = Units("A", now=clock.now)
+    bus = UsbBus(plugged)
     ours = UsbAutd(library=bus)
     renderer = pc.Renderer(array, pc.Scene((STILL,)), backend=ours, clock=clock)
     beats = paced(clock, 1e-3)
@@ -164,8 +164,8 @@ def test_boards_of_a_description_in_their_own_order(tmp_path: Path) -> None:
     array = pc.DeviceDescription.load(file).array()
     assert len(array) == 497
     clock = ManualClock()
-    plugged = {serial: Plugged(serial, now=clock.now) for serial in ("A", "B")}
-    ours = UsbAutd(description=str(file), library=Bus(*plugged.values()), lead=0.0)
+    plugged = {serial: Units(serial, now=clock.now) for serial in ("A", "B")}
+    ours = UsbAutd(description=str(file), library=UsbBus(*plugged.values()), lead=0.0)
     ours.open(array)
     levels = np.arange(497, dtype=np.uint16)[None] % 320
     ours.send(pc.Frame(0, 0.0, levels, levels))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_plugins.backends.usb_autd.discovery import seen
+from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import State
 
 from . import users
@@ -70,14 +70,14 @@ def test_unplugged_in_the_middle_of_a_write(it: Playing) -> None:
     it.refused(lambda: it.play(1), GONE)
     it.backend.silence()
     it.backend.close()
-    until(lambda: not seen())
+    until(lambda: not DEVICES.seen())
     it.refused(it.open, "usb-autd: is not connected; there are: none")
 
 
 def test_plugged_in_again_it_is_silent_until_it_is_opened_by_its_serial(it: Playing) -> None:
     before = it.places()
     it.device.unplug()
-    until(lambda: not seen())
+    until(lambda: not DEVICES.seen())
     it.refused(lambda: it.play(1), GONE)
     it.device.plug()
     assert it.places() != before
@@ -154,5 +154,7 @@ def test_two_devices_are_chosen_by_serial() -> None:
 def test_two_devices_of_one_serial_are_refused() -> None:
     with Playing("PUA-1", "PUA-1") as it:
         where = " and ".join(it.places())
-        it.refused(it.open, f"usb-autd PUA-1: 2 devices have this serial number, at {where}")
+        it.refused(
+            it.open, f"usb-autd PUA-1: 2 devices have this serial number, at {where}: unplug one"
+        )
         assert all(one.model.status().state == State.DISARMED for one in it.plugged)

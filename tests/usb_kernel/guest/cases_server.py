@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd import UsbAutd
-from pacinian_plugins.backends.usb_autd.discovery import seen
+from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import Request, State
 
 from .playing import GONE, TIMEOUT, until
@@ -30,10 +30,10 @@ def device() -> Iterator[Plugged]:
     """A device with a clock of its own."""
     made = Plugged("PUA-1")
     made.plug()
-    until(seen)
+    until(DEVICES.seen)
     yield made
     made.unplug()
-    until(lambda: not seen())
+    until(lambda: not DEVICES.seen())
 
 
 def test_a_server_s_device_that_was_unplugged_plays_again_after_a_reset(device: Plugged) -> None:
@@ -43,7 +43,7 @@ def test_a_server_s_device_that_was_unplugged_plays_again_after_a_reset(device: 
         device.unplug()
         assert server.until(lambda told: told.fault, playing=True).fault == GONE
         device.plug()
-        until(seen)
+        until(DEVICES.seen)
         server.play()
         assert device.model.status().state == State.DISARMED
         server.reset()

@@ -10,7 +10,7 @@ import pytest
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd import UsbAutd
-from pacinian_plugins.backends.usb_autd.discovery import seen
+from pacinian_plugins.backends.usb_autd.link import DEVICES
 
 from .plugged import Plugged
 
@@ -68,13 +68,13 @@ class Playing:
         self.backend.close()
         for one in self.plugged:
             one.unplug()
-        until(lambda: not seen())
+        until(lambda: not DEVICES.seen())
 
     def places(self) -> list[str]:
         """Where they are, by serial, once the system has found them all."""
         serials = sorted(one.serial for one in self.plugged)
-        until(lambda: [one.serial for one in seen()] == serials)
-        return [one.place for one in seen()]
+        until(lambda: [one.serial for one in DEVICES.seen()] == serials)
+        return [one.place for one in DEVICES.seen()]
 
     def open(self) -> Playing:
         """Silent until something is played."""

@@ -12,8 +12,7 @@ import pacinian as pc
 from pacinian.checks import integer, names, number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.openmpd.board import Board
-from pacinian_plugins.backends.openmpd.discovery import PRODUCT, VENDOR, picked, seen
-from pacinian_plugins.backends.openmpd.link import Ft232h
+from pacinian_plugins.backends.openmpd.link import CHIPS, opened
 from pacinian_plugins.backends.openmpd.protocol import (
     BOARD,
     DUTY,
@@ -23,12 +22,12 @@ from pacinian_plugins.backends.openmpd.protocol import (
     Packer,
     divider,
 )
-from pacinian_plugins.backends.openmpd.troubles import NAME
 
 if TYPE_CHECKING:
     from array import array
     from collections.abc import Callable, Iterable, Sequence
 
+NAME = CHIPS.name
 ROOM = 16  # frames of a tick; the FPGA stops reading at 28
 
 
@@ -44,7 +43,7 @@ class OpenMpd(pc.Backend):
     """
 
     name: ClassVar[str] = NAME
-    usb = ((VENDOR, PRODUCT),)
+    usb = CHIPS.usb
 
     description: str = ""
     serials: str | Sequence[str] = ()
@@ -72,12 +71,8 @@ class OpenMpd(pc.Backend):
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
         """The chips that are connected, by serial: boards, or anything else."""
-        try:
-            listed = seen()
-        except pc.BackendError as error:
-            return [pc.Found(NAME, "", "", str(error).removeprefix(f"{NAME}: "))]
         title = "FT232H, an OpenMPD board or anything else"
-        return [pc.Found(NAME, one.serial, f"{title}, {one.place}", one.problem) for one in listed]
+        return [pc.Found(NAME, *one) for one in CHIPS.told(title)]
 
     @property
     def capability(self) -> pc.Capability:
@@ -92,9 +87,9 @@ class OpenMpd(pc.Backend):
         self.close()
         wirings = self._wirings(len(array))
         try:
-            listed = seen(self.library)
-            for one in [picked(listed, wiring.serial) for wiring in wirings]:
-                link = Ft232h(one)
+            listed = CHIPS.seen(self.library)
+            for one in [CHIPS.picked(listed, wiring.serial) for wiring in wirings]:
+                link = opened(one)
                 self.boards.append(Board(link, self._divide, self.led, self.timeout, self.clock))
                 self.boards[-1].silence()
             self.wait(PAUSE)
@@ -153,7 +148,10 @@ class OpenMpd(pc.Backend):
                 for b, serial in enumerate(self.serials)
             )
         if not wirings or not all(wiring.serial for wiring in wirings):
-            there = ", ".join(one.serial for one in seen(self.library) if not one.problem) or "none"
+            there = (
+                ", ".join(one.serial for one in CHIPS.seen(self.library) if not one.problem)
+                or "none"
+            )
             raise pc.BackendError(
                 f"{NAME}: name the boards: `serials`, or those of a `description`; any FT232H looks like one; "
                 f"there are: {there}"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from array import array
     from collections.abc import Callable, Sequence
 
-    from pacinian_plugins.backends.openmpd.link import Ft232h
+    from pacinian.devices.usb_link import UsbLink
 
 DARK = (0, 0, 0)
 
@@ -27,7 +27,7 @@ class Board:
 
     def __init__(
         self,
-        link: Ft232h,
+        link: UsbLink,
         divide: int,
         led: Sequence[int],
         timeout: float,

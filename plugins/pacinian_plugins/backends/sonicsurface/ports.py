@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import pacinian as pc
+from pacinian.devices.holders import holders
 from pacinian_plugins.backends.sonicsurface.protocol import BAUD
 
 NAME = "sonicsurface"
@@ -87,18 +86,6 @@ def explained(error: Exception, device: str) -> str:
     else:
         what = str(error) or type(error).__name__
     return f"{NAME} {device}: {what}"
-
-
-def holders(device: str, proc: Path = Path("/proc")) -> str:
-    """Which other programs have a port open, as `name (pid)`, as far as this user may know; Linux only."""
-    node = str(Path(device).resolve())
-    told: list[str] = []
-    for process in sorted(proc.glob("[0-9]*"), key=lambda p: int(p.name)):
-        with suppress(OSError):  # other users' are closed to us, and some have ended since
-            open_here = any(str(fd.readlink()) == node for fd in (process / "fd").iterdir())
-            if open_here and process.name != str(os.getpid()):
-                told.append(f"{(process / 'comm').read_text().strip()} ({process.name})")
-    return ", ".join(told)
 
 
 def _there() -> str:

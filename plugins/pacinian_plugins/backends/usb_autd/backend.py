@@ -10,13 +10,11 @@ import numpy as np
 import pacinian as pc
 from pacinian.checks import names, number
 from pacinian_plugins.backends.usb_autd.board import Board
-from pacinian_plugins.backends.usb_autd.discovery import NAME, picked, seen
-from pacinian_plugins.backends.usb_autd.link import UsbLink
+from pacinian_plugins.backends.usb_autd.link import DEVICES, Link
 from pacinian_plugins.backends.usb_autd.pretended import PretendedLink
 from pacinian_plugins.backends.usb_autd.protocol import (
     AMPLITUDES,
     FULL,
-    INTERFACE,
     MOST,
     PHASES,
     RATE,
@@ -28,9 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from pacinian.types import Levels
-    from pacinian_plugins.backends.usb_autd.link import Link
 
 CHECK = RATE // 10  # rows between two looks at a device
+NAME = DEVICES.name
 HOLD, FADE = 20, 10  # rows: the last goes on while the next frame is late, and then fades
 
 
@@ -46,7 +44,7 @@ class UsbAutd(pc.Backend):
     """
 
     name: ClassVar[str] = NAME
-    usb = (INTERFACE,)
+    usb = DEVICES.usb
 
     description: str = ""
     serials: str | Sequence[str] = ()
@@ -71,13 +69,7 @@ class UsbAutd(pc.Backend):
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
         """The devices that are connected, by serial."""
-        try:
-            listed = seen()
-        except pc.BackendError as error:
-            return [pc.Found(NAME, "", "", str(error).removeprefix(f"{NAME}: "))]
-        return [
-            pc.Found(NAME, one.serial, f"AUTD units, {one.place}", one.problem) for one in listed
-        ]
+        return [pc.Found(NAME, *one) for one in DEVICES.told("AUTD units")]
 
     @property
     def capability(self) -> pc.Capability:
@@ -154,12 +146,12 @@ class UsbAutd(pc.Backend):
 
     def _described(self, wirings: Sequence[pc.Wiring]) -> None:
         """Open the boards of a description."""
-        listed = [] if self.pretend else seen(self.library)
+        listed = [] if self.pretend else DEVICES.seen(self.library)
         for wiring in wirings:
             self._open(
                 PretendedLink(1, wiring.size, wiring.serial)
                 if self.pretend
-                else UsbLink(picked(listed, wiring.serial), self.timeout)
+                else Link(DEVICES.picked(listed, wiring.serial), self.timeout)
             ).wire(wiring)
 
     def _in_order(self, N: int) -> None:
@@ -168,21 +160,21 @@ class UsbAutd(pc.Backend):
             raise pc.BackendError(
                 f"{NAME}: {N} transducers are no whole AUTD units of {UNIT}: give a `description`"
             )
-        links: Iterable[Link]
+        links: Iterable[Link | PretendedLink]
         if self.pretend:
             left = range(N // UNIT, 0, -MOST)
             links = [PretendedLink(min(units, MOST), UNIT) for units in left]
         else:
-            listed = seen(self.library)
+            listed = DEVICES.seen(self.library)
             serials = self.serials or [one.serial for one in listed if not one.problem] or [""]
-            links = (UsbLink(picked(listed, serial), self.timeout) for serial in serials)
+            links = (Link(DEVICES.picked(listed, serial), self.timeout) for serial in serials)
         start = 0
         for link in links:
             board = self._open(link)
             board.wire(straight(link.serial, start, board.size))
             start += board.size
 
-    def _open(self, link: Link) -> Board:
+    def _open(self, link: Link | PretendedLink) -> Board:
         board = Board(link)
         self.boards.append(board)
         board.open()

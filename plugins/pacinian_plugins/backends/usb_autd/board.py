@@ -12,21 +12,21 @@ import numpy as np
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd import protocol
-from pacinian_plugins.backends.usb_autd.discovery import NAME
+from pacinian_plugins.backends.usb_autd.link import AGAIN, DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
-from pacinian_plugins.backends.usb_autd.troubles import AGAIN, Gone
 
 if TYPE_CHECKING:
     from pacinian.types import Levels
     from pacinian_plugins.backends.usb_autd.link import Link
+    from pacinian_plugins.backends.usb_autd.pretended import PretendedLink
 
 
 class Board:
     """A device behind a link, which is closed with it. can: known once `open` has asked."""
 
-    def __init__(self, link: Link) -> None:
-        self.link, self.name = link, f"{NAME} {link.serial}"
+    def __init__(self, link: Link | PretendedLink) -> None:
+        self.link, self.name = link, f"{DEVICES.name} {link.serial}"
         self.can = Capability()
         self._session = self._sequence = 0
         self._accepted = self._checked = 0  # frames, and the sequence, at the last check
@@ -128,11 +128,14 @@ class Board:
 
         Raises BackendError.
         """
-        with suppress(Gone):
+        try:
             self.link.tell(Request.SILENCE, self._sequence.to_bytes(4, "little"))
             if self._failed:  # of one that answers: the system would wait for others for seconds
                 self.link.mend()
                 self._failed = False
+        except pc.BackendError:
+            if not self.link.gone:
+                raise
 
     def close(self) -> None:
         """Silence, disarm, give it back. Never raises."""

@@ -1,0 +1,54 @@
+"""What an error of pyusb means, and what the user should do about it."""
+
+from __future__ import annotations
+
+import errno
+from typing import Any
+
+from pacinian.devices.holders import holders
+
+PERMISSION = (
+    "this user may not open it: install the udev rule that `pacinian devices udev` prints, "
+    "then unplug it and plug it in again"
+)
+DRIVER = "it has no driver that programs may use: give it WinUSB with Zadig (https://zadig.akeo.ie)"
+UNREADABLE = "it does not answer: unplug it and plug it in again"
+LIBRARY = "libusb is not installed: `apt install libusb-1.0-0`, or `pip install libusb-package`"
+HANGS = "it hangs, or the bus is overloaded"
+
+
+def has_gone(error: Exception) -> bool:
+    """Whether it says that the device is not there any more."""
+    return getattr(error, "errno", None) in (errno.ENODEV, errno.ESHUTDOWN, errno.ENXIO)
+
+
+def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS) -> str:
+    """What to tell the user of it.
+
+    place: bus and address of the device. hangs: why it may not have answered in time.
+    """
+    number = getattr(error, "errno", None)
+    if number in (errno.EACCES, errno.EPERM):
+        return PERMISSION
+    if isinstance(error, NotImplementedError) or number == errno.ENOSYS:
+        return DRIVER
+    if number == errno.EBUSY:
+        node = "/dev/bus/usb/{:03d}/{:03d}".format(*place)
+        return f"it is in use by {holders(node) or 'another program'}: end that first"
+    if number == errno.EPIPE:
+        return "it refuses (stall)"
+    if number == errno.ETIMEDOUT:
+        return f"it does not answer in time: {hangs}"
+    return str(error) or type(error).__name__
+
+
+def configured(device: Any) -> Any:
+    """The configuration that a device of pyusb has; None if it has none. Opens it. Raises USBError."""
+    import usb.core
+
+    try:
+        return device.get_active_configuration()
+    except usb.core.USBError as error:
+        if error.errno is None:  # "Configuration not set"
+            return None
+        raise
