@@ -121,13 +121,16 @@ class ServerError(PacinianError):
 class Refused(ServerError):
     """The server refuses a request.
 
-    code: as in `pacinian.wire.replies.Code`. path: of the field that is wrong. advice: what to do.
+    code: as in `pacinian.wire.replies.Code`. path: of the field that is wrong. advice: what to do. request: number of
+    what was refused; 0 where it has none.
     """
 
-    def __init__(self, code: str, message: str, path: str = "", advice: str = "") -> None:
+    def __init__(
+        self, code: str, message: str, path: str = "", advice: str = "", request: int = 0
+    ) -> None:
         where = f"{path}: " if path else ""
         super().__init__(f"{where}{message}" + (f"; {advice}" if advice else ""))
-        self.code, self.path, self.advice = code, path, advice
+        self.code, self.path, self.advice, self.request = code, path, advice, request
 
 
 class ConnectionLost(ServerError, ConnectionError):

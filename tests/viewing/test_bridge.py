@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import pytest
 
+from pacinian.viewing import bridge
 from pacinian.wire import commands, control, replies
+from pacinian.wire.bulk import pack
 
 from .watching import Page, viewer
 
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 EMPTY: dict[str, Any] = {"scene": "", "version": 0, "names": (), "poses": b"", "objects": {}}
+THERE = {**EMPTY, "scene": "hall", "names": ("ball",), "poses": bytes(28)}
 FAKE = Path(__file__).parents[1] / "core" / "client" / "fake.py"
 
 
@@ -96,6 +101,162 @@ def test_a_stop_does_not_wait_for_what_else_goes_on(fake: Any, connection: Path)
         page.say("stop")
         fake.until(lambda: bool(fake.of(control.Stop)))
         assert not page.counts["lost"]
+
+
+def test_no_lease_goes_on_for_an_alive_that_is_old(fake: Any, connection: Path) -> None:
+    def slowly(message: Any) -> Any:
+        time.sleep(0.1)  # a server that is busy
+        return replies.Shown(id=message.id, **THERE)
+
+    with viewer(connection) as url, Page(url) as page:
+        page.next("state")
+        page.say("arm")
+        page.until(lambda: page.newest.get("session", {}).get("mine"))
+        before = len(fake.of(control.Renew))
+        page.say("alive")
+        fake.until(lambda: len(fake.of(control.Renew)) > before)
+        fake.answers[commands.Show] = slowly
+        shown = len(fake.of(commands.Show))
+        fake.until(lambda: len(fake.of(commands.Show)) > shown + 1)
+        for _ in range(60):
+            page.say("alive")
+        said, shown = time.perf_counter(), len(fake.of(commands.Show))
+        fake.until(lambda: len(fake.of(commands.Show)) > shown + 10)
+        assert fake.of(control.Renew)[-1].time < said + page.newest["session"]["lease"]
+
+
+def test_a_page_that_goes_while_it_arms_does_not_arm(fake: Any, connection: Path) -> None:
+    gone = threading.Event()
+
+    def slowly(message: Any) -> Any:
+        gone.wait(10.0)
+        return replies.Ok(id=message.id)
+
+    fake.answers[control.Arm] = slowly
+    with viewer(connection) as url, Page(url) as other:
+        with Page(url) as page:
+            page.next("state")
+            page.say("arm")
+            fake.until(lambda: bool(fake.of(control.Arm)))
+        page.close()
+        gone.set()
+        fake.until(lambda: bool(fake.of(control.Disarm)))
+        other.until(lambda: not other.newest.get("session", {"armed": True})["armed"])
+
+
+def test_only_the_page_that_asked_is_told_that_it_is_refused(fake: Any, connection: Path) -> None:
+    fake.answers[control.Select] = lambda _: None
+    with viewer(connection) as url, Page(url) as one, Page(url) as other:
+        for page, name in ((one, "first"), (other, "second")):
+            page.next("state")
+            page.say("select", solver={"name": name})
+            fake.until(lambda name=name: name in [m.solver.name for m in fake.of(control.Select)])
+        first, second = fake.of(control.Select)
+        fake.say(replies.Error(id=second.id, code="fault", message="second"))
+        fake.say(replies.Error(id=first.id, code="fault", message="first"))
+        for page, message in ((one, "first"), (other, "second")):
+            refused = page.next("refused")
+            assert (refused["action"], refused["message"]) == ("select", message)
+            page.next("state")
+            assert page.counts["refused"] == 1
+
+
+def test_the_page_that_armed_is_told_at_once_why_that_has_ended(
+    fake: Any, connection: Path
+) -> None:
+    with viewer(connection) as url, Page(url) as one, Page(url) as other:
+        one.next("state")
+        other.say("arm")
+        other.until(lambda: other.newest.get("session", {}).get("mine"))
+        fake.say(replies.Error(id=0, code="owner", message="game has taken the output"))
+        assert other.next("refused")["message"] == "game has taken the output"
+        assert other.newest["refused"]["action"] == "arm"
+        one.listen(0.2)
+        assert one.counts["state"]
+        assert not one.counts["refused"]
+
+
+def test_what_is_asked_while_there_is_no_server_is_refused(tmp_path: Path) -> None:
+    with viewer(tmp_path / "none") as url, Page(url) as page, Page(url) as other:
+        page.next("lost")
+        page.say("arm")
+        assert page.next("refused")["action"] == "arm"
+        assert "no connection file" in page.newest["refused"]["message"]
+        page.say("reset")
+        page.until(lambda: page.newest["refused"]["action"] == "reset")
+        assert not other.counts["refused"]
+
+
+def test_a_stop_that_fails_in_an_odd_way_is_told(
+    connection: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError("too many open files")
+
+    monkeypatch.setattr(bridge, "emergency_stop", fail)
+    with viewer(connection) as url, Page(url) as page:
+        page.say("stop")
+        refused = page.next("refused")
+        assert (refused["action"], refused["message"]) == ("stop", "too many open files")
+
+
+def test_a_state_that_is_not_whole_is_passed_over(fake: Any, fakes: Any, connection: Path) -> None:
+    fake.stream = lambda: fakes.state(tick_counts=b"abc")
+    with viewer(connection) as url, Page(url) as page:
+        page.until(lambda: page.counts["state"] > 10)
+        assert not page.counts["histogram"]
+        fake.stream = lambda: fakes.state(tick_counts=bytes(256))
+        page.next("histogram")
+        assert not page.counts["lost"]
+
+
+def test_an_answer_that_cannot_be_is_a_loss_until_it_can(fake: Any, connection: Path) -> None:
+    fake.answers[control.Capabilities] = lambda m: abilities(m, positions=bytes(7))
+    with viewer(connection) as url, Page(url) as page:
+        page.next("lost")
+        fake.answers[control.Capabilities] = abilities
+        page.next("array")
+        page.next("state")
+
+
+def test_plugins_that_are_listed_late_are_told(fake: Any, connection: Path) -> None:
+    solvers = iter([(), (), (replies.Plugin(name="gs"),)])
+    fake.answers[control.Capabilities] = lambda m: abilities(
+        m, solvers=next(solvers), backends=(replies.Plugin(name="simulated"),)
+    )
+    with viewer(connection) as url, Page(url) as page:
+        page.until(lambda: page.newest.get("array", {}).get("solvers"))
+        assert page.counts["array"] == 2  # what is not new is not told again
+        page.next("state")
+        assert len(fake.of(control.Capabilities)) == 3
+
+
+def test_who_comes_later_is_not_told_what_was(fake: Any, fakes: Any, connection: Path) -> None:
+    fake.answers[control.Renew] = lambda m: msgspec.structs.replace(fakes.usual(m), armed=False)
+    with viewer(connection) as url:
+        with Page(url) as page:
+            page.next("state")
+        renewed = len(fake.of(control.Renew))
+        fake.until(lambda: len(fake.of(control.Renew)) > renewed)  # meanwhile nobody looks
+        fake.stream = None
+        with Page(url) as page:
+            page.next("session")
+            page.listen(0.1)
+            assert page.counts["array"]
+            assert not page.counts["state"]
+
+
+def abilities(message: Any, **fields: Any) -> replies.Abilities:
+    sound = replies.Sound(
+        pressure=1.0, directivity="omni", speed_of_sound=343.0, density=1.2, power=1.0,
+        absorption=0.0,
+    )  # fmt: skip
+    given: dict[str, Any] = {
+        "solvers": (), "backends": (), "techniques": (), "presets": (), "limits": {}, "rate": 1e3,
+        "positions": pack([0.0, 0.0, 0.0]), "normals": pack([0.0, 0.0, 1.0]), "frequency": 40e3,
+        "wavelength": 0.0085, "phases": 320, "amplitudes": 320, "device_rate": 1e3,
+    }  # fmt: skip
+    return replies.Abilities(id=message.id, sound=sound, **{**given, **fields})
 
 
 def test_nobody_is_asked_for_anything_while_no_page_is_open(fake: Any, connection: Path) -> None:

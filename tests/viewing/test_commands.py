@@ -88,6 +88,12 @@ def test_a_file_that_is_no_recording_and_a_wide_host_are_refused(tmp_path: Path)
         assert problem in str(result.exception)
 
 
+def test_samples_are_made_of_a_file_only() -> None:
+    result = CliRunner().invoke(view, ["--samples", "--no-browser"])
+    assert result.exit_code == 2
+    assert "is for a FILE" in result.output
+
+
 def test_without_its_libraries_it_says_which_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith("pacinian.viewing.")]:
         monkeypatch.delitem(sys.modules, name)

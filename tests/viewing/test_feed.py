@@ -161,6 +161,22 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
     asyncio.run(run())
 
 
+def test_what_was_hidden_is_shown_when_it_is_asked_for_again() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            for times in (1, 2):
+                stage.say(id=1, **SLICE)
+                stage.fields.go.release()
+                await settle()
+                stage.say(type="seen", id=1)
+                stage.say(type="hide", what="slice")
+                await asyncio.sleep(0.05)
+                assert len(stage.of("slice")) == times
+
+    asyncio.run(run())
+
+
 def test_slices_and_volumes_do_not_wait_for_each_other() -> None:
     async def run() -> None:
         async with staged() as stage:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import msgpack
 import pytest
 from msgspec import Raw
+from msgspec.structs import replace
 
 from pacinian.viewing.hub import EVENTS, Hub
 from pacinian.viewing.messages import Disarm, Hello, Session
@@ -127,3 +128,7 @@ def test_the_page_that_armed_is_told_so_and_lets_go_when_it_goes(hub: Hub) -> No
     assert not asked
     hub.leave(other)
     assert asked == [(other.number, Disarm())]
+    hub.agree(OURS, one.number)  # which it had asked for before it went
+    assert asked[1:] == [(one.number, Disarm())]
+    hub.agree(replace(OURS, armed=False), one.number)
+    assert len(asked) == 2

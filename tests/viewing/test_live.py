@@ -130,7 +130,10 @@ def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Runni
         page.until(lambda: page.newest["state"]["technique"] == "am")
         assert page.newest["state"]["intensity"] == 0.5
         page.say("select", solver={"name": "nonesuch"})
-        assert "nonesuch" in other.next("refused")["message"]
+        assert "nonesuch" in page.next("refused")["message"]
+        other.next("state")
+        other.next("state")
+        assert not other.counts["refused"]  # it did not ask
         page.say(
             "select", solver={"name": "auto"}, intensity=1.0, technique={"type": "simultaneous"}
         )
@@ -141,6 +144,15 @@ def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Runni
                 lambda: page.newest["refused"]["message"] == "another client owns the output"
             )
             assert page.newest["refused"]["action"] == "select"
+
+
+def test_a_device_with_other_levels_is_told_anew(url: str, server: Running) -> None:
+    with Page(url) as page:
+        before = page.next("array")
+        page.say("select", backend={"name": "simulated", "options": {"phases": 16}})
+        page.until(lambda: page.newest["array"]["phases"] == 16)
+        page.say("select", backend={"name": "simulated"})
+        page.until(lambda: page.newest["array"] == before)
 
 
 def test_arming_lasts_while_the_page_is_alive(url: str, server: Running) -> None:

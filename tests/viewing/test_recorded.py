@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import msgpack
@@ -13,10 +14,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.plugins.backend import Frame
 from pacinian.rendering.recording import Recorder as Tape
+from pacinian.rendering.recording import Tick
+from pacinian.serving import reporting
 from pacinian.testing import ManualClock
 from pacinian.viewing.hub import Hub
 from pacinian.viewing.messages import Lost, Replay, told
+from pacinian.viewing.past import Past
 from pacinian.viewing.player import Player
 from pacinian.viewing.recorded import Recorded, Recorder, Writer
 from pacinian.viewing.run import opened
@@ -211,8 +216,8 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
     assert "record" not in told
 
 
-def rendered(path: Path) -> None:
-    """Half a second of a plate that moves, held by a hand."""
+def rendered(path: Path, seconds: float = 0.5) -> pc.Renderer:
+    """A plate that moves, held by a hand."""
     hand = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.16)))
     clock = ManualClock()
 
@@ -224,10 +229,12 @@ def rendered(path: Path) -> None:
 
     renderer = pc.Renderer(pc.autd(), scene, rate=100.0, clock=clock, recorder=Tape(path))
     with renderer:
-        renderer.run(0.5)
+        renderer.run(seconds)
+    return renderer
 
 
 DISC = pc.Disc(0.01)
+OWN = pc.SDF(lambda q: np.sqrt((q * q).sum(axis=1)) - 0.01, (0.01, 0.01, 0.01))
 
 
 def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: Path) -> None:
@@ -248,6 +255,72 @@ def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: 
         assert [e.kind for e in recorded.entries].count("scenery") == 1  # its shape is told once
         assert hub.drive is not None
         assert len(hub.drive.gains) == 8 * 249
+        assert not told["state"]["points"]
+
+
+def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path) -> None:
+    renderer = rendered(tmp_path / "r.pac", 0.49)
+    with opened(tmp_path / "r.pac", samples=True) as recorded:
+        states = [msgpack.unpackb(recorded.data(e)) for e in recorded.entries if e.kind == "state"]
+    wanted = reporting.state(renderer, 0.48)  # as the last tick left it
+    assert states[-1]["ticks"] == wanted["ticks"] == 49
+    for name in ("points", "normals", "asked", "achieved", "index", "error", "status", "hands"):
+        assert states[-1][name] == wanted[name], name
+    assert states[-1]["objects"] == list(wanted["objects"]) == ["plate"]
+    assert [state["sequence"] for state in states if not state["points"]] == [1]  # it comes up
+    assert not any(state["faults"] for state in states)
+
+
+def test_how_long_a_renderers_ticks_took_is_replayed(tmp_path: Path) -> None:
+    frame = Frame(1, 0.0, np.zeros((1, 2), np.uint16), np.zeros((1, 2), np.uint16))
+    past = Past(1e-3)
+    assert past.tick_ms == (0.0, 0.0, 0.0)
+    assert not any(past.histogram.counts)
+    for k in range(1500):  # late ones are of before the last second
+        took = 2e-3 if k < 500 else 0.5e-3 if k % 2 else 0.0
+        past.add(Tick(replace(frame, time=1e-3 * k), clock=(1e-3 * k, 1e-3 * k + took)), None)
+    past.add(Tick(frame), None)  # whose times were not noted
+    assert (past.ticks, past.late, past.different) == (1501, 500, 0)
+    assert past.tick_ms == pytest.approx((0.25, 0.5, 0.5))
+    told = past.histogram
+    (at,) = (k for k in range(64) if told.edges_ms[k] <= 0.5 < told.edges_ms[k + 1])
+    assert (told.counts[0], told.counts[at], sum(told.counts)) == (500, 500, 1000)
+    assert told.deadline_ms == 1.0
+
+
+def test_frames_that_are_others_when_rendered_again_are_told(tmp_path: Path) -> None:
+    rendered(tmp_path / "r.pac")
+    with (tmp_path / "r.pac").open("rb") as file:
+        maps = list(msgpack.Unpacker(file, strict_map_key=False))
+    for tick in maps[1:]:
+        if "phase" in tick:
+            tick["phase"] = bytes(len(tick["phase"]))
+    (tmp_path / "s.pac").write_bytes(b"".join(map(msgpack.packb, maps)))
+    with opened(tmp_path / "s.pac", samples=True) as recorded:
+        (*_, last) = (e for e in recorded.entries if e.kind == "state")
+        (fault,) = msgpack.unpackb(recorded.data(last))["faults"]
+    assert fault.endswith("rendered again, are not what was sent")
+
+
+def test_what_lacks_its_scenes_cannot_be_rendered_again(tmp_path: Path) -> None:
+    tape, at = Tape(tmp_path / "r.pac"), pc.Pose((0.0, 0.0, 0.15))
+    item = pc.Volume(shape=OWN, pose=at, radiation_pressure=1.0)
+    with pc.Renderer(pc.autd(), pc.Scene((item,)), clock=ManualClock(), recorder=tape) as made:
+        made.tick()
+    with opened(tmp_path / "r.pac") as recorded:
+        assert len(recorded.entries) > 2
+    with (
+        pytest.raises(pc.RecordingError, match="lacks the scene"),
+        opened(tmp_path / "r.pac", samples=True),
+    ):
+        pass
+
+
+def test_a_file_that_cannot_be_read_any_more_does_not_end_the_player(feed: Path) -> None:
+    shown = Shown(feed)
+    shown.recorded.close()
+    told = shown.at(3.0)
+    assert told.keys() == {"replay", "poses"}
 
 
 def test_a_player_waits_while_it_is_paused(feed: Path) -> None:

@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="0 for any that is free.")
 @click.option("--host", default="127.0.0.1", show_default=True, help="An address of this machine.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
+@click.option(
+    "--samples",
+    is_flag=True,
+    help="Render a FILE of `pacinian render` again, as long as that took: it lacks its samples.",
+)
 @click.option("--beside", is_flag=True, hidden=True, help="End with the standard input.")
 def view(
     recording: Path | None,
@@ -28,6 +33,7 @@ def view(
     port: int,
     host: str,
     no_browser: bool,
+    samples: bool,
     beside: bool,
 ) -> None:
     """Show what a running server emits, live, in a page of the browser; until Ctrl-C.
@@ -35,6 +41,9 @@ def view(
     FILE is a recording to be replayed instead: of this page, or of `pacinian render --record`.
     """
     import asyncio
+
+    if samples and recording is None:
+        raise click.UsageError("--samples is for a FILE")
 
     from pacinian.viewing.browser import opened
     from pacinian.viewing.run import view as run
@@ -48,7 +57,15 @@ def view(
 
         async def until_ended() -> None:
             ended = _with_input(asyncio.get_running_loop()) if beside else None
-            await run(connection, recording, host=host, port=port, ready=ready, ended=ended)
+            await run(
+                connection,
+                recording,
+                samples=samples,
+                host=host,
+                port=port,
+                ready=ready,
+                ended=ended,
+            )
 
         with contextlib.suppress(KeyboardInterrupt):
             asyncio.run(until_ended())
@@ -62,8 +79,9 @@ def _with_input(loop: asyncio.AbstractEventLoop) -> asyncio.Event:
     ended = asyncio.Event()
 
     def wait() -> None:
-        while os.read(0, 4096):
-            pass
+        with contextlib.suppress(OSError):  # it may be closed already
+            while os.read(0, 4096):
+                pass
         with contextlib.suppress(RuntimeError):
             loop.call_soon_threadsafe(ended.set)
 

@@ -196,11 +196,12 @@ class Client(Connected):
         technique: Technique | None = None,
         intensity: float | None = None,
         wait: bool = True,
-    ) -> None:
+    ) -> int:
         """Another solver, backend, technique of objects that have none of their own, or strength, while running.
 
         intensity: factor on all radiation pressures, 0..1. Waits until it is done, and renews the lease meanwhile
-        if armed; with wait=False look at `look().solver`, and at `errors`.
+        if armed; with wait=False look at `look().solver`, and at `errors`, where `Refused.request` is the number that
+        is returned (0 once it is done).
         """
         fields = {
             "solver": control.Choice(name=solver) if isinstance(solver, str) else solver,
@@ -211,8 +212,8 @@ class Client(Connected):
         live = self._live()
         if wait:
             live.change(control.Select, CHANGE, SHARE * self.lease, **fields)
-        else:
-            live.start(control.Select, **fields)
+            return 0
+        return live.start(control.Select, **fields)
 
     def capabilities(self) -> replies.Abilities:
         """What there is: the array, solvers, backends, limits."""

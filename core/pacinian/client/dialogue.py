@@ -113,12 +113,13 @@ class Dialogue:
         """As `ask`, with a message that needs no session."""
         self._call(self._control, message, Ok, self.timeout)
 
-    def start(self, kind: type[Request], **fields: Any) -> None:
-        """A request that is not waited for: an error of it goes to `errors`."""
+    def start(self, kind: type[Request], **fields: Any) -> int:
+        """A request that is not waited for: an error of it goes to `errors`, with the number that is returned."""
         self.look()
         request = kind(session=self.welcome.session, id=self._number(), **fields)
         if not self._sent(self._control, encode(request)):
             self.lose("the server takes no more requests")
+        return request.id
 
     def tell(self, command: AnyCommand, answer: type[R]) -> R:
         """A command, and its answer."""
@@ -290,4 +291,4 @@ def _refused(error: Error) -> Refused:
     advice = error.advice
     if error.code == "version" and not advice:
         advice = f"update the older of the two: this client speaks {MAJOR}.{MINOR}"
-    return Refused(error.code, error.message, error.path, advice)
+    return Refused(error.code, error.message, error.path, advice, error.id)

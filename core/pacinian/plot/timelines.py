@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pacinian.checks import kind
 from pacinian.errors import ArgumentError, RecordingError
+from pacinian.plot.feeds import watched
 from pacinian.plot.page import panels
 from pacinian.plot.style import BLUE, GREEN, GREY, LINE, ORANGE, RED, SMALL, dress
 from pacinian.rendering.recording import Recording
@@ -37,7 +39,7 @@ ABOVE = {
 
 
 def timeline(
-    run: Report | Recording,
+    run: Report | Recording | str | Path,
     show: str | None = None,
     *,
     ax: Axes | Sequence[Axes] | None = None,
@@ -47,18 +49,24 @@ def timeline(
     run: a report, for "ticks" (how long each took, the last 100,000), "error" (of every 64th solve, as emitted) and
     "skipped" (work left out, by reason); or a recording, for "drive" (mean and most of all amplitudes), "ticks" (from
     their first look at the clock to their last, and how late they began) and "skipped" (frames that were kept, ticks
-    that were missed). show: only that. ax: to draw into, as many as are shown. Where there are many values, a band from
-    the least to the most and the median are drawn. Raises ArgumentError, RecordingError, MissingExtra.
+    that were missed); or a file, of one, or of the viewer's (.feed), for "drive", "error" (of what is emitted) and
+    "ticks" (of the last second). show: only that. ax: to draw into, as many as are shown. Where there are many values,
+    a band from the least to the most and the median are drawn. Raises ArgumentError, RecordingError, MissingExtra.
     """
-    kind("run", run, Report, Recording)
-    drawn = _of_report(run) if isinstance(run, Report) else _of_recording(run)
+    kind("run", run, Report, Recording, str, Path)
+    if isinstance(run, Report):
+        drawn = _of_report(run)
+    elif isinstance(run, Recording):
+        drawn = _of_recording(run)
+    else:
+        drawn = _of_file(Path(run))
     if show is not None and show not in drawn:
         raise ArgumentError("show", f"must be one of {', '.join(drawn)}, not {show!r}")
     names = list(drawn) if show is None else [show]
     page, axes, ours = panels(ax, [TALL] * len(names))
     for panel, name in zip(axes, names, strict=True):
         drawn[name](panel)
-    if isinstance(run, Recording):
+    if not isinstance(run, Report):
         for panel in axes[:-1]:
             panel.set_xlabel("")
             panel.sharex(axes[-1])
@@ -138,6 +146,42 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
         panel.legend(**ABOVE)
 
     return {"drive": drive, "ticks": ticks, "skipped": skipped}
+
+
+def _of_file(path: Path) -> dict[str, Callable[[Panel], None]]:
+    try:
+        course = watched(path)
+    except RecordingError as other:
+        try:
+            return _of_recording(Recording(path))
+        except RecordingError:
+            raise other from None
+    t, missed, half, most, worst, period = course.states.T
+
+    def drive(panel: Panel) -> None:
+        at, mean, most = course.drive.T
+        _line(panel, at, most, ORANGE, "most")
+        _line(panel, at, mean, BLUE, "mean")
+        panel.set(xlabel="time [s]", ylabel="amplitude (1: full)", ylim=(0.0, 1.05))
+        panel.legend(**ABOVE)
+
+    def error(panel: Panel) -> None:
+        _line(panel, t, 100.0 * missed, RED)
+        panel.set(xlabel="time [s]", ylabel="error [%]", ylim=(0.0, None))
+
+    def ticks(panel: Panel) -> None:
+        for values, colour, name in (
+            (worst, ORANGE, "most"),
+            (most, GREEN, "99 %"),
+            (half, BLUE, "median"),
+        ):
+            _line(panel, t, 1e3 * values, colour, name)
+        if np.isfinite(period).any():
+            panel.axhline(1e3 * np.nanmin(period), color=GREY, linestyle=":", linewidth=LINE)
+        panel.set(xlabel="time [s]", ylabel="tick time [ms]", ylim=(0.0, None))
+        panel.legend(**{**ABOVE, "ncols": 3})
+
+    return {"drive": drive, "error": error, "ticks": ticks}
 
 
 def _course(recording: Recording) -> _Course:

@@ -11,10 +11,12 @@ from pacinian.plugins.backend import Backend, Capability, Frame
 from pacinian.rendering.settings import read
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from typing import ClassVar
 
     from pacinian.acoustics.array import Array
-    from pacinian.rendering.recording import Recording
+    from pacinian.rendering.recording import Recording, Tick
+    from pacinian.rendering.renderer import Renderer
 
 
 class Kept(Backend):
@@ -65,19 +67,27 @@ def rerender(recording: Recording) -> tuple[int, int]:
     recording: with its scenes. All that was decided by time is decided again by the times that were
     noted. Raises RecordingError if the recording lacks its scenes, or is damaged.
     """
-    device, clock = Kept(recording.capability), Then()
+    ticks = different = 0
+    for tick, renderer in rerendered(recording):
+        different += not same(tick.frame, renderer.sent)
+        ticks += 1
+    return ticks, different
+
+
+def rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
+    """Each tick as it was, and the renderer as it is after that tick. Raises RecordingError."""
+    clock = Then()
     try:
-        renderer = read(recording.settings, recording.array, device, clock)
+        renderer = read(recording.settings, recording.array, Kept(recording.capability), clock)
     except Exception as error:  # the file may say anything
         raise RecordingError(
             recording.path, f"has no settings to render it with again: {error}"
         ) from error
-    ticks = different = 0
     with renderer:
-        for tick in recording.ticks():
+        for number, tick in enumerate(recording.ticks()):
             if tick.asked is None:
-                raise RecordingError(recording.path, f"lacks the scene of tick {ticks}")
-            if tick.begins and ticks:
+                raise RecordingError(recording.path, f"lacks the scene of tick {number}")
+            if tick.begins and number:
                 renderer.reset()
             renderer.scene, renderer.limits = tick.asked.scene, tick.asked.limits
             renderer.session.solver = tick.asked.solver
@@ -85,14 +95,11 @@ def rerender(recording: Recording) -> tuple[int, int]:
             clock.time = tick.time
             renderer.tick(tick.time)
             if renderer.halted is not None:
-                problem = f"tick {ticks} cannot be rendered again: {renderer.halted.message}"
+                problem = f"tick {number} cannot be rendered again: {renderer.halted.message}"
                 raise RecordingError(recording.path, problem)
-            different += not _same(tick.frame, device.frame)
-            ticks += 1
-    return ticks, different
+            yield tick, renderer
 
 
-def _same(a: Frame, b: Frame | None) -> bool:
-    if b is None:
-        return False
+def same(a: Frame, b: Frame) -> bool:
+    """Whether two frames have the same levels."""
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)

@@ -7,5 +7,5 @@ slices.py    the field, in a process of its own               model.py        wh
 scenery.py   objects, each told once                          messages.py     what pages and server say to each other
 recorded.py  the feed to a file, and back                     player.py       a recording in place of a server
 browser.py   opens the page                                   transcribed.py  a renderer's recording as a feed
-page/        what the browser loads, built from viewer/
+page/        what the browser loads, built from viewer/       past.py         what its ticks were like
 """

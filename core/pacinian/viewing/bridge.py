@@ -5,6 +5,8 @@ It connects again by itself when the server comes back, and takes from it no mor
 
 from __future__ import annotations
 
+import logging
+import math
 import queue
 import threading
 import time
@@ -28,11 +30,13 @@ if TYPE_CHECKING:
     from pacinian.viewing.messages import AnyAsked
     from pacinian.wire.connection import Connection
 
+log = logging.getLogger(__name__)
 NAME = "viewer"
 EVERY, NOBODY = 1.0 / 30.0, 0.1  # [s] between two looks, and while no page is open
 AGAIN = 0.5  # [s] between two tries to connect
 IDLE = 1.0  # [s] between two renewals while nothing is armed
-WAITING = 64  # requests of pages
+FRESH = 0.5  # of the lease: how old an `alive` may be for it to count
+WAITING = 64  # requests of pages, and selections whose answer is not known
 
 
 class Bridge:
@@ -42,7 +46,11 @@ class Bridge:
         self._hub, self._loop, self._where = hub, loop, where
         self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(WAITING)
         self._ended, self._stopping = threading.Event(), threading.Lock()
-        self._scene, self._owner = "", 0
+        self._scene = ""
+        self._owner, self._alive = 0, -math.inf  # the page that armed, and when it said so last [s]
+        self._armed, self._renewed = False, -math.inf
+        self._selected: dict[int, int] = {}  # pages by the number of what they selected
+        self._lost = ""  # why, as it was told
         self._first: tuple[int, AnyAsked] | None = None
         self._told: tuple[Session, int] | None = None
         self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
@@ -61,21 +69,23 @@ class Bridge:
         """Do it soon; an emergency stop at once, whatever else goes on."""
         if isinstance(asked, Stop):
             threading.Thread(target=self._stop, args=(page,), name="stop").start()
-        elif not isinstance(asked, (Alive, Arm, Disarm, Reset, Select)):
+        elif isinstance(asked, Alive):  # does not wait in line: of an old one nothing may live on
+            if page == self._owner:
+                self._alive = time.perf_counter()
+        elif not isinstance(asked, (Arm, Disarm, Reset, Select)):
             self._hub.refuse(page, _action(asked), "is for recordings: this is a server")
         else:
             try:
                 self._inbox.put_nowait((page, asked))
             except queue.Full:
-                if not isinstance(asked, Alive):
-                    self._hub.refuse(page, _action(asked), "too much is asked at once")
+                self._hub.refuse(page, _action(asked), "too much is asked at once")
 
     def _stop(self, page: int) -> None:
         if not self._stopping.acquire(blocking=False):
             return  # one is under way
         try:
             emergency_stop(self._where)
-        except PacinianError as error:
+        except Exception as error:  # whatever it is, it did not stop
             self._post(self._hub.refuse, page, "stop", str(error), "switch the array off")
         finally:
             self._stopping.release()
@@ -86,49 +96,48 @@ class Bridge:
             self._loop.call_soon_threadsafe(do, *arguments)
 
     def _run(self) -> None:
-        told = ""
         while not self._ended.is_set():
             try:
                 connection = found(self._where, None)
                 with Client(connection, name=NAME, scene=self._scene) as client:
-                    told = ""
                     self._watch(client, connection)
-            except PacinianError as error:
-                first = self._forget()
-                if first is not None and isinstance(error, Refused):  # that scene: back to our own
-                    self._refuse(first[0], _action(first[1]), error)
-                    continue
-                if str(error) != told:
-                    told = str(error)
-                    self._post(self._hub.lose, told)
-                self._ended.wait(AGAIN)
+            except Exception as error:
+                self._lose(error)
 
-    def _forget(self) -> tuple[int, AnyAsked] | None:
-        """Nothing resumes after a loss. Returns what made us join another scene, if that is not done yet."""
+    def _lose(self, error: Exception) -> None:
+        """The session is over. Nothing resumes; where another scene cannot be joined, our own goes on."""
+        first, self._first, self._scene = self._first, None, ""
+        if first is not None:
+            self._refuse(*first, error)
+            if isinstance(error, Refused):
+                return
         with suppress(queue.Empty):
             while True:
-                self._inbox.get_nowait()
-        first, self._first, self._scene = self._first, None, ""
-        return first
+                self._refuse(*self._inbox.get_nowait(), error)
+        if str(error) != self._lost:
+            self._lost = str(error)
+            if not isinstance(error, PacinianError):
+                log.error("the viewer cannot go on with this server", exc_info=error)
+            self._post(self._hub.lose, self._lost)
+        self._ended.wait(AGAIN)
 
     def _watch(self, client: Client, connection: Connection) -> None:
         """One session, until it is lost, another scene is joined, or this ends."""
-        self._owner, self._told, scene = 0, None, self._scene
+        self._owner, self._armed, self._told, scene = 0, False, None, self._scene
+        self._selected.clear()
         with States(client, connection, self._hub, self._post) as states:
-            due = renewed = time.perf_counter()
+            self._lost, due = "", time.perf_counter()
             while not self._ended.is_set():
                 self._obey(client, due)
                 if self._scene != scene:
                     return
+                self._keep(client)
                 if (now := time.perf_counter()) < due:
                     continue
                 watched = bool(self._hub.views)
                 due = max(due + (EVERY if watched else NOBODY), now)
                 if not client.connected:
                     raise ConnectionLost("the server has gone")
-                if not client.armed and now - renewed > IDLE:
-                    renewed = now
-                    self._renew(client, 0)
                 states.look(now, watched=watched)
                 self._tell(client)
 
@@ -144,56 +153,68 @@ class Bridge:
         self._first = None
         try:
             self._do(client, page, asked)
-        except ConnectionLost:
-            raise
         except PacinianError as error:
-            self._refuse(page, _action(asked), error)
+            self._refuse(page, asked, error)
+            if isinstance(error, ConnectionLost):
+                raise
         self._tell(client)
 
     def _do(self, client: Client, page: int, asked: AnyAsked) -> None:
         match asked:
-            case Alive():
-                if client.armed and page == self._owner:
-                    self._renew(client, page)
             case Arm() if asked.scene != self._scene:
                 self._scene, self._first = asked.scene, (page, asked)
             case Arm():
                 client.arm(asked.take)
-                self._owner = page
-                client.renew()
+                self._owner, self._armed = page, True
+                self._renew(client)
             case Disarm():
                 client.disarm()
             case Reset():
                 client.reset()
             case Select():
                 technique = None if asked.technique is None else technique_to_scene(asked.technique)
-                client.select(
+                number = client.select(
                     solver=asked.solver, backend=asked.backend, technique=technique,
                     intensity=asked.intensity, wait=False,
                 )  # fmt: skip
+                self._selected[number] = page
+                if len(self._selected) > WAITING:
+                    del self._selected[min(self._selected)]
             case _:
                 pass
 
-    def _renew(self, client: Client, page: int) -> None:
+    def _keep(self, client: Client) -> None:
+        """The lease while the page that armed is looked at; the session while nothing is armed."""
+        now, was = time.perf_counter(), self._armed
+        self._armed = client.armed
+        if self._armed:
+            due = self._alive > self._renewed and now - self._alive < FRESH * client.lease
+        else:
+            due = was or now - self._renewed > IDLE  # if it ended just now, that tells why
+        if due:
+            self._renew(client)
+
+    def _renew(self, client: Client) -> None:
+        self._renewed = time.perf_counter()
         try:
             client.renew()
         except Refused as error:
-            self._refuse(page, "arm", error)
+            self._refuse(self._owner, Arm(), error)
 
     def _tell(self, client: Client) -> None:
         """What was refused since, and how the session stands."""
         for error in client.errors:
-            self._refuse(0, "select", error)
+            self._refuse(self._selected.pop(error.request, 0), Select(), error)
         armed = client.armed
         session = Session(name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False)
         if (session, self._owner) != self._told:
             self._told = session, self._owner
             self._post(self._hub.agree, *self._told)
 
-    def _refuse(self, page: int, action: str, error: PacinianError) -> None:
+    def _refuse(self, page: int, asked: AnyAsked, error: Exception) -> None:
         advice = error.advice if isinstance(error, Refused) else ""
         message = str(error).removesuffix(f"; {advice}")
-        self._post(self._hub.refuse, page, action, message, advice)
+        self._post(self._hub.refuse, page, _action(asked), message, advice)
 
 
 def _action(asked: AnyAsked) -> str:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Hub
     from pacinian.viewing.slices import Fields
 
-SHORTEST = 1.0 / 30.0  # [s] from one slice to the next
+SHORTEST = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
 
 
 class Page:
@@ -121,7 +121,7 @@ class Window:
 
     def ask(self, asked: Slice | Volume | None) -> None:
         """From now on this."""
-        self.asked = asked
+        self.asked, self.shown = asked, None
         self.turn.set()
 
     def wants(self, asked: Slice | Volume) -> bool:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from pacinian.viewing.model import Model
 
 ORDER = "hello", "array", "lost", "record", "replay", "histogram", "frame", "state"
-GONE = "array", "histogram", "frame", "state"  # with the server
+NOW = "histogram", "frame", "state"  # are soon too old to be told
+GONE = "array", *NOW  # with the server
 EVENTS = 64  # that wait for one page
 
 
@@ -76,7 +77,14 @@ class Hub:
     def agree(self, session: Session, owner: int) -> None:
         """How the viewer's session with the server stands, and which page armed."""
         self.session = session, owner
+        self._let_go()
         self.fresh()
+
+    def rest(self) -> None:
+        """Nobody looks: who comes later is told what is then."""
+        for kind in NOW:
+            self.values.pop(kind, None)
+        self.drive = None
 
     def lose(self, reason: str) -> None:
         """There is no server, or none any more."""
@@ -103,8 +111,15 @@ class Hub:
     def leave(self, view: View) -> None:
         """It looks no more."""
         self.views.pop(view.number, None)
-        if self.session is not None and self.session[0].armed and self.session[1] == view.number:
-            self.ask(view.number, Disarm())
+        self._let_go()
+
+    def _let_go(self) -> None:
+        """Disarm, if the page that armed looks no more."""
+        if self.session is None:
+            return
+        session, owner = self.session
+        if session.armed and owner not in self.views:
+            self.ask(owner, Disarm())
 
 
 class View:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta, Raw, Struct
 
-from pacinian.errors import WireError
+from pacinian.errors import PacinianError, WireError
 from pacinian.wire.control import Choice
 from pacinian.wire.protocol import Length, Part, Position, Share
 from pacinian.wire.replies import Plugin, Sound
@@ -20,6 +20,7 @@ from pacinian.wire.time import Technique
 VERSION = 1
 LONGEST = 1 << 16  # [bytes] of what a page says
 MOST_POINTS = 1 << 18  # of a slice or volume
+WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
 PERPENDICULAR = 1e-3  # of u and v, and how far their lengths are from 1
 
 Id = Annotated[int, Meta(ge=1, le=2**53)]

@@ -59,12 +59,14 @@ class Model:
         return pickle.dumps((self.array, self.medium))
 
     def gains(self, frame: FrameState) -> bytes:
-        """What a frame's levels stand for, (N,) complex64; empty in silence."""
+        """What a frame's levels stand for, (N,) complex64; empty in silence. Raises ValueError, IndexError."""
         if not frame.phase:
             return b""
         phase, amplitude = (
             np.frombuffer(rows, "<u2")[None] for rows in (frame.phase, frame.amplitude)
         )
+        if not phase.size == amplitude.size == len(self.array):
+            raise ValueError(f"levels of {phase.size} transducers are not of {len(self.array)}")
         capability = Capability(frame.phases, self.sizes or frame.amplitudes)
         made = Frame(frame.sequence, frame.time, phase, amplitude).gains(capability)
         return made.tobytes()

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from msgspec import Raw
 
-from pacinian.errors import PacinianError
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import (
+    WRONG,
     ArrayTold,
     Histogram,
     Lost,
@@ -44,7 +44,6 @@ AGAINST = {
     "lost": ("array", "histogram", "frame", "state"),
     "scenery": ("poses",),
 }
-WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
 
 
 class Player:
@@ -121,8 +120,9 @@ class Player:
 
     def _tell(self, entry: Entry) -> None:
         """A message, encoded anew; one that is damaged is left out."""
-        data, hub = self._recorded.data(entry), self._hub
+        hub = self._hub
         with suppress(*WRONG):
+            data = self._recorded.data(entry)
             match entry.kind:
                 case "array":
                     array = _decode(data, ArrayTold)

@@ -37,6 +37,7 @@ async def view(
     connection: Path | str | None = None,
     recording: Path | None = None,
     *,
+    samples: bool = False,
     host: str = "127.0.0.1",
     port: int = 0,
     folder: Path | None = None,
@@ -45,9 +46,9 @@ async def view(
 ) -> None:
     """Serve the page until `ended`, or Ctrl-C.
 
-    connection: of the server that is watched. recording: of a viewer or a renderer, to be replayed instead. folder: for
-    recordings, the current one unless given. ready: is told the address. Raises ArgumentError, ServerError,
-    RecordingError.
+    connection: of the server that is watched. recording: of a viewer or a renderer, to be replayed instead; samples:
+    of a renderer's, too, which takes as long as to render it. folder: for recordings, the current one unless given.
+    ready: is told the address. Raises ArgumentError, ServerError, RecordingError.
     """
     token, hub, fields = secrets.token_urlsafe(32), Hub(), Fields()
     with contextlib.ExitStack() as stack:
@@ -63,7 +64,8 @@ async def view(
             stack.callback(bridge.close)
             stack.callback(recorder.close)
         else:
-            playing = asyncio.create_task(Player(hub, stack.enter_context(opened(recording))).run())
+            recorded = stack.enter_context(opened(recording, samples=samples))
+            playing = asyncio.create_task(Player(hub, recorded).run())
             stack.callback(playing.cancel)
         name = f"[{host}]" if ":" in host else host
         ready(f"http://{name}:{listening.getsockname()[1]}/?token={token}")
@@ -97,8 +99,8 @@ async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event |
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Generator[Recorded]:
-    """A recording of a viewer, or of a renderer. Raises RecordingError."""
+def opened(path: Path, *, samples: bool = False) -> Generator[Recorded]:
+    """A recording of a viewer, or of a renderer. samples: of the latter. Raises RecordingError."""
     from pacinian.rendering.recording import Recording
 
     with contextlib.ExitStack() as stack:
@@ -110,10 +112,9 @@ def opened(path: Path) -> Generator[Recorded]:
             except RecordingError:
                 raise error from None
             kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pacinian-")))
-            writer = Writer(kept / f"feed{SUFFIX}")
-            for at, kind, data in transcribed(rendered):
-                writer.write(at, kind, data)
-            writer.close()
+            with contextlib.closing(Writer(kept / f"feed{SUFFIX}")) as writer:
+                for at, kind, data in transcribed(rendered, samples=samples):
+                    writer.write(at, kind, data)
             found = Recorded(writer.path)
         stack.callback(found.close)
         yield found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
 import msgspec
@@ -9,9 +10,9 @@ import zmq
 from msgspec import Raw
 
 from pacinian.client.link import connect, made
-from pacinian.errors import ConnectionLost, Refused, WireError
+from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
-from pacinian.viewing.messages import ArrayTold
+from pacinian.viewing.messages import WRONG, ArrayTold
 from pacinian.viewing.model import Model, histogram
 from pacinian.viewing.scenery import POSE, Scenery
 from pacinian.wire.codec import decode_state
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 SILENT = 2.0  # [s] without a state, after which the server is lost
 WAITING = 16  # messages
-RARELY = 0.2  # [s] between two looks at a scene without objects
+RARELY = 0.2  # [s] between two looks at a scene without objects, or at what the server has
 ARRAY = set(ArrayTold.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
 
 
@@ -38,13 +39,15 @@ class States:
     ) -> None:
         self._client, self._connection, self._hub, self._post = client, connection, hub, post
         self._socket: zmq.Socket[bytes] | None = None
-        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._scenery, self._known = Scenery(), ("", 0)
+        self._levels: tuple[bytes, bytes] | None = None
+        self._sent: ArrayTold | None = None
         self._came = self._looked = 0.0
         self._shows = True
-        self._array()
 
     def __enter__(self) -> Self:
+        self._array(0.0)
+        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -54,7 +57,10 @@ class States:
     def look(self, now: float, *, watched: bool) -> None:
         """Bring what is new at `now` [s]; nothing is asked for while nobody watches. Raises ServerError."""
         if not watched:
-            self._unsubscribe()
+            if self._socket is not None:
+                self._unsubscribe()
+                self._levels = None
+                self._post(self._hub.rest)
             return
         if self._socket is None:
             self._subscribe()
@@ -62,11 +68,15 @@ class States:
         news = self._newest()
         if STATE in news:
             self._came = now
-            self._state(news[STATE])
+            with suppress(*WRONG):  # the next one may be whole
+                self._state(news[STATE])
         elif now - self._came > SILENT:
             raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
         if FRAME in news:
-            self._frame(news[FRAME])
+            with suppress(*WRONG):
+                self._frame(news[FRAME])
+        if self._changed and now >= self._asked + RARELY:
+            self._array(now)
         if self._shows and (self._scenery.poses or now >= self._looked + RARELY):
             self._looked = now
             self._show()
@@ -93,39 +103,33 @@ class States:
             news[topic] = data
         return news
 
-    def _array(self) -> None:
+    def _array(self, now: float) -> None:
+        backend = self._client.status().backend  # first: what is told then is of this one, or newer
         told = self._client.capabilities()
-        self._backend, self._rate, self._model = (
-            self._client.status().backend,
-            told.rate,
-            Model.of(told),
-        )
+        self._told, self._asked, self._backend, self._model = told, now, backend, Model.of(told)
+        self._changed = not (told.solvers and told.backends)  # it may still be listing them
         fields = {name: getattr(told, name) for name in ARRAY}
         server = self._client.server
         array = ArrayTold(server=server, fields=self._model is not None, **fields)
-        self._levels: tuple[bytes, bytes] | None = None
-        self._post(self._hub.put, "array", array)
+        self._levels = None
+        if array != self._sent:
+            self._sent = array
+            self._post(self._hub.put, "array", array)
 
     def _state(self, data: bytes) -> None:
-        try:
-            state = decode_state(data)
-        except WireError:
-            return  # the next one may be whole
+        state = decode_state(data)
         if not isinstance(state, State):
             return
         self._post(self._hub.put, "state", data)
+        self._changed |= state.backend != self._backend
         if state.tick_counts:
-            self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._rate))
-        if state.backend != self._backend:
-            self._array()
+            self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
 
     def _frame(self, data: bytes) -> None:
-        try:
-            frame = decode_state(data)
-        except WireError:
-            return
+        frame, told = decode_state(data), self._told
         if not isinstance(frame, FrameState):
             return
+        self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
         self._post(self._hub.put, "frame", data)
         levels = frame.phase, frame.amplitude
         if levels != self._levels and self._model is not None:

@@ -1,4 +1,7 @@
-"""A recording of `pacinian render --record` as a recorded feed: 30 of its ticks a second, and what they hold."""
+"""A recording of `pacinian render --record` as a recorded feed: 30 of its ticks a second, and what they hold.
+
+Samples are not among that: they are made by rendering all ticks again.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ from msgspec import Raw
 
 from pacinian.acoustics.air import Air
 from pacinian.errors import PacinianError
+from pacinian.rendering.rerender import rerendered
+from pacinian.serving import reporting
 from pacinian.viewing.messages import ArrayTold, told
+from pacinian.viewing.past import Past
 from pacinian.viewing.scenery import Scenery
 from pacinian.wire.bulk import pack
 from pacinian.wire.convert import to_wire
@@ -22,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pacinian.rendering.recording import Recording, Tick
+    from pacinian.rendering.renderer import Renderer
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
     from pacinian.scene.scene import Scene
@@ -29,11 +36,15 @@ if TYPE_CHECKING:
 EVERY = 1.0 / 30.0  # [s] between two ticks that are shown
 
 
-def transcribed(recording: Recording) -> Iterator[tuple[float, str, bytes]]:
-    """Time [s], kind and message. Raises RecordingError."""
+def transcribed(
+    recording: Recording, *, samples: bool = False
+) -> Iterator[tuple[float, str, bytes]]:
+    """Time [s], kind and message. samples: with these, which takes as long as to render. Raises RecordingError."""
     yield 0.0, "array", told(_array(recording))
-    stage, begin, due = Stage(), None, 0.0
-    for number, tick in enumerate(recording.ticks()):
+    stage, begin, due, past = Stage(), None, 0.0, Past(1.0 / recording.settings["rate"])
+    made = rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
+    for tick, renderer in made:
+        past.add(tick, renderer)
         begin = tick.frame.time if begin is None else begin
         at = tick.frame.time - begin
         if at < due:
@@ -41,7 +52,8 @@ def transcribed(recording: Recording) -> Iterator[tuple[float, str, bytes]]:
         due = at + EVERY
         encode = msgspec.msgpack.encode
         yield at, "frame", encode(_frame(recording, tick))
-        yield at, "state", encode(_state(recording, tick, number))
+        yield at, "state", encode(_state(recording, tick, past, renderer))
+        yield at, "histogram", told(past.histogram)
         if (news := stage.show(tick)) is not None:
             yield at, *news
 
@@ -133,26 +145,32 @@ def _frame(recording: Recording, tick: Tick) -> FrameState:
     )
 
 
-def _state(recording: Recording, tick: Tick, number: int) -> State:
-    """What a recording knows of it: samples are not in there, and are made anew only by `pacinian replay --again`."""
+def _state(recording: Recording, tick: Tick, past: Past, renderer: Renderer | None) -> State:
+    """What a recording knows of it, and what a renderer does."""
     asked = tick.asked
     hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]
+    told: dict[str, Any] = {
+        "solver": "" if asked is None else asked.solver.name,
+        "objects": () if asked is None else tuple(name for name, _ in _named(asked.scene)),
+        "hands": b"".join(hands),
+        "rate": recording.settings["rate"],
+    }
+    if renderer is not None:
+        told |= reporting.state(renderer, tick.time) | {"tick_counts": b""}
+    if past.different:
+        told["faults"] = (f"{past.different} frames, rendered again, are not what was sent",)
+    told |= {"ticks": past.ticks, "frames": past.ticks, "late": past.late, "tick_ms": past.tick_ms}
     return State(
-        sequence=number + 1,
+        sequence=past.ticks,
         time=tick.frame.time,
         output="sounding" if tick.frame.amplitude.any() else "silent",
         armed=True,
         owner="",
         scene="",
-        solver="" if asked is None else asked.solver.name,
         backend="recorded",
         technique="",
         intensity=1.0,
-        objects=() if asked is None else tuple(name for name, _ in _named(asked.scene)),
-        hands=b"".join(hands),
-        ticks=number + 1,
-        frames=number + 1,
-        rate=recording.settings["rate"],
+        **told,
     )
 
 

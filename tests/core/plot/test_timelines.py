@@ -1,17 +1,24 @@
 """Time lines: what a report counted and a recording holds, at its place."""
 
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
 import pacinian as pc
 from pacinian import plot
+from pacinian.plot.feeds import watched
 from pacinian.plot.timelines import BINS, MANY
 from pacinian.rendering.report import REMEMBERED
 from pacinian.testing import ManualClock
+from pacinian.viewing.messages import ArrayTold, told
+from pacinian.viewing.recorded import Writer
+from pacinian.wire.replies import Sound
+from pacinian.wire.state import FrameState, State
 
 ARRAY = pc.autd()
 PERIOD = 1e-3  # [s]
@@ -135,9 +142,101 @@ def test_it_draws_into_given_axes(axes: Callable[..., Any]) -> None:
     assert one.lines
 
 
+def state(k: int, **fields: Any) -> State:
+    given: dict[str, Any] = {
+        "output": "sounding", "armed": True, "owner": "game", "scene": "room", "solver": "auto",
+        "backend": "simulated", "technique": "", "intensity": 1.0, "rate": 1000.0, "points": bytes(12),
+        "error": 0.01 * k, "tick_ms": (0.1, 0.2, 0.01 * k),
+    }  # fmt: skip
+    return State(sequence=k, time=1e6 + k, **{**given, **fields})
+
+
+def frame(*amplitude: int) -> FrameState:
+    levels = np.array(amplitude, "<u2").tobytes()
+    return FrameState(sequence=1, time=0.0, phases=16, amplitudes=5, phase=levels, amplitude=levels)
+
+
+@pytest.fixture
+def feed(tmp_path: Path) -> Path:
+    """100 states in 10 s; silent from the 40th to the 59th; lost for 2 s after the 80th."""
+    writer = Writer(tmp_path / "a.feed")
+    encode = msgspec.msgpack.encode
+    for k in range(100):
+        at = 0.1 * k + 2.0 * (k >= 80)
+        silent = 40 <= k < 60
+        writer.write(at, "frame", encode(frame() if silent else frame(4, 2, 0)))
+        writer.write(at, "state", encode(state(k, output="silent" if silent else "sounding")))
+        writer.write(at, "state", b"spoiled")
+    writer.close()
+    return tmp_path / "a.feed"
+
+
+def test_a_viewers_file_has_drive_error_and_ticks_over_time(feed: Path) -> None:
+    page = plot.timeline(feed)
+    drive, error, ticks = page.axes
+    assert [panel.get_ylabel() for panel in page.axes] == [
+        "amplitude (1: full)", "error [%]", "tick time [ms]",
+    ]  # fmt: skip
+    k = np.arange(100)
+    sounds, at = (k < 40) | (k >= 60), 0.1 * k + 2.0 * (k >= 80)
+    for line, loud in zip(drive.lines, (1.0, 0.5), strict=True):
+        x, y = line.get_xydata()[np.isfinite(line.get_xdata())].T
+        np.testing.assert_allclose(x, at)
+        np.testing.assert_allclose(y, loud * sounds)
+    (line,) = error.lines
+    x, y = line.get_xydata().T
+    np.testing.assert_allclose(x[np.isfinite(x)], at[sounds])
+    np.testing.assert_allclose(y[np.isfinite(y)], k[sounds])
+    assert np.isnan(x).sum() == 2  # while nothing is felt, and while there was no server
+    most, percentile, median, deadline = ticks.lines
+    assert np.nanmax(most.get_ydata()) == pytest.approx(0.99)
+    assert np.nanmax(percentile.get_ydata()) == pytest.approx(0.2)
+    assert np.nanmax(median.get_ydata()) == pytest.approx(0.1)
+    assert deadline.get_ydata()[0] == pytest.approx(1.0)
+    assert len(plot.timeline(str(feed), "error").axes) == 1
+
+
+def test_levels_of_an_uneven_device_are_what_it_makes_of_them(tmp_path: Path) -> None:
+    sound = Sound(
+        pressure=1.0, directivity="omni", sizes=np.array([0.0, 0.1, 0.3, 1.0, 0.9], "<f4").tobytes(),
+        speed_of_sound=343.0, density=1.2, power=1.0, absorption=0.0,
+    )  # fmt: skip
+    array = ArrayTold(
+        server="", positions=b"", normals=b"", frequency=40e3, wavelength=0.0085, phases=16, amplitudes=5,
+        device_rate=1e3, rate=1e3, limits={}, solvers=(), backends=(), techniques=(), presets=(), fields=True,
+        sound=sound,
+    )  # fmt: skip
+    with closing(Writer(tmp_path / "a.feed")) as writer:
+        writer.write(0.0, "array", told(array))
+        writer.write(0.0, "frame", msgspec.msgpack.encode(frame(1, 2)))
+        writer.write(
+            0.1, "frame", msgspec.msgpack.encode(frame(7, 7))
+        )  # the device has no such level
+        writer.write(0.1, "state", msgspec.msgpack.encode(state(1)))
+    found = watched(tmp_path / "a.feed")
+    np.testing.assert_allclose(found.drive, [[0.0, 0.2, 0.3]], rtol=1e-6)
+
+
+def test_the_file_of_a_renderers_recording_is_that_recording(recording: pc.Recording) -> None:
+    wanted, found = plot.timeline(recording, "drive"), plot.timeline(recording.path, "drive")
+    for one, other in zip(wanted.axes[0].lines, found.axes[0].lines, strict=True):
+        np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+
+
+def test_a_file_that_is_no_recording_or_has_no_state_is_told(tmp_path: Path) -> None:
+    (tmp_path / "x").write_bytes(b"hello")
+    for name in ("x", "none"):
+        with pytest.raises(pc.RecordingError, match=name):
+            plot.timeline(tmp_path / name)
+    with closing(Writer(tmp_path / "a.feed")) as writer:
+        writer.write(0.0, "frame", msgspec.msgpack.encode(frame(1)))
+    with pytest.raises(pc.RecordingError, match="no state"):
+        plot.timeline(tmp_path / "a.feed")
+
+
 def test_bad_arguments_are_named(recording: pc.Recording, axes: Callable[..., Any]) -> None:
     with pytest.raises(pc.ArgumentError, match="run"):
-        plot.timeline("run.rec")  # type: ignore[arg-type]
+        plot.timeline(None)  # type: ignore[arg-type]
     with pytest.raises(pc.ArgumentError, match="drive"):
         plot.timeline(recording, "error")
     with pytest.raises(pc.ArgumentError, match="3 of them"):

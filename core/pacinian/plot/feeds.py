@@ -1,0 +1,70 @@
+"""What the viewer's recording of a server tells of its time."""
+
+from __future__ import annotations
+
+from contextlib import closing, suppress
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+import numpy as np
+
+from pacinian.errors import RecordingError
+from pacinian.viewing.messages import WRONG, ArrayTold
+from pacinian.viewing.recorded import Recorded
+from pacinian.wire.codec import decode_state
+from pacinian.wire.state import FrameState
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.types import Floats
+    from pacinian.wire.state import State
+
+SILENCE = 0.0, 0.0
+
+
+class Watched(NamedTuple):
+    """Times from the begin [s]. drive: time, mean and most of all amplitudes, as shares of full drive, (F, 3).
+
+    states: time, error (NaN where nothing is felt), median, 99 % and most of the ticks of the last second [s], and a
+    tick's period [s], (S, 6).
+    """
+
+    drive: Floats
+    states: Floats
+
+
+def watched(path: Path) -> Watched:
+    """Of a file. Messages that are damaged are left out. Raises RecordingError."""
+    drive, states = list[tuple[float, ...]](), list[tuple[float, ...]]()
+    sizes = b""
+    with closing(Recorded(path)) as recorded:
+        for at, kind, data in ((e.at, e.kind, recorded.data(e)) for e in recorded.entries):
+            with suppress(*WRONG):
+                if kind == "array":
+                    sound = msgspec.msgpack.decode(data, type=ArrayTold).sound
+                    sizes = b"" if sound is None else sound.sizes
+                elif kind in ("frame", "state"):
+                    told = decode_state(data)
+                    if isinstance(told, FrameState):
+                        drive.append((at, *_amplitudes(told, sizes)))
+                    else:
+                        states.append((at, *_state(told)))
+    if not states:
+        raise RecordingError(path, "has no state of a server")
+    return Watched(np.array(drive).reshape(-1, 3), np.array(states))
+
+
+def _amplitudes(told: FrameState, sizes: bytes) -> tuple[float, float]:
+    level = np.frombuffer(told.amplitude, "<u2")
+    if not level.size:
+        return SILENCE
+    table = np.frombuffer(sizes, "<f4") if sizes else np.linspace(0.0, 1.0, told.amplitudes)
+    amplitude = table[level]
+    return float(amplitude.mean()), float(amplitude.max())
+
+
+def _state(told: State) -> tuple[float, ...]:
+    error = told.error if told.points and told.output == "sounding" else np.nan
+    ticks = np.array(told.tick_ms) if any(told.tick_ms) else np.full(3, np.nan)  # not measured
+    return error, *(1e-3 * ticks).tolist(), 1.0 / told.rate if told.rate else np.nan
