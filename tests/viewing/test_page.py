@@ -8,6 +8,7 @@ import signal
 from typing import TYPE_CHECKING, Any
 from urllib.request import urlopen
 
+import msgpack
 import numpy as np
 import pytest
 from PIL import Image
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, WebSocketRoute
 
     from pacinian.testing.server import Running
 
@@ -191,6 +192,44 @@ def test_the_surface_is_where_the_field_is_so_strong(
         shown.until(lambda: shown.get("surface.triangles") > 1.5 * triangles)
         shown.page.uncheck("#surface-on")
         shown.until(lambda: shown.get("surface.triangles") == 0)
+
+
+def test_amplitudes_are_those_of_uneven_levels(browser: Browser, url: str) -> None:
+    sizes = np.linspace(0.0, 1.0, 256, dtype="<f4") ** 2
+    levels = np.arange(len(ARRAY), dtype="<u2") % 100
+
+    def between(route: WebSocketRoute) -> None:
+        """As if the device's levels were uneven, and these emitted."""
+        server = route.connect_to_server()
+
+        def told(data: str | bytes) -> None:
+            message: dict[str, Any] = msgpack.unpackb(data)  # type: ignore[arg-type]
+            if message["type"] == "array":
+                message["sound"]["sizes"] = sizes.tobytes()
+            if message["type"] == "frame":
+                message |= {"phase": levels.tobytes(), "amplitude": levels.tobytes()}
+                message |= {"phases": len(sizes), "amplitudes": len(sizes)}
+            route.send(msgpack.packb(message) or b"")
+
+        server.on_message(told)
+
+    with seen(browser, url, live=False) as shown:
+        shown.page.route_web_socket("**/feed*", between)
+        shown.page.reload()
+        shown.until(lambda: shown.get("drive.most") > 0.0)
+        assert shown.get("drive.most") == pytest.approx(sizes[99])
+        assert shown.get("drive.mean") == pytest.approx(float(sizes[levels].mean()))
+        shown.until(lambda: f"most {1e2 * sizes[99]:.1f} %" in shown.text("#chart-drive"))
+
+
+def test_frames_are_drawn_where_something_has_changed(browser: Browser, url: str) -> None:
+    with seen(browser, url, TINY) as still, seen(browser, f"{url}&power=all", TINY) as all_power:
+        still.page.uncheck("#slice-on")
+        still.until(lambda: still.get("output") == "silent")
+        all_power.until(lambda: all_power.get("frames") > 10)
+        drawn, many = still.get("frames"), all_power.get("frames")
+        all_power.until(lambda: all_power.get("frames") > many + 60)
+        assert still.get("frames") <= drawn + 2
 
 
 def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path) -> None:

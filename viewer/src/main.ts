@@ -15,12 +15,13 @@ import { Lists } from "./panels/lists";
 import { notices } from "./panels/notices";
 import { OutputPanel } from "./panels/output";
 import { Replaying } from "./panels/replaying";
+import { tell } from "./panels/telling";
 import { watchViews } from "./panels/views";
 import { shown } from "./shown";
 import { listen } from "./space/keys";
 import { Pointing } from "./space/pointing";
 import { Space } from "./space/space";
-import { tell } from "./panels/telling";
+import type { View } from "./space/view";
 
 const store = new Store();
 const feed = new Feed(address(location), {
@@ -33,8 +34,11 @@ const slicer = new Slicer(send);
 const boxer = new Boxer(send);
 const scale = new Scale();
 
-/** What is seen is acknowledged, so that the next may come: not while nobody looks. */
-function acknowledge(): void {
+/**
+ * What is seen is acknowledged, so that the next may come: not while nobody looks, and where the processor draws, only
+ * with a frame: there is nothing to be won by more.
+ */
+function acknowledge(view: View | undefined): void {
   const unseen = new Map<string, number>();
   const seen = (): void => {
     if (document.hidden) return;
@@ -44,9 +48,10 @@ function acknowledge(): void {
   for (const kind of ["slice", "volume"] as const) {
     store.on(kind, ({ id }) => {
       unseen.set(kind, id);
-      seen();
+      if (!view?.seldom) seen();
     });
   }
+  if (view?.seldom) view.onFrame(seen);
   document.addEventListener("visibilitychange", seen);
 }
 
@@ -73,15 +78,18 @@ new Charts(store, () => space?.transducers.drive ?? { mean: 0, most: 0 });
 if (space) {
   listen(space, slicer);
   watchViews(space);
-  new Pointing(space, slicer, tell);
+  const pointing = new Pointing(space, slicer, tell);
   new FieldPanel(space, slicer, boxer, scale, store);
-  store.on("slice", () => scaleBar(scale.most));
-  store.on("state", () => scaleSamples(space.samples.most));
+  store.onBeat("slice", () => {
+    scaleBar(scale.most);
+    pointing.tellAgain();
+  });
+  store.onBeat("state", () => scaleSamples(space.samples.most));
   store.on("array", (array) => {
     if (array.fields && slicer.on) slicer.ask();
     if (array.fields && boxer.on) boxer.ask();
   });
   window.pacinian = shown(store, space, slicer, boxer, scale);
 }
-acknowledge();
+acknowledge(space?.view);
 feed.open();

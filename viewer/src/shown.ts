@@ -22,8 +22,9 @@ export interface Shown {
   readonly wanted: { axis: string; position: number; on: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
-  readonly fps: number;
-  readonly cost: number;
+  /** How many of each there were. */
+  readonly frames: number;
+  readonly slices: number;
   /** Where a point in space [m] is on the page [px]. */
   project(point: Triple): [number, number];
   /** Where the slice's arrow is on the page [px]. */
@@ -91,11 +92,11 @@ export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer, 
     get scale() {
       return scale.most;
     },
-    get fps() {
-      return space.view.rate;
+    get frames() {
+      return space.view.frames;
     },
-    get cost() {
-      return space.view.cost;
+    get slices() {
+      return space.slice.count;
     },
     project: (point: Triple) => page(new Vector3(...point)),
     grip: () => page(space.slice.gripped),

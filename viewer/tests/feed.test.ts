@@ -4,8 +4,8 @@ import { test } from "node:test";
 import { encode } from "@msgpack/msgpack";
 
 import { address, read } from "../src/feed/feed";
-import type { Arrayed, Bytes, State } from "../src/feed/messages";
-import { floats, indices, into } from "../src/feed/numbers";
+import type { Arrayed, Bytes, Frame, State } from "../src/feed/messages";
+import { floats, indices, into, same } from "../src/feed/numbers";
 import { Store, type Link } from "../src/feed/store";
 
 function packed(...values: number[]): Bytes {
@@ -14,23 +14,71 @@ function packed(...values: number[]): Bytes {
 
 test("numbers are read wherever they begin in a message", () => {
   for (let shift = 0; shift < 8; shift++) {
-    const message = encode({ pad: "x".repeat(shift), points: packed(1.5, -2, 3e8) });
+    const message = encode({ type: "state", pad: "x".repeat(shift), points: packed(1.5, -2, 3e8) });
     const { points } = read(message.slice().buffer) as unknown as { points: Bytes };
     assert.deepEqual([...floats(points)], [1.5, -2, 3e8]);
     const target = new Float32Array(4).fill(9);
-    assert.equal(into(target, points), 3);
+    into(target, points);
     assert.deepEqual([...target], [1.5, -2, 3e8, 9]);
   }
 });
 
 test("too many numbers, too few, and bytes that are no whole number", () => {
   const target = new Uint16Array(2);
-  assert.equal(into(target, new Uint8Array([1, 0, 2, 0, 3, 0])), 2);
+  into(target, new Uint8Array([1, 0, 2, 0, 3, 0]));
   assert.deepEqual([...target], [1, 2]);
-  assert.equal(into(target, new Uint8Array([7, 0, 9])), 1);
+  into(target, new Uint8Array([7, 0, 9]));
   assert.deepEqual([...target], [7, 2]);
-  assert.equal(into(target, new Uint8Array(0)), 0);
+  into(target, new Uint8Array(0));
+  assert.deepEqual([...target], [7, 2]);
   assert.deepEqual([...indices(new Uint8Array([1, 0, 0, 0, 255]))], [1]);
+});
+
+test("messages are the same where all their bytes are", () => {
+  const one = { a: packed(1, 2), b: packed(3) };
+  const other = { a: packed(1, 2), b: packed(4) };
+  const longer = { a: packed(1, 2, 0), b: packed(3) };
+  assert.ok(same(one, other, "a"));
+  assert.ok(!same(one, other, "a", "b"));
+  assert.ok(!same(one, longer, "a"));
+  assert.ok(!same(longer, one, "a"));
+});
+
+test("what is no message is told, and left out", (t) => {
+  const told = t.mock.method(console, "error", () => undefined);
+  for (const value of [null, 7, "state", [], {}, { type: 3 }]) {
+    assert.equal(read(encode(value).slice().buffer), null);
+  }
+  assert.equal(read(new Uint8Array([0xc1]).buffer), null);
+  assert.equal(read(encode({ type: "state" }).slice(0, 4).buffer), null);
+  assert.equal(told.mock.callCount(), 8);
+});
+
+test("who fails on a message keeps nobody else from hearing it", (t) => {
+  const told = t.mock.method(console, "error", () => undefined);
+  const store = new Store();
+  let heard = 0;
+  store.on("frame", ({ phase }) => phase.length);
+  store.on("frame", () => (heard += 1));
+  store.take({ type: "frame" } as Frame);
+  assert.deepEqual([heard, told.mock.callCount()], [1, 1]);
+  store.take({ type: "of a later version" } as unknown as Frame);
+});
+
+test("what people read is the newest, once a beat", () => {
+  const beats: (() => void)[] = [];
+  const store = new Store((read) => beats.push(read));
+  const seen: number[] = [];
+  store.onBeat("state", ({ sequence }) => seen.push(sequence));
+  store.take({ type: "frame" } as Frame);
+  assert.equal(beats.length, 0);
+  for (const sequence of [1, 2, 3]) store.take({ type: "state", sequence } as State);
+  assert.deepEqual([beats.length, seen], [1, []]);
+  beats[0]?.();
+  assert.deepEqual(seen, [3]);
+  store.take({ type: "state", sequence: 4 } as State);
+  beats[1]?.();
+  assert.deepEqual(seen, [3, 4]);
 });
 
 test("the newest is kept, and who wants to know is told", () => {

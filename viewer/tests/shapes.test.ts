@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { BufferGeometry, Vector3 } from "three";
 
 import type { Bytes, Triple } from "../src/feed/messages";
-import type { Part, Shape } from "../src/feed/things";
+import type { Part, Shape } from "../src/feed/objects";
 import { way } from "../src/shapes/curves";
 import { surface } from "../src/shapes/marching";
 import { made, shaped } from "../src/shapes/things";

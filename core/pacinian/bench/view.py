@@ -1,4 +1,4 @@
-"""What the live viewer costs the loop: ticks with the viewer closed and open, in turn, on one server."""
+"""What the live viewer costs: the loop's ticks with it closed and open, in turn, on one server; what a page draws."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ import re
 import subprocess
 import sys
 import tempfile
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
 from typing import IO, TYPE_CHECKING
-from urllib.parse import urlsplit
 
-import msgpack
 import psutil
 from msgspec import Struct
 
 from pacinian.acoustics.pose import Pose
+from pacinian.bench.pages import Chromium, Counts, Reader, feed, say
 from pacinian.bench.timing import quantile
 from pacinian.client.client import Client
-from pacinian.errors import ConnectionLost, MissingExtra, Refused, ServerError
+from pacinian.errors import ConnectionLost, Refused, ServerError
 from pacinian.scene.file import Units
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
@@ -28,8 +29,7 @@ from pacinian.serving.settings import Log, Settings
 from pacinian.testing import serving
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Generator, Iterator, Sequence
 
     from pacinian.wire.state import State
 
@@ -37,68 +37,37 @@ FRAME = 1.0 / 90.0  # [s] of the game
 SETTLE = 3.0  # [s] before each window
 LIMIT = 60.0  # [s] for the viewer to start
 BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
-SLICE = {
-    "type": "slice", "id": 1, "centre": [0.0, 0.0, 0.2], "u": [1.0, 0.0, 0.0], "v": [0.0, 1.0, 0.0],
-    "size": [0.2, 0.2], "shape": [128, 128],
-}  # fmt: skip
 HOW = "closed", "feed", "slice"
-BROWSER = "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"
+ALL = "&power=all"  # of a page's address: frames one after the other, changed or not
 
 
-class Row(Struct, frozen=True):
-    """One window. how: the viewer closed; open; open with a slice of 128 x 128; or in a browser.
+class Ticks(Struct, frozen=True):
+    """Of the loop in a window.
 
     p50, p99: of the ticks of each second in which it sounded, medians over the window [ms]. sounding: share of those
-    seconds. late: share of ticks. states, slices: a second, that came to the page.
-    cpu: of the viewer's processes [cores].
+    seconds. late: share of ticks.
     """
 
-    how: str
     p50: float
     p99: float
     sounding: float
     late: float
-    states: float
+
+
+class Row(Struct, frozen=True):
+    """One window.
+
+    how: the viewer closed; open with a page that only reads (feed); and asks for a slice of 128 x 128; in a browser;
+    in a browser without a server, from a recording, all frames drawn that can be (alone). ticks: None without a server.
+    frames: a second, that the page drew. slices: a second, that it got. viewer, browser: their processes [cores].
+    """
+
+    how: str
+    ticks: Ticks | None
+    frames: float
     slices: float
-    cpu: float
-
-
-class Page:
-    """Stands in for a page: it reads all, and acknowledges slices. A context manager."""
-
-    def __init__(self, url: str, *, sliced: bool) -> None:
-        try:
-            from websockets.sync.client import connect
-        except ImportError as error:
-            raise MissingExtra("websockets", "view") from error
-        parts = urlsplit(url)
-        self.states = self.slices = 0
-        self._opening = connect(
-            f"ws://{parts.netloc}/feed?{parts.query}", compression=None, max_size=None
-        )
-        self._sliced, self._ended = sliced, threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def _run(self) -> None:
-        with self._opening as socket:
-            if self._sliced:
-                socket.send(msgpack.packb(SLICE) or b"")
-            while not self._ended.is_set():
-                with contextlib.suppress(TimeoutError):
-                    data = socket.recv(0.1)
-                    kind = msgpack.unpackb(data, raw=False)["type"]
-                    self.states += kind == "state"
-                    if kind == "slice":
-                        self.slices += 1
-                        socket.send(msgpack.packb({"type": "seen", "id": SLICE["id"]}) or b"")
-
-    def __enter__(self) -> Page:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ended.set()
-        self._thread.join()
+    viewer: float
+    browser: float
 
 
 def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterator[Row]:
@@ -107,14 +76,37 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
     browser: a Chromium that opens the page, too. Raises ServerError.
     """
     settings = Settings(array=Units(side, side), log=Log(level="warning"))
-    with serving(settings) as server, Client(server.connection, name="game") as game:
-        game.put(BALL)
-        game.arm()
-        for _ in range(rounds):
-            for how in (*HOW, "browser") if browser else HOW:
-                with viewed(server.connection, how, browser, game) as (processes, page):
-                    play(game, SETTLE)
-                    yield _window(game, how, seconds, processes, page)
+    with tempfile.TemporaryDirectory(prefix="pacinian-") as name:
+        folder = Path(name)
+        with serving(settings) as server, Client(server.connection, name="game") as game:
+            game.put(BALL)
+            game.arm()
+            wait = partial(_playing, game)
+            where = "--connection", str(server.connection)
+            for _ in range(rounds):
+                for how in (*HOW, "browser") if browser else HOW:
+                    with contextlib.ExitStack() as stack:
+                        viewer: psutil.Process | None = None
+                        page: Reader | Chromium | None = None
+                        if how != "closed":
+                            viewer, url = stack.enter_context(viewing(folder, wait, *where))
+                            page = (
+                                Chromium(browser, url)
+                                if how == "browser"
+                                else Reader(url, sliced=how == "slice")
+                            )
+                            stack.enter_context(page)
+                        yield _window(game, how, seconds, viewer, page)
+            if browser:
+                _record(game, seconds + 3 * SETTLE, folder, *where)
+        if browser:
+            (recording,) = folder.glob("*.feed")
+            for _ in range(rounds):
+                with (
+                    viewing(folder, time.sleep, str(recording)) as (viewer, url),
+                    Chromium(browser, url + ALL) as page,
+                ):
+                    yield _alone(url, seconds, viewer, page)
 
 
 def play(game: Client, seconds: float) -> list[State]:
@@ -139,27 +131,75 @@ def play(game: Client, seconds: float) -> list[State]:
     return found
 
 
+def _playing(game: Client, seconds: float) -> None:
+    play(game, seconds)
+
+
 def _window(
-    game: Client, how: str, seconds: float, processes: Sequence[psutil.Process], page: Page | None
-) -> Row:
-    before, used = game.status(), _used(processes)
-    states, slices = (page.states, page.slices) if page else (0, 0)
-    begin = time.perf_counter()
+    game: Client, how: str, seconds: float, viewer: psutil.Process | None, page: Reader | Chromium | None
+) -> Row:  # fmt: skip
+    _counts(game, page)  # it is there
+    play(game, SETTLE)
+    counts, before, meter = _counts(game, page), game.status(), Meter(viewer, page)
     seen = play(game, seconds)
-    took, after = time.perf_counter() - begin, game.status()
+    cores, after, now = meter.cores(), game.status(), _counts(game, page)
     sounding = [state for state in seen if state.output == "sounding"]
     if not sounding:
         raise ServerError("nothing has sounded: the machine is too busy to measure this")
-    return Row(
-        how,
+    ticks = Ticks(
         quantile(sorted(state.tick_ms[0] for state in sounding), 0.5),
         quantile(sorted(state.tick_ms[1] for state in sounding), 0.5),
         len(sounding) / len(seen),
         (after.late - before.late) / max(1, after.ticks - before.ticks),
-        (page.states - states) / took if page else 0.0,
-        (page.slices - slices) / took if page else 0.0,
-        (_used(processes) - used) / took,
     )
+    return Row(how, ticks, *now.rates(counts), *cores)
+
+
+def _counts(game: Client, page: Reader | Chromium | None) -> Counts:
+    """The game goes on while the page is asked."""
+    if page is None:
+        return Counts()
+    with ThreadPoolExecutor(1) as pool:
+        asked = pool.submit(page.counts)
+        while not asked.done():
+            play(game, FRAME)
+        return asked.result()
+
+
+def _record(game: Client, seconds: float, folder: Path, *where: str) -> None:
+    """A recording of the viewer, into its folder."""
+    with viewing(folder, partial(_playing, game), *where) as (_, url), feed(url) as socket:
+        say(socket, {"type": "record", "on": True})
+        play(game, seconds)
+
+
+def _alone(url: str, seconds: float, viewer: psutil.Process, page: Chromium) -> Row:
+    page.counts()
+    with feed(url) as socket:
+        say(socket, {"type": "replay", "time": 0.0, "playing": True})
+    time.sleep(SETTLE)
+    counts, meter = page.counts(), Meter(viewer, page)
+    time.sleep(seconds)
+    cores = meter.cores()
+    return Row("alone", None, *page.counts().rates(counts), *cores)
+
+
+class Meter:
+    """How much of the processors a viewer and a page's browser take, from when it is made."""
+
+    def __init__(self, viewer: psutil.Process | None, page: Reader | Chromium | None) -> None:
+        self._viewer = () if viewer is None else (viewer,)
+        self._browser = () if page is None else page.processes
+        self._begin, self._before = time.perf_counter(), self._used()
+
+    def cores(self) -> tuple[float, float]:
+        """Of the viewer and the browser, with all that they have started [cores]."""
+        took = time.perf_counter() - self._begin
+        viewer, browser = (now - was for now, was in zip(self._used(), self._before, strict=True))
+        return viewer / took, browser / took
+
+    def _used(self) -> tuple[float, float]:
+        return _used(self._viewer), _used(self._browser)
 
 
 def _used(processes: Sequence[psutil.Process]) -> float:
@@ -173,54 +213,25 @@ def _used(processes: Sequence[psutil.Process]) -> float:
 
 
 @contextlib.contextmanager
-def viewed(
-    connection: Path, how: str, browser: str, game: Client
-) -> Generator[tuple[list[psutil.Process], Page | None]]:
-    """The viewer, open in one way; and its processes. The game goes on while it starts."""
-    if how == "closed":
-        yield [], None
-        return
-    command = [
-        sys.executable,
-        "-m",
-        "pacinian",
-        "view",
-        "--no-browser",
-        "--connection",
-        str(connection),
-    ]
-    with contextlib.ExitStack() as stack:
-        out = stack.enter_context(tempfile.TemporaryFile("w+b"))
-        process = subprocess.Popen(command, stdout=out)
-        stack.callback(process.wait)
-        stack.callback(process.terminate)
-        url = _address(out, game)
-        if how == "browser":
-            folder = tempfile.TemporaryDirectory(prefix="pacinian-", ignore_cleanup_errors=True)
-            program = [browser, *BROWSER, f"--user-data-dir={stack.enter_context(folder)}", url]
-            shown = subprocess.Popen(program, stderr=subprocess.DEVNULL)
-            stack.callback(_end, shown)
-            yield [psutil.Process(process.pid), psutil.Process(shown.pid)], None
-        else:
-            page = stack.enter_context(Page(url, sliced=how == "slice"))
-            yield [psutil.Process(process.pid)], page
+def viewing(
+    folder: Path, wait: Callable[[float], object], *arguments: str
+) -> Generator[tuple[psutil.Process, str]]:
+    """`pacinian view` in a folder, and its address; `wait` waits for so long [s]. Raises ServerError."""
+    command = [sys.executable, "-m", "pacinian", "view", "--no-browser", *arguments]
+    with tempfile.TemporaryFile("w+b") as out:
+        process = subprocess.Popen(command, stdout=out, cwd=folder)
+        try:
+            yield psutil.Process(process.pid), _address(out, wait)
+        finally:
+            process.terminate()
+            process.wait()
 
 
-def _end(program: subprocess.Popen[bytes]) -> None:
-    """A browser and all that it has started."""
-    with contextlib.suppress(psutil.Error):
-        for child in psutil.Process(program.pid).children(recursive=True):
-            with contextlib.suppress(psutil.Error):
-                child.kill()
-    program.kill()
-    program.wait()
-
-
-def _address(out: IO[bytes], game: Client) -> str:
-    """Of the viewer, as soon as it has printed it. Raises ServerError."""
+def _address(out: IO[bytes], wait: Callable[[float], object]) -> str:
+    """As soon as it is printed. Raises ServerError."""
     end = time.perf_counter() + LIMIT
     while time.perf_counter() < end:
-        play(game, 0.1)
+        wait(0.1)
         out.seek(0)
         if found := re.search(rb"http://\S+", out.read()):
             return found[0].decode()

@@ -31,7 +31,8 @@ export class Feed {
       this.listener.opened();
     });
     socket.addEventListener("message", (event: MessageEvent<unknown>) => {
-      if (event.data instanceof ArrayBuffer) this.listener.message(read(event.data));
+      const message = event.data instanceof ArrayBuffer ? read(event.data) : null;
+      if (message) this.listener.message(message);
     });
     socket.addEventListener("close", () => {
       if (this.socket !== socket) return;
@@ -50,9 +51,16 @@ export class Feed {
   }
 }
 
-/** A message of the server. */
-export function read(data: ArrayBuffer): FromServer {
-  return decode(data) as FromServer;
+/** A message of the server; null where it is none, which is told on the console. */
+export function read(data: ArrayBuffer): FromServer | null {
+  try {
+    const message = decode(data) as FromServer | null;
+    if (typeof message?.type === "string") return message;
+    throw new TypeError("it has no type");
+  } catch (error) {
+    console.error("the feed: not a message", error);
+    return null;
+  }
 }
 
 /** Where the feed of this page is: same host, same token. */

@@ -1,6 +1,6 @@
 /** Messages between the viewer's server and the page: MessagePack maps with a `type`. Lengths in metres. */
 
-import type { Thing } from "./things";
+import type { Thing } from "./objects";
 
 /** Bulk numbers, little-endian. */
 export type Bytes = Uint8Array<ArrayBuffer>;
@@ -20,6 +20,11 @@ export interface Plugin {
   summary: string;
 }
 
+/** How transducers sound. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. */
+export interface Sound {
+  sizes: Bytes;
+}
+
 /** The array and what there is to select. */
 export interface Arrayed {
   type: "array";
@@ -37,6 +42,7 @@ export interface Arrayed {
   techniques: string[];
   presets: string[];
   fields: boolean;
+  sound?: Sound | null;
 }
 
 /** The viewer as the server's client. mine: armed by this page, which must say `alive` oftener than `lease` [s]. */

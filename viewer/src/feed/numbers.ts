@@ -12,16 +12,22 @@ export function indices(data: Bytes): Uint32Array<ArrayBuffer> {
   return new Uint32Array(copied(data, 4));
 }
 
-/** Write bytes over the numbers of an array, as many as both have; the count of them. */
+/** Write bytes over the numbers of an array, as many as both have. */
 export function into(
   target: Float32Array<ArrayBuffer> | Uint16Array<ArrayBuffer>,
   data: Bytes,
-): number {
+): void {
   const size = target.BYTES_PER_ELEMENT;
   const bytes = Math.min(target.byteLength, data.length - (data.length % size));
-  const from = bytes === data.length ? data : data.subarray(0, bytes);
-  new Uint8Array(target.buffer, target.byteOffset, bytes).set(from);
-  return bytes / size;
+  new Uint8Array(target.buffer, target.byteOffset, bytes).set(data.subarray(0, bytes));
+}
+
+/** Whether these of two messages are byte for byte the same. */
+export function same<K extends string>(a: Record<K, Bytes>, b: Record<K, Bytes>, ...names: K[]): boolean {
+  return names.every((name) => {
+    const [x, y] = [a[name], b[name]];
+    return x.length === y.length && x.every((byte, k) => byte === y[k]);
+  });
 }
 
 function copied(data: Bytes, size: number): ArrayBuffer {

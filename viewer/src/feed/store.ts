@@ -1,4 +1,9 @@
-/** The newest of all that has come; who wants to know is told. */
+/**
+ * The newest of all that has come; who wants to know is told.
+ *
+ * What is drawn is told of each message; what people read, of the newest a few times a second, together and before a
+ * frame: nobody reads faster, and each change of a text costs more than a message.
+ */
 
 import type {
   Arrayed,
@@ -35,16 +40,29 @@ export interface Events {
   replay: Replay;
 }
 
+const BEAT = 200; // [ms] from what is first unread until it is read, at least
+
+type Listeners = Map<keyof Events, ((value: never) => void)[]>;
+
 export class Store {
   link: Link = "connecting";
   reason = "";
   readonly newest: { -readonly [K in keyof Events]?: Events[K] } = {};
-  private readonly listeners = new Map<keyof Events, ((value: never) => void)[]>();
+  private readonly listeners: Listeners = new Map();
+  private readonly readers: Listeners = new Map();
+  private readonly unread = new Set<keyof Events>();
 
+  /** later: calls what it is given before a frame to come. */
+  constructor(private readonly later: (read: () => void) => void = beforeFrame) {}
+
+  /** To be told of each. */
   on<K extends keyof Events>(type: K, listener: (value: Events[K]) => void): void {
-    const known = this.listeners.get(type) ?? [];
-    known.push(listener);
-    this.listeners.set(type, known);
+    add(this.listeners, type, listener);
+  }
+
+  /** To be told of the newest, a few times a second. */
+  onBeat<K extends keyof Events>(type: K, reader: (value: Events[K]) => void): void {
+    add(this.readers, type, reader);
   }
 
   /** Another state of the connection. */
@@ -66,6 +84,35 @@ export class Store {
 
   private tell<K extends keyof Events>(type: K, value: Events[K]): void {
     this.newest[type] = value as never;
-    for (const listener of this.listeners.get(type) ?? []) listener(value as never);
+    call(this.listeners.get(type), value);
+    if (!this.readers.has(type)) return;
+    if (!this.unread.size) this.later(() => this.read());
+    this.unread.add(type);
   }
+
+  private read(): void {
+    for (const type of this.unread) call(this.readers.get(type), this.newest[type]);
+    this.unread.clear();
+  }
+}
+
+function add(listeners: Listeners, type: keyof Events, listener: (value: never) => void): void {
+  const known = listeners.get(type);
+  if (known) known.push(listener);
+  else listeners.set(type, [listener]);
+}
+
+/** One that fails, of a message that cannot be, does not keep others from hearing. */
+function call(listeners: ((value: never) => void)[] | undefined, value: unknown): void {
+  for (const listener of listeners ?? []) {
+    try {
+      listener(value as never);
+    } catch (error) {
+      console.error("the feed: a message is not understood", error);
+    }
+  }
+}
+
+function beforeFrame(read: () => void): void {
+  setTimeout(() => requestAnimationFrame(read), BEAT);
 }

@@ -15,10 +15,6 @@ export class Boxer {
 
   constructor(private readonly send: (message: ToServer) => void) {}
 
-  get size(): number {
-    return this.side;
-  }
-
   show(on: boolean): void {
     this.on = on;
     this.ask();

@@ -21,6 +21,7 @@ export class Scale {
 
   /** Another most has been seen; whether the scale is another. */
   see(most: number): boolean {
+    if (!Number.isFinite(most)) return false;
     this.held = Math.max(most, FADE * this.held);
     if (!this.auto) return false;
     const small = this.held > this.most;

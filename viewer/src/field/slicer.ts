@@ -25,14 +25,6 @@ export class Slicer {
     return across(this.axis, [...this.centre], this.side, cells);
   }
 
-  get size(): number {
-    return this.side;
-  }
-
-  get resolution(): number {
-    return this.cells;
-  }
-
   /** Where it is along its axis [m]. */
   get position(): number {
     return this.centre[number(this.axis)];

@@ -9,8 +9,7 @@ import { element, say } from "./dom";
 import { History, SPAN } from "./history";
 import { digits, percent } from "./words";
 
-const OFTEN = 250; // [ms] between two drawings
-const SELDOM = 1000; // [ms], where the processor draws
+const SELDOM = 1000; // [ms] between two drawings where the processor draws
 const ERRORS = [1e-4, 0.01, 1, 100] as const; // [%] ticks; less is as good as nothing
 const COUNTS = [0, 10, 100, 1000, 10_000];
 const SHORTEST = 0.01; // [ms] of a tick
@@ -28,7 +27,7 @@ export class Charts {
   private readonly error = new History(1);
   private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
   private histogram: Histogram | undefined;
-  private readonly apart = drawnBySoftware() ? SELDOM : OFTEN;
+  private readonly apart = drawnBySoftware() ? SELDOM : 0;
   private due = 0;
 
   /** driven: mean and most of the amplitudes now, 0..1. */
@@ -44,8 +43,8 @@ export class Charts {
     });
     store.on("state", (state: State) => {
       this.error.add(state.time, Math.min(Math.max(100 * state.error, ERRORS[0]), ERRORS[3]));
-      this.draw(state, driven());
     });
+    store.onBeat("state", (state: State) => this.draw(state, driven()));
     store.on("histogram", (histogram: Histogram) => {
       this.histogram = histogram;
     });

@@ -35,8 +35,10 @@ export class Choosing {
     input("frequency").addEventListener("change", () => this.technique());
     input("intensity").addEventListener("input", () => this.strength());
     store.on("array", (array) => this.offer(array));
-    store.on("state", (state) => this.show(state));
-    store.on("refused", () => this.waiting.clear());
+    store.onBeat("state", (state) => this.show(state));
+    store.on("refused", ({ action }) => {
+      if (action === "select") this.waiting.clear();
+    });
     store.on("link", (link) => {
       this.waiting.clear();
       const off = link !== "live" || Boolean(store.newest.hello?.recording);
@@ -117,7 +119,6 @@ function named(plugins: Plugin[]): string[] {
 function technique(type: string, frequency: number): Technique {
   switch (type) {
     case "am":
-      return { type, frequency };
     case "stm":
       return { type, frequency };
     case "lm":

@@ -31,8 +31,8 @@ export class FieldPanel {
       for (const id of ["slice-on", "surface-on"]) input(id).disabled = !array.fields;
       say(element("slice-most"), array.fields ? WAIT : "This server does not tell what the field is made of.");
     });
-    store.on("slice", () => this.showMost());
-    store.on("volume", () => this.showLevel());
+    store.onBeat("slice", () => this.showMost());
+    store.onBeat("volume", () => this.showLevel());
     this.showSlice();
     this.showLevel();
   }
@@ -46,9 +46,13 @@ export class FieldPanel {
         if (radio.checked && axis) slicer.turn(axis);
       });
     }
-    input("slice-at").addEventListener("input", () => slicer.move(Number(input("slice-at").value) / 1000, true));
-    input("slice-at").addEventListener("change", () => slicer.move(Number(input("slice-at").value) / 1000));
-    input("slice-mm").addEventListener("change", () => slicer.move(Number(input("slice-mm").value) / 1000));
+    const [at, exactly] = [input("slice-at"), input("slice-mm")];
+    at.addEventListener("input", () => slicer.move(at.valueAsNumber / 1000, true));
+    at.addEventListener("change", () => slicer.move(at.valueAsNumber / 1000));
+    exactly.addEventListener("change", () => {
+      if (Number.isFinite(exactly.valueAsNumber)) slicer.move(exactly.valueAsNumber / 1000);
+      else this.showSlice();
+    });
     button("slice-centre").addEventListener("click", () => slicer.centreOn(space.middle));
     for (const id of ["slice-size", "slice-cells"]) {
       select(id).addEventListener("change", () =>
@@ -107,7 +111,7 @@ export class FieldPanel {
     if (plane) {
       const { most, at } = peak(plane, values);
       const place = at.map((x) => millimetres(x)).join(", ");
-      say(element("slice-most"), `most ${digits(most)} Pa, at (${place}) mm`);
+      say(element("slice-most"), most ? `most ${digits(most)} Pa, at (${place}) mm` : "most 0 Pa");
     }
     if (document.activeElement !== input("scale")) input("scale").value = String(this.scale.most);
     this.showLevel();

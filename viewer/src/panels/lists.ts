@@ -6,27 +6,24 @@ import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
 import { digits, plural, seconds, whole } from "./words";
 
-const EVERY = 200; // [ms] between two looks: figures that change faster cannot be read
 const OBJECTS = 8; // that are listed
 const KEPT = 50; // faults
 
 export class Lists {
   /** How many faults there were. */
   private known: number | undefined;
-  private due = 0;
 
   constructor(store: Store) {
-    store.on("state", (state) => this.show(state));
+    store.on("state", (state) => this.watch(state));
+    store.onBeat("state", (state) => this.show(state));
     store.on("link", () => {
       this.known = undefined;
     });
   }
 
   private show(state: State): void {
-    this.watch(state);
-    const now = performance.now();
-    if (now < this.due) return;
-    this.due = now + EVERY;
+    say(element("fault-count"), whole(state.fault_count));
+    element("fault-count").dataset["some"] = String(state.fault_count > 0);
     say(element("sample-count"), whole(state.asked.length / 4));
     rows(body("samples"), sampled(state));
     rows(
@@ -50,8 +47,6 @@ export class Lists {
     const { known } = this;
     const { faults, fault_count: count } = state;
     this.known = count;
-    say(element("fault-count"), whole(count));
-    element("fault-count").dataset["some"] = String(count > 0);
     const fresh = known !== undefined ? Math.min(Math.max(count - known, 0), faults.length) : faults.length;
     if (!fresh) return;
     const at = new Date();

@@ -32,8 +32,14 @@ export class OutputPanel {
       for (const id of ["arm", "disarm", "reset", "stop"]) button(id).hidden = Boolean(recording);
     });
     store.on("session", (session) => this.agree(session));
-    store.on("state", (state) => this.show(state));
-    store.on("link", () => this.show(store.newest.state));
+    store.on("state", (state) => {
+      if (state.output !== element("output").dataset["output"]) this.show(state);
+    });
+    store.onBeat("state", (state) => this.show(state));
+    store.on("link", (link) => {
+      if (link === "live") this.show(store.newest.state);
+      else this.agree(undefined);
+    });
   }
 
   private key(event: KeyboardEvent): void {
@@ -51,10 +57,10 @@ export class OutputPanel {
   }
 
   /** The lease goes on for as long as this page is alive and looked at. */
-  private agree(session: Session): void {
+  private agree(session: Session | undefined): void {
     this.session = session;
     clearInterval(this.timer);
-    if (session.mine) {
+    if (session?.mine) {
       const alive = (): void => {
         if (!document.hidden) this.send({ type: "alive" });
       };

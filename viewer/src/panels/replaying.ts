@@ -24,7 +24,10 @@ export class Replaying {
       button("record").title = file;
       say(button("record"), on ? "Recording" : "Record");
     });
-    store.on("replay", (replay) => this.show(replay));
+    store.on("replay", (replay) => {
+      if (replay.playing !== this.replay?.playing) this.show(replay);
+    });
+    store.onBeat("replay", (replay) => this.show(replay));
     button("record").addEventListener("click", () => {
       send({ type: "record", on: button("record").getAttribute("aria-pressed") !== "true" });
     });

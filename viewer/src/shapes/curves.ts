@@ -3,7 +3,7 @@
 import { CatmullRomCurve3, CurvePath, LineCurve3, Vector3, type Curve as Way } from "three";
 
 import { floats } from "../feed/numbers";
-import type { Curve } from "../feed/things";
+import type { Curve } from "../feed/objects";
 
 const AROUND = 128; // points of a closed curve
 const FEWEST = 1e-6; // [m] between two points that count as two

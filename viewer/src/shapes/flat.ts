@@ -3,7 +3,7 @@
 import { BufferAttribute, BufferGeometry, CircleGeometry, PlaneGeometry } from "three";
 
 import { floats } from "../feed/numbers";
-import type { Shell } from "../feed/things";
+import type { Shell } from "../feed/objects";
 
 const AROUND = 72;
 

@@ -13,7 +13,7 @@ import {
 import { ADDITION, Brush, Evaluator, INTERSECTION, SUBTRACTION } from "three-bvh-csg";
 
 import { floats, indices } from "../feed/numbers";
-import type { Part, Pose, Primitive, Solid } from "../feed/things";
+import type { Part, Pose, Primitive, Solid } from "../feed/objects";
 import { surface } from "./marching";
 
 /** What a solid is made of, each by itself; none where even that is not possible. */

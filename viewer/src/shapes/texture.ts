@@ -10,7 +10,7 @@ import {
 } from "three";
 
 import { floats } from "../feed/numbers";
-import type { Texture } from "../feed/things";
+import type { Texture } from "../feed/objects";
 
 /** One byte a value; the first row is the last of the wire's, as v grows with y. */
 export function image(texture: Texture): DataTexture {

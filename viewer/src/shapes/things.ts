@@ -16,7 +16,7 @@ import {
 } from "three";
 
 import { floats } from "../feed/numbers";
-import type { Shape, Thing } from "../feed/things";
+import type { Shape, Thing } from "../feed/objects";
 import { Glass } from "../space/glass";
 import { way } from "./curves";
 import { flat, isFlat } from "./flat";

@@ -16,8 +16,8 @@ const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
 const LINES = 7; // on the longer side, at most, about
 const BELOW = 0.006; // [m] under the array
 const AWAY = 0.018; // of the diagonal: from an axis to its numbers
-const GRID = "#2a323d";
-const AXIS = "#55606f";
+const GRID = new LineBasicMaterial({ color: "#2a323d" });
+const AXIS = new LineBasicMaterial({ color: "#55606f" });
 
 /** What is to be seen [m]. */
 export interface Extent {
@@ -72,10 +72,10 @@ export class Axes extends Group {
     this.label("z [mm]", left, far, top + 1.6 * away, true);
   }
 
-  private lines(color: string, points: number[]): void {
+  private lines(material: LineBasicMaterial, points: number[]): void {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-    this.add(new LineSegments(geometry, new LineBasicMaterial({ color })));
+    this.add(new LineSegments(geometry, material));
   }
 
   private label(text: string, x: number, y: number, z: number, name = false): void {

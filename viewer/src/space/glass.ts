@@ -15,6 +15,7 @@ import {
   Vector3,
   type BufferGeometry,
   type Camera,
+  type IUniform,
   type Texture,
 } from "three";
 
@@ -68,6 +69,8 @@ export interface Look {
   texture?: { map: Texture; size: [number, number] };
   /** Instead of a plain one. */
   vertex?: string;
+  /** Of that. */
+  uniforms?: Record<string, IUniform>;
 }
 
 /** One thing: the mesh of its depth and the mesh of its colour. */
@@ -80,6 +83,7 @@ export class Glass extends Group {
     const depth = new ShaderMaterial({
       vertexShader,
       fragmentShader: "void main() {}",
+      uniforms: { ...look.uniforms },
       side,
       colorWrite: false,
       transparent: true, // so that it is drawn in its turn
@@ -92,6 +96,7 @@ export class Glass extends Group {
       depthWrite: false,
       defines: texture ? { TEXTURED: "" } : {},
       uniforms: {
+        ...look.uniforms,
         colour: { value: plain(colour) },
         body: { value: body },
         map: { value: texture?.map ?? null },
@@ -119,13 +124,6 @@ export class Glass extends Group {
   /** Its turn among others. */
   set turn(turn: number) {
     for (const [k, mesh] of this.meshes.entries()) mesh.renderOrder = 2 * turn + k;
-  }
-
-  override dispose(): void {
-    for (const mesh of this.meshes) {
-      mesh.geometry.dispose();
-      mesh.material.dispose();
-    }
   }
 }
 

@@ -1,13 +1,14 @@
 /** Hands: a capsule around each bone, and some that fill the palm, as the server's own hands have them. */
 
-import { CapsuleGeometry, Vector3 } from "three";
+import { CapsuleGeometry, Float32BufferAttribute, Group, Vector3, Vector4, type BufferGeometry } from "three";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 import type { Bytes } from "../feed/messages";
-import { into } from "../feed/numbers";
-import { Glass, SHADED } from "./glass";
-import { Instances } from "./instances";
+import { floats } from "../feed/numbers";
+import { Glass, SHADED, type Turned } from "./glass";
+import { drawnBySoftware } from "./power";
 
-export const JOINTS = 26; // of OpenXR
+const JOINTS = 26; // of OpenXR
 const PALM = 0;
 const SKIN = "#f2c4a4";
 
@@ -34,73 +35,90 @@ const BONES: Bone[] = [
   ...[2, 6, 11, 21].map((j) => between(1, j)), // the wrist
   [2, 3, 6, 7], // the web of the thumb
 ];
+const THICK = BONES.map((joints) => joints.reduce((sum, j) => sum + (RADII[j] ?? 0) / 4, 0));
 
 const VERTEX = `
-attribute vec3 base, tip;
-attribute float thick;
+attribute float bone;
+uniform vec4 base[${BONES.length}]; // and how thick it is
+uniform vec3 tip[${BONES.length}];
 ${SHADED}
 void main() {
-  vec3 z = tip - base;
+  vec4 from = base[int(bone)];
+  vec3 to = tip[int(bone)];
+  vec3 z = to - from.xyz;
   float size = length(z);
   z = size > 1e-6 ? z / size : vec3(0.0, 0.0, 1.0);
   vec3 x = normalize(cross(abs(z.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(0.0, 1.0, 0.0), z));
   mat3 turned = mat3(x, z, cross(x, z));
   vec3 outward = turned * normal;
-  vec4 p = modelViewMatrix * vec4((position.y > 0.0 ? tip : base) + thick * outward, 1.0);
+  vec4 p = modelViewMatrix * vec4((position.y > 0.0 ? to : from.xyz) + from.w * outward, 1.0);
   facing = normalMatrix * outward;
   seen = -p.xyz;
   gl_Position = projectionMatrix * p;
 }`;
 
-export class Hands {
-  readonly glass: Glass;
-  /** Where the first palm is. */
+/** A capsule for each bone; its vertices only tell the end and the direction. */
+function bones(): BufferGeometry {
+  const [along, around] = drawnBySoftware() ? [4, 10] : [6, 14];
+  const capsule = new CapsuleGeometry(1, 1, along, around);
+  const count = capsule.getAttribute("position").count;
+  return mergeGeometries(
+    BONES.map((_, k) =>
+      capsule.clone().setAttribute("bone", new Float32BufferAttribute(Array(count).fill(k), 1)),
+    ),
+  );
+}
+
+class Hand extends Glass implements Turned {
+  /** Where the palm is. */
   readonly middle = new Vector3();
-  private readonly bones: Instances;
-  private joints = new Float32Array(0);
+  private readonly base: Vector4[];
+  private readonly tip: Vector3[];
 
-  constructor() {
-    // its own vertices only tell the end and the direction
-    const capsule = new CapsuleGeometry(1, 1, 6, 14);
-    this.bones = new Instances(capsule, { base: 3, tip: 3, thick: 1 });
-    this.glass = new Glass(this.bones.geometry, { colour: SKIN, body: 0.42, vertex: VERTEX });
-    this.glass.visible = false;
+  constructor(geometry: BufferGeometry) {
+    const base = THICK.map((thick) => new Vector4(0, 0, 0, thick));
+    const tip = THICK.map(() => new Vector3());
+    const uniforms = { base: { value: base }, tip: { value: tip } };
+    super(geometry, { colour: SKIN, body: 0.42, vertex: VERTEX, uniforms });
+    this.base = base;
+    this.tip = tip;
   }
 
-  get count(): number {
-    return Math.floor(this.joints.length / (3 * JOINTS));
+  /** Where its joints are, one after the other [m]. */
+  show(joints: Float32Array): void {
+    const middle = (i: number, j: number, axis: number): number =>
+      ((joints[3 * i + axis] ?? 0) + (joints[3 * j + axis] ?? 0)) / 2;
+    for (const [k, [i, j, l, m]] of BONES.entries()) {
+      this.base[k]?.setX(middle(i, j, 0)).setY(middle(i, j, 1)).setZ(middle(i, j, 2));
+      this.tip[k]?.set(middle(l, m, 0), middle(l, m, 1), middle(l, m, 2));
+    }
+    this.middle.fromArray(joints, 3 * PALM);
   }
+}
 
-  set turn(turn: number) {
-    this.glass.turn = turn;
+export class Hands {
+  readonly group = new Group();
+  count = 0;
+  private readonly all: Hand[] = [];
+  private readonly geometry = bones();
+
+  /** Those that are there. */
+  get shown(): Turned[] {
+    return this.all.slice(0, this.count);
   }
 
   /** Their joints, (hands, 26, 3) float32 [m]. */
   show(data: Bytes): void {
-    const numbers = Math.floor(data.length / (12 * JOINTS)) * 3 * JOINTS;
-    if (numbers !== this.joints.length) this.joints = new Float32Array(numbers);
-    into(this.joints, data);
-    this.glass.visible = numbers > 0;
-    this.bones.resize(this.count * BONES.length);
-    this.middle.fromArray(this.joints.length ? this.joints : [0, 0, 0], 3 * PALM);
-    for (let hand = 0; hand < this.count; hand++) this.write(hand);
-    this.bones.change("base", "tip", "thick");
-  }
-
-  private write(hand: number): void {
-    const base = this.bones.values("base");
-    const tip = this.bones.values("tip");
-    const thick = this.bones.values("thick");
-    const J = this.joints;
-    const first = 3 * JOINTS * hand;
-    let k = BONES.length * hand;
-    for (const [i, j, l, m] of BONES) {
-      for (let x = 0; x < 3; x++) {
-        base[3 * k + x] = ((J[first + 3 * i + x] ?? 0) + (J[first + 3 * j + x] ?? 0)) / 2;
-        tip[3 * k + x] = ((J[first + 3 * l + x] ?? 0) + (J[first + 3 * m + x] ?? 0)) / 2;
-      }
-      thick[k] = ((RADII[i] ?? 0) + (RADII[j] ?? 0) + (RADII[l] ?? 0) + (RADII[m] ?? 0)) / 4;
-      k += 1;
+    const joints = floats(data);
+    this.count = Math.floor(joints.length / (3 * JOINTS));
+    while (this.all.length < this.count) {
+      const hand = new Hand(this.geometry);
+      this.all.push(hand);
+      this.group.add(hand);
+    }
+    for (const [k, hand] of this.all.entries()) {
+      hand.visible = k < this.count;
+      if (hand.visible) hand.show(joints.subarray(3 * JOINTS * k, 3 * JOINTS * (k + 1)));
     }
   }
 }

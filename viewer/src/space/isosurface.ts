@@ -10,7 +10,7 @@ import { Glass, type Turned } from "./glass";
 export class Isosurface implements Turned {
   readonly glass = new Glass(new BufferGeometry(), { colour: "#9fd46b", body: 0.72 });
   readonly middle = new Vector3();
-  values = new Float32Array(0);
+  private values = new Float32Array(0);
   private volume: Volume | undefined;
 
   set turn(turn: number) {
@@ -20,13 +20,6 @@ export class Isosurface implements Turned {
   /** How many triangles it has. */
   get triangles(): number {
     return (this.glass.meshes[0]?.geometry.getIndex()?.count ?? 0) / 3;
-  }
-
-  /** The most of the box [Pa]. */
-  get most(): number {
-    let most = 0;
-    for (const value of this.values) if (value > most) most = value;
-    return most;
   }
 
   show(volume: Volume): void {

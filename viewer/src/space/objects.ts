@@ -1,10 +1,10 @@
 /** The objects of the scene that is felt, each where it is now. */
 
-import { Group, Mesh, Vector3 } from "three";
+import { Group, InstancedMesh, Texture, Vector3, type Mesh, type Object3D, type ShaderMaterial } from "three";
 
 import type { Bytes, Scenery } from "../feed/messages";
 import { into } from "../feed/numbers";
-import type { Thing } from "../feed/things";
+import type { Thing } from "../feed/objects";
 import { made, type Made } from "../shapes/things";
 import { Glass, type Turned } from "./glass";
 import { Label } from "./labels";
@@ -47,9 +47,7 @@ export class Placed extends Group implements Turned {
 
   override dispose(): void {
     this.label.dispose();
-    this.traverse((each) => {
-      if (each instanceof Mesh) each.geometry.dispose();
-    });
+    this.shown.object.traverse(free);
   }
 }
 
@@ -59,10 +57,10 @@ export class Objects {
 
   show({ objects, poses }: Scenery): void {
     for (const name of this.all.keys()) {
-      if (!(name in poses) || name in objects) this.remove(name);
+      if (!Object.hasOwn(poses, name) || Object.hasOwn(objects, name)) this.remove(name);
     }
     for (const [name, thing] of Object.entries(objects)) {
-      if (name in poses) this.add(name, thing);
+      if (Object.hasOwn(poses, name)) this.add(name, thing);
     }
     for (const [name, pose] of Object.entries(poses)) this.all.get(name)?.move(pose);
     const few = this.all.size <= LABELLED;
@@ -87,4 +85,17 @@ export class Objects {
     placed.dispose();
     this.all.delete(name);
   }
+}
+
+/** What the graphics card has of an object. */
+function free(object: Object3D): void {
+  const { geometry, material } = object as Partial<Mesh>;
+  geometry?.dispose();
+  for (const each of material ? [material].flat() : []) {
+    for (const { value } of Object.values((each as Partial<ShaderMaterial>).uniforms ?? {})) {
+      if (value instanceof Texture) value.dispose();
+    }
+    each.dispose();
+  }
+  if (object instanceof InstancedMesh) object.dispose();
 }

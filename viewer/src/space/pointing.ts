@@ -21,6 +21,7 @@ export class Pointing {
   private readonly caster = new Raycaster();
   private readonly mouse = new Vector2();
   private readonly normal = new Vector3();
+  private over: PointerEvent | undefined;
   private drag: { to: (event: PointerEvent) => number; from: number; start: number } | undefined;
 
   /** tell: of the place under the mouse, or null. */
@@ -42,12 +43,13 @@ export class Pointing {
     if (event.target !== canvas || event.button !== 0 || event.shiftKey || event.ctrlKey) return;
     canvas.focus({ preventScroll: true });
     this.aim(event);
-    if (!this.slicer.on || !this.over(event)) return;
+    if (!this.slicer.on || !this.grips(event)) return;
     controls.enabled = false;
     canvas.setPointerCapture(event.pointerId);
     const headlong = Math.abs(this.slope()) > HEADLONG;
     const to = headlong ? this.upwards.bind(this) : this.along.bind(this);
     this.drag = { to, from: to(event), start: this.slicer.position };
+    this.over = undefined;
     this.tell(null);
   }
 
@@ -59,9 +61,17 @@ export class Pointing {
       return;
     }
     if (event.buttons) return;
-    const over = this.slicer.on && this.over(event);
+    const over = this.slicer.on && this.grips(event);
     this.hover(over);
+    this.over = event;
     this.look(event);
+  }
+
+  /** The values have changed, not the place. */
+  tellAgain(): void {
+    if (!this.over) return;
+    this.aim(this.over);
+    this.look(this.over);
   }
 
   private up(): void {
@@ -73,6 +83,7 @@ export class Pointing {
 
   private leave(): void {
     if (this.drag) return;
+    this.over = undefined;
     this.tell(null);
     this.hover(false);
   }
@@ -97,7 +108,7 @@ export class Pointing {
     this.tell({ x: event.clientX, y: event.clientY, pressure, at: found.at });
   }
 
-  private over(event: PointerEvent): boolean {
+  private grips(event: PointerEvent): boolean {
     const grip = this.space.view.project(this.space.slice.gripped);
     if (Math.hypot(grip.x - event.clientX, grip.y - event.clientY) < NEAR) return true;
     return hit(this.slicer.plane, this.caster.ray) !== null;

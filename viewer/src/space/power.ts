@@ -2,7 +2,19 @@
 
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
+let known: boolean | undefined;
+
 export function drawnBySoftware(): boolean {
+  known ??= looked();
+  return known;
+}
+
+/** Whether the address says `power=all`: frames one after the other, changed or not, to see how many there can be. */
+export function allPower(): boolean {
+  return new URLSearchParams(location.search).get("power") === "all";
+}
+
+function looked(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return true;
   const told = gl.getExtension("WEBGL_debug_renderer_info");

@@ -12,14 +12,15 @@ import {
 } from "three";
 
 import type { State } from "../feed/messages";
-import { floats, into } from "../feed/numbers";
-import { FACED, Instances, square } from "./instances";
+import { floats } from "../feed/numbers";
+import { FACED, Quads } from "./quads";
 
 const LARGEST = 0.0045; // [m] radius of the strongest
 const ABOVE = 0.0012; // [m] over the skin
 const BEHIND = 0.3; // opacity where something is before it
 
 const VERTEX = `
+attribute vec2 corner;
 attribute vec3 centre, facing;
 attribute float asked, achieved;
 uniform float most;
@@ -29,7 +30,7 @@ ${FACED}
 void main() {
   ring = max(sqrt(asked / most), 0.22);
   fill = sqrt(achieved / most);
-  at = position.xy * (max(ring, fill) + 0.25);
+  at = corner * (max(ring, fill) + 0.25);
   vec3 n = dot(facing, facing) > 0.5 ? facing : normalize(cameraPosition - centre);
   vec3 p = centre + ${ABOVE} * n + ${LARGEST} * faced(n, at);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(p, 1.0);
@@ -58,13 +59,9 @@ export class Samples {
   most = 0;
   /** The mean place of all. */
   readonly middle = new Vector3();
-  private readonly discs = new Instances(square(), {
-    centre: 3,
-    facing: 3,
-    asked: 1,
-    achieved: 1,
-  });
+  private readonly discs = new Quads({ centre: 3, facing: 3, asked: 1, achieved: 1 });
   private readonly scale = { value: 1 };
+  private readonly point = new Vector3();
 
   constructor() {
     this.group.add(this.mesh(LessEqualDepth, 1, 9000), this.mesh(GreaterDepth, BEHIND, 9001));
@@ -74,25 +71,20 @@ export class Samples {
     return this.discs.count;
   }
 
-  show({ points, normals, asked, achieved }: State): void {
-    const count = Math.floor(asked.length / 4);
+  show(state: State): void {
+    const points = floats(state.points);
+    const asked = floats(state.asked);
+    const count = Math.min(asked.length, Math.floor(points.length / 3));
     this.discs.resize(count);
-    into(this.discs.values("centre"), points);
-    into(this.discs.values("facing"), normals);
-    into(this.discs.values("asked"), asked);
-    into(this.discs.values("achieved"), achieved);
-    this.discs.change("centre", "facing", "asked", "achieved");
-    this.most = 0;
-    this.middle.set(0, 0, 0);
-    const wanted = this.discs.values("asked");
-    const at = this.discs.values("centre");
-    for (let k = 0; k < count; k++) {
-      this.most = Math.max(this.most, wanted[k] ?? 0);
-      this.middle.x += (at[3 * k] ?? 0) / count;
-      this.middle.y += (at[3 * k + 1] ?? 0) / count;
-      this.middle.z += (at[3 * k + 2] ?? 0) / count;
-    }
+    this.discs.write("centre", points);
+    this.discs.write("facing", floats(state.normals));
+    this.discs.write("asked", asked);
+    this.discs.write("achieved", floats(state.achieved));
+    this.most = asked.reduce((a, b) => Math.max(a, b), 0);
     this.scale.value = this.most || 1;
+    this.middle.set(0, 0, 0);
+    for (let k = 0; k < count; k++) this.middle.add(this.point.fromArray(points, 3 * k));
+    this.middle.divideScalar(Math.max(count, 1));
   }
 
   private mesh(depth: DepthModes, opacity: number, turn: number): Mesh {
@@ -110,9 +102,4 @@ export class Samples {
     mesh.renderOrder = turn;
     return mesh;
   }
-}
-
-/** Radiation pressures of a state, asked and achieved [Pa]. */
-export function pressures(state: State): { asked: Float32Array; achieved: Float32Array } {
-  return { asked: floats(state.asked), achieved: floats(state.achieved) };
 }

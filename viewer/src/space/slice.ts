@@ -63,6 +63,8 @@ export class FieldSlice implements Turned {
   /** What is shown, and its values [Pa]. */
   plane: Plane | undefined;
   values = new Float32Array(0);
+  /** How many there were. */
+  count = 0;
   private readonly field: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly frame: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly grip = new Group();
@@ -140,6 +142,7 @@ export class FieldSlice implements Turned {
     }
     into(this.values, slice.pressure);
     this.plane = slice;
+    this.count += 1;
     if (this.texture) this.texture.needsUpdate = true;
     matrix(slice, this.placing);
     this.field.matrix.copy(this.placing);

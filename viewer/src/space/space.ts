@@ -6,8 +6,8 @@ import { css } from "../colours/maps";
 import type { Boxer } from "../field/boxer";
 import type { Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
-import type { Arrayed, Slice, State, Triple, Volume } from "../feed/messages";
-import { floats } from "../feed/numbers";
+import type { Arrayed, Frame, Slice, State, Triple, Volume } from "../feed/messages";
+import { floats, same } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { Axes, type Extent } from "./axes";
 import { takeTurns, type Turned } from "./glass";
@@ -41,6 +41,9 @@ export class Space {
   /** Whether the objects that are shown are of a server that has gone. */
   private left = false;
   private readonly things: Turned[] = [];
+  /** What is drawn of what comes all the time. */
+  private frame: Frame | undefined;
+  private state: State | undefined;
 
   constructor(
     element: HTMLElement,
@@ -55,7 +58,7 @@ export class Space {
       this.axes,
       this.transducers.mesh,
       this.objects.group,
-      this.hands.glass,
+      this.hands.group,
       this.slice.group,
       this.surface.glass,
       this.samples.group,
@@ -65,8 +68,8 @@ export class Space {
     this.wanted();
     this.surface.glass.visible = false;
     store.on("array", (array) => this.changed(() => this.place(array)));
-    store.on("frame", (frame) => this.changed(() => this.transducers.show(frame)));
-    store.on("state", (state) => this.changed(() => this.show(state)));
+    store.on("frame", (frame) => this.emit(frame));
+    store.on("state", (state) => this.show(state));
     store.on("scenery", (scenery) => {
       if (store.link === "live") this.changed(() => this.objects.show(scenery));
       else this.left = true;
@@ -122,8 +125,9 @@ export class Space {
       high[k % 3] = Math.max(high[k % 3] ?? x, x);
     }
     if (!centres.length) return;
-    const before = this.extent.low;
+    const before = this.extent;
     this.transducers.place(array);
+    this.frame = undefined;
     this.extent = {
       low: [low[0] - ROOM, low[1] - ROOM, low[2]],
       high: [high[0] + ROOM, high[1] + ROOM, high[2] + AHEAD],
@@ -131,12 +135,23 @@ export class Space {
     this.axes.place(this.extent);
     const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
     this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
-    if (before.every((x, n) => x === this.extent.low[n])) return; // the server is back
+    if (alike(before, this.extent)) return; // the server is back
     this.view.look(this.axes.box);
     this.slicer.centreOn(this.middle);
   }
 
+  private emit(frame: Frame): void {
+    const before = this.frame;
+    this.frame = frame;
+    if (before && same(before, frame, "phase", "amplitude")) return;
+    this.changed(() => this.transducers.show(frame));
+  }
+
   private show(state: State): void {
+    const before = this.state;
+    this.state = state;
+    if (before && same(before, state, "points", "normals", "asked", "achieved", "hands")) return;
+    this.view.change();
     this.samples.show(state);
     this.hands.show(state.hands);
     if (!this.samples.count) return;
@@ -166,11 +181,15 @@ export class Space {
 
   private beforeFrame(): void {
     this.things.length = 0;
-    this.things.push(this.hands, this.slice, this.surface, ...this.objects.all.values());
+    this.things.push(...this.hands.shown, this.slice, this.surface, ...this.objects.all.values());
     takeTurns(this.things, this.view.camera);
     const pixel = this.view.pixel;
     for (const label of this.axes.labels) label.fit(pixel);
     for (const { label } of this.objects.all.values()) label.fit(pixel);
     this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
   }
+}
+
+function alike(a: Extent, b: Extent): boolean {
+  return [0, 1, 2].every((n) => a.low[n] === b.low[n] && a.high[n] === b.high[n]);
 }

@@ -4,7 +4,7 @@ import { Mesh, ShaderMaterial } from "three";
 
 import type { Arrayed, Frame } from "../feed/messages";
 import { floats, into } from "../feed/numbers";
-import { FACED, Instances, square } from "./instances";
+import { FACED, Quads } from "./quads";
 import { phaseMap } from "./maps";
 
 const FILL = 0.46; // radius of a disc over the distance to its neighbour
@@ -13,6 +13,7 @@ const COMPARED = 64; // transducers whose neighbours are looked for
 
 // The colour is looked up once a corner, not once a pixel: that is felt where the processor draws.
 const VERTEX = `
+attribute vec2 corner;
 attribute vec3 centre, facing;
 attribute float phase, amplitude;
 uniform float radius;
@@ -21,7 +22,7 @@ varying vec2 at;
 varying vec4 fill;
 ${FACED}
 void main() {
-  at = position.xy * 1.12;
+  at = corner * 1.12;
   fill.rgb = texture2D(map, vec2(phase, 0.5)).rgb * mix(0.72, 1.0, amplitude);
   fill.a = amplitude > 0.0 ? mix(0.3, 0.92, sqrt(amplitude)) : -1.0;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(centre + radius * faced(facing, at), 1.0);
@@ -43,14 +44,11 @@ void main() {
 export class Transducers {
   readonly mesh: Mesh;
   /** Mean and most of the amplitudes, 0..1. */
-  readonly drive = { mean: 0, most: 0 };
-  private readonly discs = new Instances(square(), {
-    centre: 3,
-    facing: 3,
-    phase: 1,
-    amplitude: 1,
-  });
+  drive = { mean: 0, most: 0 };
+  private readonly discs = new Quads({ centre: 3, facing: 3, phase: 1, amplitude: 1 });
   private readonly radius = { value: ALONE };
+  /** Amplitude of each level, 0..1; empty where they are evenly spaced. */
+  private sizes: ArrayLike<number> = [];
   private levels = new Uint16Array(0);
 
   constructor() {
@@ -71,48 +69,37 @@ export class Transducers {
   }
 
   /** Another array, silent. */
-  place({ positions, normals }: Arrayed): void {
+  place({ positions, normals, sound }: Arrayed): void {
     const centres = floats(positions);
-    this.discs.resize(centres.length / 3);
-    this.discs.values("centre").set(centres);
-    into(this.discs.values("facing"), normals);
-    this.discs.change("centre", "facing");
+    this.sizes = sound ? floats(sound.sizes) : [];
+    this.discs.resize(Math.floor(centres.length / 3));
+    this.discs.write("centre", centres);
+    this.discs.write("facing", floats(normals));
     this.levels = new Uint16Array(this.count);
     this.radius.value = radius(centres);
-    this.silence();
+    this.emit(new Float32Array(this.count));
   }
 
   /** The levels that are emitted; silence if there are none, or another number of them. */
   show({ phase, amplitude, phases, amplitudes }: Frame): void {
     if (amplitude.length !== this.levels.byteLength || phase.length !== amplitude.length) {
-      this.silence();
+      this.emit(new Float32Array(this.count));
       return;
     }
-    this.write("phase", phase, Math.max(phases, 1));
+    into(this.levels, phase);
+    this.discs.write("phase", Float32Array.from(this.levels, (level) => level / Math.max(phases, 1)));
+    into(this.levels, amplitude);
+    const known = this.sizes.length === amplitudes;
     const most = Math.max(amplitudes - 1, 1);
-    this.write("amplitude", amplitude, most);
-    let sum = 0;
-    let highest = 0;
-    for (const level of this.levels) {
-      sum += level;
-      if (level > highest) highest = level;
-    }
-    this.drive.mean = this.count ? sum / this.count / most : 0;
-    this.drive.most = highest / most;
+    const size = (level: number): number => (known ? (this.sizes[level] ?? 0) : level / most);
+    this.emit(Float32Array.from(this.levels, size));
   }
 
-  private write(name: string, data: Frame["phase"], full: number): void {
-    const values = this.discs.values(name);
-    const levels = this.levels;
-    into(levels, data);
-    for (let n = 0; n < levels.length; n++) values[n] = (levels[n] ?? 0) / full;
-    this.discs.change(name);
-  }
-
-  private silence(): void {
-    this.discs.values("amplitude").fill(0);
-    this.discs.change("amplitude");
-    this.drive.mean = this.drive.most = 0;
+  private emit(amplitudes: Float32Array): void {
+    this.discs.write("amplitude", amplitudes);
+    const most = amplitudes.reduce((a, b) => Math.max(a, b), 0);
+    const mean = amplitudes.reduce((a, b) => a + b, 0) / Math.max(this.count, 1);
+    this.drive = { mean, most };
   }
 }
 

@@ -11,10 +11,9 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import { drawnBySoftware } from "./power";
+import { allPower, drawnBySoftware } from "./power";
 
 const FOV = 32; // [deg]
-const SECOND = 1000; // [ms]
 const FINEST = 2; // pixels of the device for one of the page, at most
 const SELDOM = 120; // [ms] from frame to frame where the processor draws, but for what the user does
 const STEP = Math.PI / 36; // one press of a key
@@ -29,10 +28,8 @@ export class View {
   readonly camera = new PerspectiveCamera(FOV, 1, 0.02, 30);
   readonly size = new Vector2(1, 1);
   readonly controls: OrbitControls;
-  /** Frames in the last second. */
-  rate = 0;
-  /** Duration of the last frame's drawing [ms]. */
-  cost = 0;
+  /** That were drawn. */
+  frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly before: (() => void)[] = [];
   private readonly spherical = new Spherical();
@@ -40,18 +37,18 @@ export class View {
   private readonly home = new Box3();
   private readonly flat = new Box3();
   private untouched = true;
-  private readonly apart: number;
+  /** Whether frames come seldom, but for what the user does. */
+  readonly seldom: boolean;
   private readonly finest: number;
-  private changed = true;
-  private urgent = true;
+  private readonly always = allPower();
   private last = 0;
-  private drawn = 0;
-  private since = 0;
+  private timer = 0;
+  private asked = false;
 
   /** Throws where there is no WebGL. */
   constructor(readonly element: HTMLElement) {
     const software = drawnBySoftware();
-    this.apart = software ? SELDOM : 0;
+    this.seldom = software && !this.always;
     this.finest = software ? 1 : FINEST;
     this.renderer = new WebGLRenderer({ alpha: true, antialias: !software });
     this.renderer.setClearColor(0x000000, 0);
@@ -69,7 +66,7 @@ export class View {
     });
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
-    requestAnimationFrame((now) => this.frame(now));
+    this.canvas.addEventListener("webglcontextrestored", () => this.urge());
   }
 
   get canvas(): HTMLCanvasElement {
@@ -86,15 +83,21 @@ export class View {
     return (2 * Math.tan((FOV * Math.PI) / 360)) / this.size.y;
   }
 
-  /** Something is to be drawn anew. */
+  /** Something is to be drawn anew, soon enough. */
   change(): void {
-    this.changed = true;
+    if (this.timer || this.asked) return;
+    const wait = this.seldom ? this.last + SELDOM - performance.now() : 0;
+    if (wait > 0) this.timer = window.setTimeout(() => this.urge(), wait);
+    else this.urge();
   }
 
   /** Something is to be drawn anew at once: the user does it. */
   urge(): void {
-    this.changed = true;
-    this.urgent = true;
+    clearTimeout(this.timer);
+    this.timer = 0;
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => this.frame());
   }
 
   /** Called before each frame that is drawn. */
@@ -195,24 +198,17 @@ export class View {
     this.draw();
   }
 
-  private frame(now: number): void {
-    requestAnimationFrame((next) => this.frame(next));
-    this.controls.update();
-    if (now - this.since >= SECOND) {
-      this.rate = (SECOND * this.drawn) / (now - this.since);
-      this.drawn = 0;
-      this.since = now;
-    }
-    if (this.changed && (this.urgent || now - this.last >= this.apart)) this.draw();
+  private frame(): void {
+    this.asked = this.always;
+    this.controls.update(); // what goes on turning asks for the next frame
+    this.draw();
+    if (this.always) requestAnimationFrame(() => this.frame());
   }
 
   private draw(): void {
-    this.changed = this.urgent = false;
-    this.drawn += 1;
-    const begin = performance.now();
-    this.last = begin;
+    this.frames += 1;
+    this.last = performance.now();
     for (const listener of this.before) listener();
     this.renderer.render(this.scene, this.camera);
-    this.cost = performance.now() - begin;
   }
 }

@@ -1,0 +1,79 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import type { Arrayed, Bytes, Frame } from "../src/feed/messages";
+import { Quads } from "../src/space/quads";
+import { Transducers } from "../src/space/transducers";
+
+function packed(values: number[], kind: Float32ArrayConstructor | Uint16ArrayConstructor = Float32Array): Bytes {
+  return new Uint8Array(kind.from(values).buffer as ArrayBuffer);
+}
+
+function array(count: number, sizes: number[] | null): Arrayed {
+  const places = Array.from({ length: 3 * count }, (_, k) => 0.01 * k);
+  const positions = packed(places);
+  return { positions, normals: positions, sound: sizes && { sizes: packed(sizes) } } as Arrayed;
+}
+
+function frame(levels: number[], amplitudes: number): Frame {
+  const phase = packed(levels.map(() => 64), Uint16Array);
+  return { phases: 256, amplitudes, phase, amplitude: packed(levels, Uint16Array) } as Frame;
+}
+
+/** What of an attribute the first corner of each square has. */
+function firsts(geometry: Quads["geometry"], name: string, count: number): number[] {
+  const attribute = geometry.getAttribute(name);
+  return Array.from({ length: count }, (_, k) => attribute.getX(4 * k));
+}
+
+test("levels have the sizes that the server tells, or are evenly spaced", () => {
+  for (const [sizes, wanted] of [
+    [[0, 0.5, 0.75, 1], [0, 0.75, 1]],
+    [[], [0, 2 / 3, 1]],
+    [[0, 1], [0, 2 / 3, 1]], // of another number of levels
+    [null, [0, 2 / 3, 1]],
+  ] as const) {
+    const shown = new Transducers();
+    shown.place(array(3, sizes && [...sizes]));
+    shown.show(frame([0, 2, 3], 4));
+    const { geometry } = shown.mesh;
+    const found = firsts(geometry, "amplitude", 3);
+    wanted.forEach((size, k) => assert.ok(Math.abs((found[k] ?? NaN) - size) < 1e-6, `${found}`));
+    assert.deepEqual(firsts(geometry, "phase", 3), [0.25, 0.25, 0.25]);
+    assert.equal(shown.drive.most, 1);
+    assert.ok(Math.abs(shown.drive.mean - wanted.reduce((a, b) => a + b, 0) / 3) < 1e-6);
+  }
+});
+
+test("levels of another number of transducers, and none, are silence", () => {
+  const shown = new Transducers();
+  shown.place(array(3, null));
+  for (const levels of [[1, 1], []]) {
+    shown.show(frame([1, 1, 1], 2));
+    assert.deepEqual(shown.drive, { mean: 1, most: 1 });
+    shown.show(frame(levels, 2));
+    assert.deepEqual(shown.drive, { mean: 0, most: 0 });
+    assert.deepEqual(firsts(shown.mesh.geometry, "amplitude", 3), [0, 0, 0]);
+  }
+  shown.show(frame([0, 0, 0], 1)); // of a device that has one level
+  assert.deepEqual(shown.drive, { mean: 0, most: 0 });
+});
+
+test("squares grow when they must, and have four corners each", () => {
+  const squares = new Quads({ at: 3, size: 1 });
+  for (const count of [1, 2, 50, 7]) {
+    squares.resize(count);
+    squares.write("at", Array.from({ length: 3 * count }, (_, k) => k));
+    squares.write("size", Array.from({ length: count + 9 }, (_, k) => k)); // too many
+    const { geometry } = squares;
+    assert.equal(geometry.drawRange.count, 6 * count);
+    for (let k = 0; k < 4 * count; k++) {
+      const square = Math.floor(k / 4);
+      assert.equal(geometry.getAttribute("at").getZ(k), 3 * square + 2);
+      assert.equal(geometry.getAttribute("size").getX(k), square);
+      assert.equal(Math.abs(geometry.getAttribute("corner").getX(k)), 1);
+    }
+    const index = geometry.getIndex();
+    assert.equal(Math.max(...Array.from({ length: 6 * count }, (_, k) => index?.getX(k) ?? NaN)), 4 * count - 1);
+  }
+});
