@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 SILENT = 2.0  # [s] without a state, after which the server is lost
 WAITING = 16  # messages
-RARELY = 0.2  # [s] between two looks at a scene without objects, or at what the server has
+RARELY = 0.2  # [s] between two histograms, or looks at a scene without objects, or at what there is
 ARRAY = set(ArrayTold.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
 
 
@@ -42,7 +42,7 @@ class States:
         self._scenery, self._known = Scenery(), ("", 0)
         self._levels: tuple[bytes, bytes] | None = None
         self._sent: ArrayTold | None = None
-        self._came = self._looked = 0.0
+        self._came = self._looked = self._counted = 0.0
         self._shows = True
 
     def __enter__(self) -> Self:
@@ -69,7 +69,7 @@ class States:
         if STATE in news:
             self._came = now
             with suppress(*WRONG):  # the next one may be whole
-                self._state(news[STATE])
+                self._state(news[STATE], now)
         elif now - self._came > SILENT:
             raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
         if FRAME in news:
@@ -116,13 +116,14 @@ class States:
             self._sent = array
             self._post(self._hub.put, "array", array)
 
-    def _state(self, data: bytes) -> None:
+    def _state(self, data: bytes, now: float) -> None:
         state = decode_state(data)
         if not isinstance(state, State):
             return
         self._post(self._hub.put, "state", data)
         self._changed |= state.backend != self._backend
-        if state.tick_counts:
+        if state.tick_counts and now >= self._counted + RARELY:
+            self._counted = now
             self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
 
     def _frame(self, data: bytes) -> None:
