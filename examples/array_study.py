@@ -1,36 +1,29 @@
-"""An array study: a ring of eight points from arrays of one size, ever coarser, regular or not."""
+"""An array study: a ring of eight points from arrays of one area, with ever fewer transducers, regular or not."""
 
 import sys
 import tempfile
-from pathlib import Path
 
 import pacinian.study as ps
 from pacinian.plot import figure, save
 
-STUDY = """
-title = "Pitch"
-layouts = [
-  { type = "lattice", width = 0.2, pitch = [0.008, 0.01, 0.0125, 0.016, 0.02] },
-  { type = "sunflower", diameter = 0.22, count = [121, 169, 289, 441] },
-]
-patterns = [{ type = "circle", radius = 0.03, count = 8 }]
-picture = { side = 0.3, step = 0.003 }
-"""
-
-with tempfile.TemporaryDirectory() as folder:
-    file = Path(folder) / "pitch.toml"
-    file.write_text(STUDY)
-    rows = ps.run(ps.read(file), Path(folder) / "out", workers=0).to_pylist()  # 0: in this process
+study = ps.Study(
+    layouts=(  # a tuple in the place of a value is swept
+        ps.Lattice(width=0.2, pitch=(0.008, 0.01, 0.0125, 0.016, 0.02)),  # [m]
+        ps.Sunflower(diameter=0.226, count=(676, 441, 289, 169, 121)),
+    ),
+    patterns=(ps.Circle(radius=0.03, count=8),),  # in the plane z = 0.2 m
+    picture=ps.Picture(side=0.3, step=0.003),
+)
+with tempfile.TemporaryDirectory() as folder:  # one that stays lets a study go on
+    rows = ps.run(study, folder, workers=0).to_pylist()  # 0: in this process
 page = figure(6.0, 3.2)
 panel = page.subplots()
 for kind, mark in (("lattice", "o"), ("sunflower", "s")):
     mine = [row for row in rows if row["layout.type"] == kind]
-    counts = [row["transducers"] for row in mine]
-    panel.plot(counts, [row["side_lobe"] for row in mine], mark, label=kind)
-    for row in mine:
-        print(
-            f"{kind:10} {row['transducers']:4} transducers, side lobes {row['side_lobe']:6.1f} dB"
-        )
-panel.set(xlabel="transducers", ylabel="side lobes [dB]", title="Eight points by arrays of 20 cm")
+    counts, side_lobes = ([row[name] for row in mine] for name in ("transducers", "side_lobe"))
+    panel.plot(counts, side_lobes, mark, label=kind)
+    for count, level in zip(counts, side_lobes, strict=True):
+        print(f"{kind:10} {count:4} transducers, side lobes {level:6.1f} dB")
+panel.set(xlabel="transducers", ylabel="largest side lobe [dB]", title="Eight points by 20 cm")
 panel.legend()
 save(page, sys.argv[1] if len(sys.argv) > 1 else "array_study.png")

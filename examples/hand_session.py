@@ -33,10 +33,11 @@ with tempfile.TemporaryDirectory() as folder:
     ticks, differ = pc.rerender(recording)
     print(f"{report.ticks} ticks recorded, {ticks} rendered again, {differ} differ")
     can = recording.capability
+    time = np.array([frame.time for frame in recording])  # [s]
     drive = np.array([np.mean(np.abs(frame.gains(can)[-1]) ** 2) for frame in recording])
 page = figure(6.0, 2.6)
 panel = page.subplots()
-panel.plot(np.arange(len(drive)), 1e2 * drive, lw=0.6)
+panel.plot(1e3 * (time - time[0]), 1e2 * drive, lw=0.6)
 panel.set(
     xlabel="time [ms]", ylabel="mean drive power [% of full]", title="A hand session, replayed"
 )

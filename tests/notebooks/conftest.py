@@ -70,6 +70,11 @@ class Kernel:
 
         return self.run(code, stop)
 
+    def restart(self) -> None:
+        """As by the button: at once, with nothing left of what ran."""
+        self.manager.restart_kernel(now=True)
+        self.client.wait_for_ready(timeout=PATIENCE)
+
 
 @pytest.fixture(scope="module")
 def kernel(need: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:

@@ -138,3 +138,19 @@ def test_stop_while_a_client_holds_ends_in_silence(kernel: Any, server: Running)
             assert time.monotonic() < end
     again = kernel.run(SPARK.format(path=str(server.connection)) + "client.close()\nprint('fine')")
     assert (again.error, again.text) == ("", "fine\n")
+
+
+def test_a_restart_ends_in_silence_and_the_notebook_runs_again(
+    kernel: Any, server: Running
+) -> None:
+    kernel.run("import pacinian as pc")
+    cell = kernel.run(SPARK.format(path=str(server.connection)) + "print(client.armed)")
+    assert (cell.error, cell.text) == ("", "True\n")
+    kernel.restart()
+    with pc.Client(server.connection) as watcher:
+        end = time.monotonic() + 20.0
+        while (watcher.status().output, watcher.status().armed) != ("silent", False):
+            assert time.monotonic() < end
+    kernel.run("import pacinian as pc")
+    again = kernel.run(SPARK.format(path=str(server.connection)) + "client.close()\nprint('fine')")
+    assert (again.error, again.text) == ("", "fine\n")

@@ -3,59 +3,27 @@
 from __future__ import annotations
 
 import json
-import time
-from contextlib import contextmanager
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
+    from collections.abc import Callable
+    from contextlib import AbstractContextManager
 
     from pacinian.rendering.renderer import Renderer
     from pacinian.rendering.report import Report
 
-REFRESH = 1.0  # [s] between two looks of the progress bar
 
-
-@contextmanager
 def progress(
     what: str, seconds: float, quiet: bool
-) -> Generator[Callable[[Report], object] | None]:
-    """A progress bar on standard error, drawn between ticks by the loop's own thread."""
-    if quiet:
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+) -> AbstractContextManager[Callable[[Report], object] | None]:
+    """A progress bar on standard error, drawn between ticks by the loop's own thread; none where quiet."""
+    from pacinian.notebook import progress as bar
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.fields[state]}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), auto_refresh=False) as bar:
-        task = bar.add_task(what, total=seconds, state="")
-        begin = time.perf_counter()
-        seen = begin
-
-        def on_tick(report: Report) -> None:
-            nonlocal seen
-            now = time.perf_counter()
-            if now - seen > REFRESH:
-                seen = now
-                bar.update(
-                    task,
-                    completed=now - begin,
-                    state=f"{report.ticks} ticks, {report.late_ticks} late",
-                )
-                bar.refresh()
-
-        yield on_tick
-        bar.update(task, completed=seconds)
-        bar.refresh()
+    return nullcontext() if quiet else bar(what, seconds)
 
 
 def picture(renderer: Renderer, path: str, title: str) -> str:

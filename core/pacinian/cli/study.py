@@ -146,7 +146,9 @@ def _report(plan: Plan, table: Table, folder: Folder) -> list[Path]:
 
     try:
         with Progress(console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("images", total=images.pages(plan))
+            task = bar.add_task(
+                "images", total=sum(len(row) for tasks in images.pages(plan) for row in tasks)
+            )
             return report.write(plan, table, folder.path, lambda: bar.advance(task))
     except MissingExtra as error:
         click.echo(f"no pictures: {error}", err=True)

@@ -3,36 +3,33 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.pressure import sound_pressure_level
 from pacinian.checks import kind, number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
-from pacinian.plot.fields import NONE, crossed
+from pacinian.plot.fields import NONE, checked, crossed
 from pacinian.plot.paints import coloured, painted, picture, strip, wheel
 from pacinian.plot.quantities import clear, limits
+from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
+from pacinian.scene.sampling.samples import Samples
+from pacinian.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plot.meshes import Triangles
     from pacinian.plot.planes import Plane
     from pacinian.plot.volumes import Box, Volume
     from pacinian.scene.objects import Object
-    from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.scene import Scene
     from pacinian.types import ArrayLike, Floats
 
-METAL, SKIN, THING, SOUND = (
-    (0.66, 0.68, 0.72),
-    (0.95, 0.80, 0.70),
-    (0.35, 0.58, 0.82),
-    (0.9, 0.3, 0.1),
-)
+SOUND = (0.9, 0.3, 0.1)
 UP = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
@@ -62,8 +59,9 @@ def export(
     before the array, unless given. spacing: of the grid [m]; a quarter of a wavelength, or what a million points allow,
     unless given. medium: `Air()` unless given. Raises ArgumentError, MissingExtra, OSError.
     """
-    medium = Air() if medium is None else medium
-    kind("medium", medium, Air)
+    medium = checked(array, medium)
+    kind("scene", scene, Scene, NoneType)
+    kind("samples", samples, Samples, NoneType)
     where = Path(path)
     if where.suffix not in (".glb", ".vti"):
         raise ArgumentError("path", f"must end in .glb or .vti, not {where.suffix!r}")
@@ -91,9 +89,9 @@ class _Model:
     """A glTF model that is being made. extras: what is said of it."""
 
     def __init__(self) -> None:
-        from trimesh import Scene
+        import trimesh
 
-        self.made: Any = Scene()
+        self.made: Any = trimesh.Scene()
         self.extras: dict[str, Any] = {"unit": "m"}
 
     def add(self, name: str, made: Any) -> None:
@@ -132,9 +130,8 @@ class _Model:
     def planes(self, array: Array, gains: ArrayLike, points: Floats, medium: Air) -> None:
         """Radiation pressure in the two planes that tell most, seen through where it is weak."""
         both = crossed(array, gains, points, medium)
-        most = max(limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both)[
-            1
-        ]
+        tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
+        most = max(tops)[1]
         for plane, P in both:
             corners = _corners(plane)
             quad = meshes.Triangles(

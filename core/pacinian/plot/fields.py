@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import Array
 from pacinian.checks import kind, numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pacinian.acoustics.array import Array
     from pacinian.acoustics.pose import Pose
     from pacinian.plot.planes import Plane
     from pacinian.plot.quantities import Show
@@ -53,7 +53,7 @@ def field(
     ax: to draw into. Colours end at the most that is farther than a wavelength from the transducers.
     Raises ArgumentError, MissingExtra.
     """
-    medium = _air(medium)
+    medium = checked(array, medium)
     q = numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
@@ -68,7 +68,7 @@ def field(
 
 
 def slices(
-    array: Array, gains: ArrayLike, points: Floats, medium: Air | None = None, title: str = ""
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air | None = None, title: str = ""
 ) -> Figure:
     """Radiation pressure on skin in the two planes through the points that tell most.
 
@@ -76,20 +76,21 @@ def slices(
     array, gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
     Raises ArgumentError, MissingExtra.
     """
-    both = crossed(array, gains, points, medium)
+    medium, q = checked(array, medium), numbers("points", points, (None, 3))
+    both = crossed(array, gains, q, medium)
     narrow = both[1][0].ratio
     page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
-    draw_both(page, array, page.subplots(1, 2, width_ratios=[1.0, narrow]), both, points, medium)
+    draw_both(page, array, page.subplots(1, 2, width_ratios=[1.0, narrow]), both, q, medium)
     if title:
         page.suptitle(title)
     return page
 
 
 def crossed(
-    array: Array, gains: ArrayLike, points: Floats, medium: Air | None
+    array: Array, gains: ArrayLike, points: Floats, medium: Air
 ) -> list[tuple[Plane, Floats]]:
     """A horizontal plane and a vertical one, as in `slices`, each with its radiation pressure [Pa]."""
-    medium, middle = _air(medium), middle_of(array, points)
+    middle = middle_of(array, points)
     through = middle.copy()
     if len(points):
         strongest = values(array, gains, points, medium, "radiation").argmax()
@@ -104,10 +105,10 @@ def draw_both(
     panels: Sequence[Panel],
     both: Sequence[tuple[Plane, Floats]],
     points: Floats,
-    medium: Air | None,
+    medium: Air,
 ) -> None:
     """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m]."""
-    medium, image, radiation = _air(medium), None, QUANTITIES["radiation"]
+    image, radiation = None, QUANTITIES["radiation"]
     tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
     for panel, (plane, P) in zip(panels, both, strict=True):
         image = draw(panel, plane, P, "radiation", max(tops))
@@ -117,7 +118,9 @@ def draw_both(
     bar(page, image, list(panels), radiation.label)
 
 
-def _air(medium: Air | None) -> Air:
+def checked(array: Array, medium: Air | None) -> Air:
+    """The medium, `Air()` unless given. Raises ArgumentError, also where the array is none."""
     made = Air() if medium is None else medium
+    kind("array", array, Array)
     kind("medium", made, Air)
     return made

@@ -52,6 +52,9 @@ def pareto(
 ) -> Figure:
     """Run time, p50, against error, with the front of what nothing beats in both.
 
+    The error is that of the proportions, ||a - s t|| / ||s t|| with the best multiple s; s is beside a name where it is
+    not 1.
+
     results: the file `bench.json`, or its cells. level: of the targets; the lowest unless given. N, M: transducers and
     points; a panel for each of both unless given. ax: to draw into, where both are. Filled: cold; hollow: warm; pale:
     what makes less than 0.9 of what was asked. Errors under 1e-5 % are drawn there; what failed, or is wrong by more
@@ -97,15 +100,18 @@ def read(path: str | Path) -> list[Timed]:
             float(cell.p50 + cell.error + cell.scale + cell.level + cell.N + cell.M)
             _ = cell.family, cell.solver, cell.mode, cell.note
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        problem = f"is no bench.json of `pacinian bench`: {error!r}"
+        problem = f"is no bench.json of `pacinian bench`: {type(error).__name__}: {error}"
         raise RecordingError(path, problem) from error
     return cells
 
 
 def shown(cells: Iterable[Timed]) -> list[Timed]:
-    """Those that can be drawn."""
+    """Those that can be drawn: what was measured; of solvers, what is not wrong by more than 100 %."""
     return [
-        c for c in cells if c.mode in SHOWN and c.solver != "gemm" and not (c.note or c.error > 1.0)
+        c
+        for c in cells
+        if c.mode in SHOWN and c.solver != "gemm" and not c.note and c.p50 > 0.0
+        if c.mode == REFERENCE or c.error <= 1.0
     ]
 
 
@@ -131,7 +137,7 @@ def _axes(
 ) -> None:
     """Scales, labels and titles of all panels."""
     for row, count in zip(grid, counts, strict=True):
-        row[0].set_ylabel("error [%]")
+        row[0].set_ylabel("error of the proportions [%]")
         for panel, size in zip(row, sizes, strict=True):
             panel.set(xscale="log", yscale="log", ylim=(0.4 * FLOOR, TOP))
             panel.set_xlim(0.6 * min(times), 8.0 * max(times))

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pacinian.checks import integer, number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot.style import COLUMN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from matplotlib.figure import Figure
 
     from pacinian.plot.style import Panel
 
-DPI = 130
+DPI = 130  # [1/inch]
+MOST = 400.0  # [inch] along a side: what PNG writers take
 FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}  # text stays text
 
 
@@ -30,8 +32,10 @@ def require() -> type[Figure]:
 
 
 def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
-    """An empty figure, width x height [inch]; notebooks show it. Raises MissingExtra."""
+    """An empty figure, width x height [inch]; notebooks show it. Raises ArgumentError, MissingExtra."""
     require()
+    for name, side in (("width", width), ("height", height)):
+        number(name, side, low=0.1, high=MOST)
     from pacinian.plot.shown import Shown
 
     return Shown(figsize=(width, height), layout="constrained", dpi=DPI)
@@ -58,14 +62,20 @@ def panels(
 def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
     """Write a figure to a file, of the kind that its name says: .pdf, .svg, .png, ...
 
-    Text in vector files stays text. colours: of a PNG; with few of them it is a third as large.
+    Text in vector files stays text. colours: 2 to 256, of a PNG; with few of them it is a third as large, and a field
+    has steps. Raises ArgumentError, OSError.
     """
     from matplotlib import rc_context
 
+    known = page.canvas.get_supported_filetypes()
+    if (kind := Path(path).suffix[1:].lower()) not in known:
+        raise ArgumentError("path", f"must end in one of {', '.join(sorted(known))}, not {kind!r}")
     if colours is None:
         with rc_context(FONTS):
             page.savefig(path, dpi=DPI)
         return
+    if kind != "png" or not 2 <= integer("colours", colours, low=2) <= 256:
+        raise ArgumentError("colours", "must be 2 to 256, and only of a .png")
     from PIL import Image
 
     buffer = BytesIO()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import length, numbers
+from pacinian.checks import length, near, numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.quantities import QUANTITIES
 
@@ -65,13 +65,16 @@ class Plane:
         """Where it lies, where one number says that."""
         if self.axes is None:
             return ""
-        height = round(1e3 * self.height) + 0.0  # not -0
-        return f"{'xyz'[3 - sum(self.axes)]} = {height:.0f} mm"
+        height = round(1e3 * self.height, 1) + 0.0  # not -0
+        return f"{'xyz'[3 - sum(self.axes)]} = {height:g} mm"
 
     def near(self, points: Floats) -> Floats:
         """Those of points (M, 3) [m] that are near to it: their coordinates in it, (K, 2) [m]."""
         corner, right, up = self.points[0, 0], self.points[0, -1], self.points[-1, 0]
-        x, y = (right - corner) / _size(right - corner), (up - corner) / _size(up - corner)
+        x, y = (
+            (right - corner) / np.linalg.norm(right - corner),
+            (up - corner) / np.linalg.norm(up - corner),
+        )
         away = points - corner
         kept = away[np.abs(away @ np.cross(x, y)) < BESIDE]
         return np.stack([self.u[0] + kept @ x, self.v[0] + kept @ y], axis=-1)
@@ -97,23 +100,20 @@ def cut(
     given what holds the points, and for "xz" and "yz" before an array below all that is between.
     Raises ArgumentError.
     """
-    middle = middle_of(array, points) if at is None else numbers("at", at, (3,))
-    reach = MARGIN + float(np.abs(points - middle).max()) if len(points) else ALONE
-    half = np.array([reach, reach])
-    if size is not None:
-        sides = [length("size", side) for side in np.atleast_1d(size).tolist()]
-        if len(sides) not in (1, 2):
-            raise ArgumentError("size", f"must be one length or two [m], not {size!r}")
-        half = np.array([sides[0], sides[-1]]) / 2.0
+    near("points", points, array.centre)
     if isinstance(through, Pose):
         if at is not None:
             raise ArgumentError("at", "must be left out: the pose says where the plane is")
+        half = _half(size, (points - through.position) @ through.matrix[:, :2])
         u, v = _steps(-half, half)
         U, V = np.meshgrid(u, v)
         return Plane(through.points(np.stack([U, V, 0.0 * U], axis=-1)), u, v)
-    if through not in AXES:
+    if through not in (*AXES,):
         raise ArgumentError("plane", f'must be "xy", "xz", "yz" or a Pose, not {through!r}')
     i, j = AXES[through]
+    middle = middle_of(array, points) if at is None else numbers("at", at, (3,))
+    near("at", middle[None], array.centre)
+    half = _half(size, (points - middle)[:, [i, j]])
     low, high = middle[[i, j]] - half, middle[[i, j]] + half
     if size is None and j == 2:
         low[1] = min(low[1], max(array.positions[:, 2].max() + BEFORE, low[1] - 2.0 * AHEAD))
@@ -145,8 +145,18 @@ def mark(panel: Panel, places: Floats, colour: str) -> None:
 def _facing(array: Array) -> Floats:
     """Where most of an array points, (3,); +z where it points everywhere alike."""
     mean = array.normals.mean(axis=0)
-    size = _size(mean)
+    size = np.linalg.norm(mean)
     return np.asarray(mean / size) if size > 1e-6 else np.array([0.0, 0.0, 1.0])
+
+
+def _half(size: float | tuple[float, float] | None, places: Floats) -> Floats:
+    """Half the width and height [m], (2,), unless given so that places about the middle, (M, 2) [m], are held."""
+    if size is None:
+        return np.full(2, MARGIN + float(np.abs(places).max()) if len(places) else ALONE)
+    sides = [length("size", side) for side in np.atleast_1d(size).tolist()]
+    if len(sides) not in (1, 2):
+        raise ArgumentError("size", f"must be one length or two [m], not {size!r}")
+    return np.array([sides[0], sides[-1]]) / 2.0
 
 
 def _steps(low: Floats, high: Floats) -> tuple[Floats, Floats]:
@@ -156,7 +166,3 @@ def _steps(low: Floats, high: Floats) -> tuple[Floats, Floats]:
         np.linspace(low[0], high[0], max(2, round((high[0] - low[0]) / step) + 1)),
         np.linspace(low[1], high[1], max(2, round((high[1] - low[1]) / step) + 1)),
     )
-
-
-def _size(v: Floats) -> float:
-    return float(np.sqrt(v @ v))

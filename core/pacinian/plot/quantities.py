@@ -44,9 +44,11 @@ def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: st
 
     gains: (N,), or (K, N) for the mean power over K moments. Raises ArgumentError.
     """
-    if show not in QUANTITIES:
+    if show not in (*QUANTITIES,):
         raise ArgumentError("show", f"must be one of {', '.join(QUANTITIES)}, not {show!r}")
     moments = np.atleast_2d(gains)
+    if not len(moments):
+        raise ArgumentError("gains", "must be of one moment at least")
     if show == "phase" and len(moments) != 1:
         raise ArgumentError("show", "must not be the phase of several moments: it has no mean")
     p = np.stack([heard(array, g, points, medium) for g in moments])

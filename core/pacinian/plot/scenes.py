@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.plot.fields import crossed, draw_both
+from pacinian.plot.fields import checked, crossed, draw_both
 from pacinian.plot.page import figure
 from pacinian.plot.planes import middle_of
 from pacinian.plot.space import Discs, View, array_of, skin, thing, towards
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
+from pacinian.scene.shapes import Disc, Rectangle
+from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.kinds import distance
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ DOT = 0.006  # [m] across, a sample
 ZOOMS = 1.3, 1.45
 NARROWEST = 9.0  # [inch]
 MAP = "inferno"
+SHEETS, THIN = (Rectangle, Disc, HeightMap), 0.002  # open shapes; how thick they are drawn [m]
 WHITE, BLUE = "white", "#8cc0ff"
 
 
@@ -52,6 +55,7 @@ def scene(
     samples: what was asked. gains: (N,), or (K, N) for the field's mean over K moments. The field is that of
     free air; lines are the outlines of hands, and where objects cross the planes. Raises MissingExtra.
     """
+    medium = checked(array, medium)
     both = crossed(array, gains, samples.positions, medium)
     narrow = both[1][0].ratio
     page = figure(max(NARROWEST, 1.6 + 4.2 * (1.0 + narrow)), 8.4)
@@ -112,7 +116,13 @@ def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
             pose = _pose(item, t)
             local = np.ascontiguousarray((points - pose.position) @ pose.matrix)
             if np.sqrt((local * local).sum(axis=1)).min() < item.reach:
-                _line(panel, plane, distance(item.shape, local, np.inf, np.inf), BLUE, "--")
+                d = distance(item.shape, local, np.inf, np.inf)
+                if isinstance(item.shape, SHEETS):  # all that is behind them counts as inside
+                    d[
+                        distance(item.shape, local + np.array([0.0, 0.0, THIN]), np.inf, np.inf)
+                        < 0.0
+                    ] = np.nan
+                _line(panel, plane, d, BLUE, "--")
 
 
 def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
@@ -125,7 +135,7 @@ def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
 
 def _line(panel: Panel, plane: Plane, d: Floats, colour: str, style: str) -> None:
     """Draw where d, (GRID * GRID,) [m], is 0."""
-    if d.min() < 0.0 < d.max():
+    if np.nanmin(d) < 0.0 < np.nanmax(d):
         panel.contour(
             1e3 * plane.u, 1e3 * plane.v, d.reshape(len(plane.v), len(plane.u)), [0.0],
             colors=colour, linestyles=style, linewidths=0.9,

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from io import BytesIO
+from typing import Any
 
 from matplotlib.figure import Figure
+
+from pacinian.plot.style import CURVES
 
 SHARP = 200.0  # [1/inch] of the picture that a notebook gets
 SHOWN = 110.0  # [1/inch] at which it shows it
 
 
 class Shown(Figure):
-    """A Matplotlib figure, without pyplot and without a display."""
+    """A Matplotlib figure, without pyplot and without a display; its curves have our colours."""
+
+    def add_subplot(self, *args: Any, **kwargs: Any) -> Any:
+        """As Matplotlib's."""
+        panel = super().add_subplot(*args, **kwargs)
+        panel.set_prop_cycle(color=CURVES)
+        return panel
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         buffer = BytesIO()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.scene.hands.skin import skin_of
 from pacinian.scene.objects import Body, Surface
 from pacinian.scene.sampling.covers import estimate
@@ -16,14 +17,13 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.pose import Pose
+    from pacinian.plot.style import Panel
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
     from pacinian.types import Flags, Floats
 
-Panel = Any  # Matplotlib's axes: its stubs leave too much open
 Colour = tuple[float, float, float]
 
-SKIN, METAL, THING = (0.95, 0.80, 0.70), (0.66, 0.68, 0.72), (0.35, 0.58, 0.82)
 LIGHT = np.array([0.3, -0.4, 0.9])
 DARKEST = 0.5  # share of its colour that a side away from the light has
 FINE, MANY = 0.002, 4000  # [m] between discs on an object; so many of them at most

@@ -96,7 +96,10 @@ def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:
                 name, (0.0, k), xycoords=panel.get_yaxis_transform(), xytext=(3, 0),
                 textcoords="offset points", va="center", fontsize=SMALL,
             )  # fmt: skip
-        panel.set(yticks=(), xlabel="times skipped" if found else "nothing skipped")
+        panel.set(yticks=(), ylim=(-0.6, max(2.4, len(found) - 0.4)))
+        panel.set_xlabel("times skipped" if found else "nothing skipped")
+        if not found:
+            panel.set_xticks(())
 
     return {"ticks": ticks, "error": error, "skipped": skipped}
 

@@ -58,9 +58,14 @@ def convergence(
     panel.set(xscale="log", yscale="log", xlabel="iterations", ylabel="error [%]")
     texts: list[Text] = []
     others: list[tuple[float, float]] = []
-    for k, one in enumerate(chosen):
+    traces = [
+        dict(trace(array, points, amplitudes, one, phases, limits=limits, medium=medium))
+        for one in chosen
+    ]
+    errors = [100.0 * max(error, FLOOR) for found in traces for error in found.values()]
+    panel.set_ylim(min(0.6 * min(errors), 0.1 * max(errors)), 2.5 * max(errors))
+    for k, (one, found) in enumerate(zip(chosen, traces, strict=True)):
         colour, mark = CURVES[k % len(CURVES)], MARKS[k % len(MARKS)]
-        found = dict(trace(array, points, amplitudes, one, phases, limits=limits, medium=medium))
         x = sorted(found)
         y = [100.0 * max(found[n], FLOOR) for n in x]
         name = one if isinstance(one, str) else one.name
@@ -74,8 +79,7 @@ def convergence(
             panel.plot(x, y, mark, linestyle="-", color=colour, ms=3, linewidth=LINE)
             texts.append((name, float(x[-1]), y[-1], colour))
             others += zip(map(float, x[:-1]), y[:-1], strict=True)
-    panel.set_xlim(0.8, ROOM * max((x for _, x, _, _ in texts), default=1.0))
-    panel.set_ylim(top=1.7 * panel.get_ylim()[1])
+    panel.set_xlim(0.8, ROOM * max((x for _, x, _, _ in texts), default=10.0))
     panel.xaxis.set_major_formatter(plainly)
     panel.yaxis.set_major_formatter(plainly)
     panel.grid(color="0.94", linewidth=0.5)

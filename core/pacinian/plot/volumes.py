@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.checks import length, numbers
+from pacinian.checks import length, near, numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.planes import ALONE, MARGIN, middle_of
 from pacinian.plot.quantities import heard
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Floats, Longs
 
 FINE = 4.0  # points in a wavelength
-USUAL, MOST = 1_000_000, 50_000_000  # points of a grid: as many as are fine enough; at most
+USUAL, MOST = 1_000_000, 10_000_000  # points of a grid: as many as are fine enough; at most
 
 Box = tuple["ArrayLike", "ArrayLike"]
 
@@ -51,6 +51,7 @@ def volume(
     Raises ArgumentError.
     """
     low, high = around(array, points) if box is None else _corners(box)
+    near("box", np.stack([low, high]), array.centre)
     size = high - low
     if spacing is None:
         wavelength = medium.wavelength(array.transducer.frequency)

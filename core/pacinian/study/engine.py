@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, cast
 
 from pacinian.errors import ArgumentError, MissingExtra, ServerError
-from pacinian.study.measuring import failed, measure
+from pacinian.study.worker import failed, measure
 
 try:
     from dask import config
@@ -25,8 +25,8 @@ except ImportError as error:
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 
-    from pacinian.study.measuring import Row
     from pacinian.study.tasks import Plan, Task
+    from pacinian.study.worker import Row
 
 PATIENCE = 30.0  # [s] for a scheduler to answer, and for a first worker
 GONE = "the Dask scheduler is gone; what was done is kept"
@@ -41,12 +41,15 @@ QUIET: dict[str, list[str]] = {
 
 
 def start(
-    workers: int | None, scheduler: str | None, dashboard: Callable[[str], object] | None
+    workers: int | None,
+    scheduler: str | None,
+    dashboard: Callable[[str], object] | None,
+    batches: int,
 ) -> AbstractContextManager[Client]:
-    """The engine that is asked for: see `pacinian.study.run`."""
+    """The engine that is asked for, as in `pacinian.study.run`; no more local processes than batches."""
     if scheduler is not None:
         return remote(scheduler)
-    return local(CPU_COUNT if workers is None else workers, dashboard)
+    return local(min(batches, CPU_COUNT if workers is None else workers), dashboard)
 
 
 @contextmanager

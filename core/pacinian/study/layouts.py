@@ -1,4 +1,4 @@
-"""Where the transducers of a study are: plans in the plane, and what bends them into space."""
+"""The layouts of a study: arrangements in a plane, and what bends them into space."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pacinian.acoustics.pose import Pose
 from pacinian.checks import integer, length, number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
-from pacinian.study import plans
+from pacinian.study import arrangements
 from pacinian.study.sweep import Count, Number, Word, each, one
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ FLAT = 1e-9  # [m]
 
 
 class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
-    """What all layouts have; a plan lies on the xy-plane, centred on the origin, and points to +z.
+    """What all layouts have; each lies on the xy-plane, centred on the origin, and points to +z, until it is bent.
 
     name: what it is called; its type unless given.
     bowl: bent to a sphere of this radius that touches the xy-plane [m]; 0 leaves it flat.
@@ -52,13 +52,13 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
         each("facing", self.facing, _length_or_none)
         each("hinge", self.hinge, _axis)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
-        """Where the transducers are on the plan [m], (N, 2); rng: of the study, for this layout."""
+    def _places(self, rng: np.random.Generator) -> Floats:
+        """Where the transducers are in the plane [m], (N, 2); rng: of the study, for this layout."""
         raise NotImplementedError
 
     def _flat(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
         """The array before it is bent."""
-        xy = self._plan(rng)
+        xy = self._places(rng)
         return pc.Array(np.pad(xy, ((0, 0), (0, 1))), transducer=kind)
 
     def make(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
@@ -86,7 +86,7 @@ class Autd(Layout, frozen=True, tag="autd"):
         for name, value in (("columns", self.columns), ("rows", self.rows)):
             each(name, value, _some)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
+    def _places(self, rng: np.random.Generator) -> Floats:
         return pc.autd(one(self.columns), one(self.rows)).positions[:, :2]
 
 
@@ -116,7 +116,7 @@ class Lattice(Spread, frozen=True, tag="lattice"):
         super().__post_init__()
         each("pitch", self.pitch, _pitch)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
+    def _places(self, rng: np.random.Generator) -> Floats:
         return pc.lattice(*self.size, one(self.pitch)).positions[:, :2]
 
 
@@ -129,8 +129,8 @@ class Hexagonal(Spread, frozen=True, tag="hexagonal"):
         super().__post_init__()
         each("pitch", self.pitch, _pitch)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
-        return plans.hexagonal(*self.size, one(self.pitch))
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.hexagonal(*self.size, one(self.pitch))
 
 
 class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
@@ -148,8 +148,8 @@ class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
         each("apart", self.apart, _length_or_none)
         each("seed", self.seed, lambda n, v: integer(n, v, low=0))
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
-        return plans.scattered(*self.size, one(self.count), one(self.apart), rng)
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.scattered(*self.size, one(self.count), one(self.apart), rng)
 
 
 class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
@@ -163,8 +163,8 @@ class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
         each("count", self.count, _some)
         each("diameter", self.diameter, length)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
-        return plans.sunflower(one(self.count), one(self.diameter))
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.sunflower(one(self.count), one(self.diameter))
 
 
 class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
@@ -178,8 +178,8 @@ class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
         each("diameter", self.diameter, length)
         each("pitch", self.pitch, _pitch)
 
-    def _plan(self, rng: np.random.Generator) -> Floats:
-        return plans.rings(one(self.diameter), one(self.pitch))
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.rings(one(self.diameter), one(self.pitch))
 
 
 class Device(Layout, frozen=True, tag="device"):

@@ -12,7 +12,7 @@ from scipy import linalg
 from scipy.spatial import cKDTree
 
 import pacinian as pc
-from pacinian.study import focus, lobes
+from pacinian.study import focus
 
 if TYPE_CHECKING:
     from pacinian.study.file import Picture
@@ -101,8 +101,8 @@ class Stage:
     def lobes(self) -> Flags:
         """Which pixels are in the main lobe of a point asked, (K, K)."""
         uv = self.uv[self.asked]
-        shapes = lobes.shapes(self.array, self.points[self.asked], self.plane.axes, self.medium)
-        return lobes.within(self.pixels, uv, shapes)
+        shapes = focus.lobes(self.array, self.points[self.asked], self.plane.axes, self.medium)
+        return focus.within(self.pixels, uv, shapes)
 
     def field(self, gains: Complexes) -> Floats:
         """|p| [Pa] in the picture, (K, K); NaN where it is not seen."""

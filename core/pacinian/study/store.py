@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from pacinian.study.measuring import Row
     from pacinian.study.tasks import Plan, Task
+    from pacinian.study.worker import Row
 
 DIGEST = b"pacinian.study"
 MEASURED = pa.schema(
@@ -70,8 +70,8 @@ class Folder:
         found: dict[str, Row] = {}
         for part in sorted(self._parts.glob("*.parquet")):
             try:
-                rows = pq.read_table(part, schema=MEASURED).to_pylist()
-            except (pa.ArrowException, OSError) as error:
+                rows = pq.read_table(part).select(MEASURED.names).cast(MEASURED).to_pylist()
+            except (pa.ArrowException, KeyError, OSError) as error:
                 self.unreadable.append(f"{part}: {error}")
                 continue
             for row in rows:
@@ -85,11 +85,11 @@ class Folder:
         self._write(table, self._parts / f"{uuid.uuid4().hex}.parquet")
 
     def asked(self) -> tuple[str, set[str]]:
-        """The digest and the keys of the study that was here before; empty if none was."""
-        path = self.path / "tasks.parquet"
-        if not path.exists():
+        """The digest and the keys of the study that was here before; empty if none was, or none that can be read."""
+        try:
+            table = _table(self.path / "tasks.parquet")
+        except RecordingError:
             return "", set()
-        table = _table(path)
         digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
         return digest, set(table.column("key").to_pylist())
 

@@ -8,7 +8,7 @@ import importlib.metadata
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -16,8 +16,8 @@ from msgspec.structs import replace
 
 from pacinian.errors import ArgumentError, PacinianError, SceneFileError
 from pacinian.plugins import registry
-from pacinian.study.measuring import Batch, Job
 from pacinian.study.sweep import Entry, entries
+from pacinian.study.worker import Batch, Job
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from pacinian.study.planes import Plane
 
 MOST = 100_000  # tasks
+LARGEST = 10_000_000  # points times transducers: B, of 16 bytes each, is held several times
 BATCH = 8  # tasks at most
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -64,25 +67,31 @@ class Plan:
     def __init__(self, study: Study, path: str = "study") -> None:
         self.study, self._path = _typed(study, path), path
         study = self.study
-        layouts = self._checked("layouts", study.layouts, entries, self.array)
-        planes = self._checked("planes", study.planes, entries, lambda plane: plane.origin)
-        patterns = self._checked(
-            "patterns", study.patterns, lambda p: entries(p, p.whole), self._within
-        )
-        methods = self._checked("solvers", study.methods, lambda m: m.entries(), lambda m: m.make())
-        count = math.prod(map(len, (layouts, planes, patterns, methods, study.levels)))
-        if count > MOST:
+        layouts = self._expanded("layouts", study.layouts, entries)
+        planes = self._expanded("planes", study.planes, entries)
+        patterns = self._expanded("patterns", study.patterns, lambda p: entries(p, p.whole))
+        methods = self._expanded("solvers", study.methods, lambda m: m.entries())
+        parts = (layouts, planes, patterns, methods)
+        if (count := math.prod(map(len, (*parts, study.levels)))) > MOST:
             raise SceneFileError(path, "$", f"makes {count} tasks: more than {MOST}")
+        self._checked(methods, lambda m: m.make())
+        N = max(self._checked(layouts, lambda layout: len(self.array(layout))))
+        M = max(self._checked(patterns, self._count))
+        if N * M > LARGEST:
+            problem = (
+                f"asks for {M} points of {N} transducers: more than {LARGEST} of both multiplied"
+            )
+            raise SceneFileError(path, "$", problem)
         hows = [
             (method, level, [msgspec.to_builtins(method.value), _source(method.value.name), level])
-            for method, level in itertools.product(methods, study.levels)
+            for method, level in itertools.product(methods.values(), study.levels)
         ]
         self.tasks: list[Task] = []
-        for parts in itertools.product(layouts, planes, patterns):
-            place = Place(*parts)
-            where = digest([self._world, *(self._said(part.value) for part in parts)]).hex()
+        for where in itertools.product(layouts.values(), planes.values(), patterns.values()):
+            place = Place(*where)
+            said = digest([self._world, *(self._said(part.value) for part in where)]).hex()
             for method, level, how in hows:
-                self.tasks.append(Task(digest([where, *how]).hex(), place, method, level))
+                self.tasks.append(Task(digest([said, *how]).hex(), place, method, level))
         self._twice()
 
     @functools.cached_property
@@ -139,7 +148,8 @@ class Plan:
         own = int.from_bytes(digest(_plain(item)))
         return np.random.default_rng(np.random.SeedSequence([self.study.seed, own]))
 
-    def _within(self, pattern: Pattern) -> None:
+    def _count(self, pattern: Pattern) -> int:
+        """How many points; all of them are within the picture."""
         uv, _ = self.points(pattern)
         half, reach = self.study.picture.side / 2.0, float(np.abs(uv).max())
         if reach > half * (1.0 + 1e-9):
@@ -147,15 +157,14 @@ class Plan:
                 "picture.side",
                 f"of {2.0 * half:g} m is too small: the pattern needs {2.0 * reach:g} m",
             )
+        return len(uv)
 
-    def _checked(
-        self,
-        part: str,
-        items: Sequence[Any],
-        expand: Callable[[Any], list[Entry[Any]]],
-        check: Callable[[Any], object],
-    ) -> list[Entry[Any]]:
-        made: list[Entry[Any]] = []
+    def _expanded(
+        self, part: str, items: Sequence[Any], expand: Callable[[Any], list[Entry[Any]]]
+    ) -> dict[str, Entry[Any]]:
+        """All that a part of the file stands for, by what errors name: the key, and the label."""
+        made: dict[str, Entry[Any]] = {}
+        labels: set[str] = set()
         for i, item in enumerate(items):
             key = f"$.{part}[{i}]"
             try:
@@ -163,16 +172,22 @@ class Plan:
             except ArgumentError as error:
                 raise SceneFileError(self._path, key, str(error)) from error
             for entry in found:
-                try:
-                    check(entry.value)
-                except PacinianError as error:
-                    which = f"{entry.label}: " if len(found) > 1 else ""
-                    raise SceneFileError(self._path, key, f"{which}{error}") from error
-                if any(entry.label == other.label for other in made):
+                if entry.label in labels:
                     problem = f"is called {entry.label!r}, as another one: give `name`"
                     raise SceneFileError(self._path, key, problem)
-                made.append(entry)
+                labels.add(entry.label)
+                made[f"{key}: {entry.label}" if len(found) > 1 else key] = entry
         return made
+
+    def _checked(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
+        """What a check says of each. Raises SceneFileError."""
+        told: list[T] = []
+        for key, entry in made.items():
+            try:
+                told.append(check(entry.value))
+            except PacinianError as error:
+                raise SceneFileError(self._path, key, str(error)) from error
+        return told
 
     def _twice(self) -> None:
         first: dict[str, Task] = {}

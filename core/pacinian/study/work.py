@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 from pacinian.checks import integer
 from pacinian.study.file import Study, read
-from pacinian.study.measuring import measure
 from pacinian.study.store import Folder, Table
 from pacinian.study.tasks import Plan
+from pacinian.study.worker import measure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
 
-    from pacinian.study.measuring import Row
     from pacinian.study.tasks import Task
+    from pacinian.study.worker import Row
 
 
 def run(
@@ -32,7 +32,7 @@ def run(
     """Do what is not done yet of a study; return the table of all of it, a pyarrow.Table.
 
     study: or its file, or its plan. out: the folder that keeps results, part by part as they come: the same call goes
-    on where it was stopped. workers: local processes, as many as cores unless given; 0 for none but this one.
+    on where it was stopped. workers: local processes at most, as many as cores unless given; 0 for none but this one.
     scheduler: the address of a Dask scheduler instead. retry: also what failed before.
     dashboard: told where Dask's page of the local processes is, which needs bokeh; none unless given.
     advance: told how many tasks were done at once.
@@ -87,5 +87,5 @@ def _work(
         return
     from pacinian.study import engine
 
-    with engine.start(workers, scheduler, dashboard) as client:
+    with engine.start(workers, scheduler, dashboard, len(batches)) as client:
         yield from engine.results(client, plan, batches)

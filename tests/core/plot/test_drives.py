@@ -23,7 +23,8 @@ def discs(panel: Any) -> tuple[Any, Any]:
 
 def test_phases_and_amplitudes_are_shown_where_they_are() -> None:
     page = plot.drive(ARRAY, GAINS)
-    phase, amplitude, *bars = page.axes
+    phase, amplitude = page.axes
+    bars = [*phase.child_axes, *amplitude.child_axes]
     for panel, exact in ((phase, np.angle(GAINS)), (amplitude, np.abs(GAINS))):
         r, shown = discs(panel)
         np.testing.assert_allclose(r, ARRAY.positions[:, :2], atol=1e-12)

@@ -128,7 +128,8 @@ def test_every_axis_has_its_unit(plane: str) -> None:
         ("level", "[dB"),
         ("phase", "[rad]"),
     ):
-        panel, bar = plot.field(ARRAY, GAINS, plane, POINTS[0], show=show).axes  # type: ignore[arg-type]
+        (panel,) = plot.field(ARRAY, GAINS, plane, POINTS[0], show=show).axes  # type: ignore[arg-type]
+        (bar,) = panel.child_axes
         assert panel.get_xlabel().endswith("[mm]")
         assert panel.get_ylabel().endswith("[mm]")
         assert unit in bar.get_ylabel() + bar.get_xlabel()
@@ -169,3 +170,47 @@ def test_bad_gains_are_named() -> None:
             plot.field(ARRAY, g)
     with pytest.raises(pc.ArgumentError, match="phase"):
         plot.field(ARRAY, np.stack([GAINS, GAINS]), show="phase")
+
+
+def test_a_bar_is_as_high_as_its_panel_and_tells_of_values_beyond_its_end() -> None:
+    array = pc.lattice(0.1, 0.1)
+    near = plot.field(array, np.ones(len(array)), "xz", (0.0, 0.0, 0.05), size=0.1)
+    for page, extend in ((near, "max"), (plot.field(ARRAY, GAINS, points=POINTS), "neither")):
+        page.draw_without_rendering()
+        (panel,) = page.axes
+        (bar,) = panel.child_axes
+        assert bar._colorbar.extend == extend
+        box, beside = panel.get_window_extent(), bar.get_window_extent()
+        arrow = 0.0 if extend == "neither" else 0.05 * box.height
+        assert (beside.y0, beside.y1) == pytest.approx((box.y0, box.y1 - arrow), abs=1.0)
+
+
+def test_the_place_of_a_plane_is_not_rounded_away() -> None:
+    page = plot.field(ARRAY, GAINS, "xy", (0.0, 0.0, 0.1025), size=0.1)
+    assert page.axes[0].get_title() == "z = 102.5 mm"
+
+
+def test_slices_take_lists_and_name_what_is_wrong() -> None:
+    assert len(plot.slices(ARRAY, GAINS, POINTS.tolist()).axes) == 3
+    for wrong, argument in (
+        (lambda: plot.slices(ARRAY, GAINS, [[0.0, 0.0]]), "points"),
+        (lambda: plot.slices(ARRAY, GAINS, 1e3 * POINTS), "points"),
+        (lambda: plot.slices("array", GAINS, POINTS), "array"),  # type: ignore[arg-type]
+        (lambda: plot.field("array", GAINS), "array"),  # type: ignore[arg-type]
+        (lambda: plot.field(ARRAY, np.empty((0, len(ARRAY)))), "gains"),
+        (lambda: plot.field(ARRAY, GAINS, at=(0.0, 0.0, 150.0)), "at"),
+        (lambda: plot.field(ARRAY, GAINS, ["xy"]), "plane"),  # type: ignore[arg-type]
+        (lambda: plot.drive("array", GAINS), "array"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(pc.ArgumentError) as told:
+            wrong()
+        assert told.value.argument == argument
+
+
+def test_a_slice_holds_all_points_and_is_no_larger_for_those_beside_it() -> None:
+    points = np.array([[0.03, 0.09, 0.15], [-0.03, -0.09, 0.16]])
+    flat = plot.field(ARRAY, GAINS, "xz", points=points).axes[0]
+    np.testing.assert_allclose(flat.get_xlim(), (-60.0, 60.0), atol=0.5)
+    tilted = pc.Pose.turned("z", 90.0, (0.0, 0.02, 0.155))
+    turned = plot.field(ARRAY, GAINS, tilted, points=points).axes[0]
+    np.testing.assert_allclose(turned.get_xlim(), (-140.0, 140.0), atol=1.0)

@@ -1,8 +1,10 @@
 """Run time against error: from the benchmark's file or its cells, the same picture."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -103,3 +105,14 @@ def test_labels_keep_out_of_each_others_way() -> None:
     boxes = [Text.get_window_extent(text) for text in panel.texts]  # without their leaders
     assert len(boxes) == 8
     assert not any(a.overlaps(b) for n, a in enumerate(boxes) for b in boxes[:n])
+
+
+def test_what_was_not_measured_is_left_out_and_the_error_is_that_of_the_proportions() -> None:
+    cells = plain(rows(), [])["cells"]
+    broken = [
+        {**cells[0], "solver": "odd", **wrong}
+        for wrong in ({"p50": math.nan}, {"error": math.nan}, {"p50": 0.0}, {"error": math.inf})
+    ]
+    (panel,) = plot.pareto([SimpleNamespace(**c) for c in (*cells, *broken)], N=249, M=4).axes
+    assert "odd" not in " ".join(places(panel))
+    assert panel.get_ylabel() == "error of the proportions [%]"

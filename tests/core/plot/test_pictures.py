@@ -194,12 +194,13 @@ def test_a_notebook_gets_a_sharp_picture_of_a_readable_size() -> None:
 
 
 def test_nothing_is_cut_off_at_the_edge() -> None:
+    nine = pc.autd(3, 3)
+    two = pc.solve(nine, [[0.03, 0.0, 0.2], [-0.03, 0.0, 0.2]], [900.0, 600.0])
     for page in (
-        plot.drive(pc.autd(3, 3), np.ones(2241)),
+        plot.drive(nine, two.gains),
         plot.field(ARRAY, gains(), "xy", FOCUS[0], show="level"),
         plot.field(ARRAY, gains(), "xz", FOCUS[0], size=(0.2, 0.1)),
     ):
-        page.draw_without_rendering()
         width, height = page.bbox.size
         for panel in page.axes:
             box = panel.get_tightbbox()
@@ -208,3 +209,40 @@ def test_nothing_is_cut_off_at_the_edge() -> None:
             assert box.y0 > -1.0
             assert box.x1 < width + 1.0
             assert box.y1 < height + 1.0
+
+
+def test_a_sheet_is_drawn_where_it_crosses_a_plane_and_not_as_all_that_is_behind_it() -> None:
+    plate = pc.Surface(
+        shape=pc.Rectangle(0.06, 0.06), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0
+    )
+    page = plot.scene(ARRAY, pc.Scene((plate,)), felt(pc.Scene((plate,))), gains())
+    upright = [panel for panel in page.axes if panel.images][1]
+    (line,) = upright.collections
+    x, z = np.concatenate([path.vertices for path in line.get_paths()]).T
+    assert np.ptp(x) == pytest.approx(60.0, abs=2.0)
+    np.testing.assert_allclose(z, 150.0, atol=4.0)
+
+
+def test_curves_have_colours_that_every_eye_tells_apart() -> None:
+    panel = plot.figure().subplots()
+    assert [panel.plot([0, 1])[0].get_color() for _ in range(2)] == ["#0072b2", "#d55e00"]
+
+
+@pytest.mark.parametrize(
+    ("name", "colours", "argument"),
+    [("a.pdf", 64, "colours"), ("a.png", 1, "colours"), ("a.png", 257, "colours"),
+     ("a.tex", None, "path"), ("a", None, "path")],
+)  # fmt: skip
+def test_a_file_that_cannot_be_is_refused(
+    name: str, colours: int | None, argument: str, tmp_path: Path
+) -> None:
+    with pytest.raises(pc.ArgumentError) as told:
+        plot.save(plot.figure(), tmp_path / name, colours)
+    assert told.value.argument == argument
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_figure_has_a_size() -> None:
+    for wrong in ((0.0, 1.0), (float("nan"), 1.0), (3.5, 1000.0)):
+        with pytest.raises(pc.ArgumentError, match=r"width|height"):
+            plot.figure(*wrong)

@@ -12,6 +12,7 @@ import jsonschema
 import pytest
 
 import pacinian as pc
+import pacinian.study as ps
 from pacinian.study.file import Method, Study, read, schema
 from pacinian.study.layouts import Autd, Lattice
 from pacinian.study.patterns import Focus, Points
@@ -165,3 +166,26 @@ def test_the_schema_is_json() -> None:
     assert {"layouts", "patterns", "planes", "solvers"} <= made["$defs"]["Study"][
         "properties"
     ].keys()
+
+
+def test_a_problem_that_no_memory_holds_is_refused_before_anything_is_made(
+    write: Callable[..., Path],
+) -> None:
+    text = """
+    layouts = [{ type = "lattice", width = 0.4, pitch = [0.02, 0.003] }]
+    patterns = [{ type = "grid", columns = 100, rows = 100, pitch = 0.002 }]
+    """
+    with pytest.raises(pc.SceneFileError, match="10000 points of 17956 transducers"):
+        planned(write(text))
+
+
+def test_a_study_can_be_written_in_python(write: Callable[..., Path]) -> None:
+    made = ps.Study(
+        layouts=(ps.Lattice(width=0.1, pitch=(0.01, 0.02)),),
+        patterns=(ps.Circle(radius=0.03, count=4), ps.Focus()),
+    )
+    text = """
+    layouts = [{ type = "lattice", width = 0.1, pitch = [0.01, 0.02] }]
+    patterns = [{ type = "circle", radius = 0.03, count = 4 }, { type = "focus" }]
+    """
+    assert Plan(made).digest == planned(write(text)).digest

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy import integrate, optimize, special
 
 import pacinian as pc
-from pacinian.study import focus, lobes
+from pacinian.study import focus
 from pacinian.study.layouts import Lattice, Sunflower
 
 AIR = pc.Air()
@@ -114,7 +114,7 @@ def test_the_main_lobe_of_a_square_ends_at_its_first_null() -> None:
     a, z = 0.1, 1.0
     array = Lattice(width=a - 0.004, pitch=0.004).make(OMNI, np.random.default_rng(0))
     point, axes = np.array([[0.0, 0.0, z]]), np.eye(3)[:2]
-    (S,) = lobes.shapes(array, point, axes, AIR)
+    (S,) = focus.lobes(array, point, axes, AIR)
     np.testing.assert_allclose(S, np.eye(2) * (a / (WAVELENGTH * z)) ** 2, rtol=0.01, atol=1.0)
     null = WAVELENGTH * z / a
     B = pc.matrix(array, point, AIR)[0]
@@ -122,13 +122,13 @@ def test_the_main_lobe_of_a_square_ends_at_its_first_null() -> None:
     peak, there = np.abs(pc.field(array, B.conj(), line, AIR, precision="double"))
     assert there < 0.01 * peak
     pixels = np.array([[0.99 * null, 0.0], [1.01 * null, 0.0], [0.0, -0.99 * null]])
-    assert lobes.within(pixels, np.zeros((1, 2)), S[None]).tolist() == [True, False, True]
+    assert focus.within(pixels, np.zeros((1, 2)), S[None]).tolist() == [True, False, True]
 
 
 def test_a_lobe_is_long_in_depth_and_agrees_with_the_resolution() -> None:
     array = Lattice(width=0.2).make(OMNI, np.random.default_rng(0))
     point = np.array([[0.0, 0.0, 0.2]])
-    (S,) = lobes.shapes(array, point, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), AIR)
+    (S,) = focus.lobes(array, point, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), AIR)
     across, along = S[0, 0] ** -0.5, S[1, 1] ** -0.5
     assert across == pytest.approx(float(pc.resolution(array, point, AIR)[0]), rel=1e-3)
     assert along > 3.0 * across

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 import pacinian as pc
-from pacinian.study import layouts, plans
+from pacinian.study import arrangements, layouts
 from pacinian.study.layouts import Autd, Device, Hexagonal, Lattice, Rings, Scattered, Sunflower
 
 RNG = np.random.default_rng(0)
@@ -32,7 +32,7 @@ def test_lattice_and_autd_are_those_of_the_core() -> None:
 def test_a_hexagonal_one_is_symmetric_within_its_box_at_its_pitch(
     width: float, height: float, pitch: float
 ) -> None:
-    xy = plans.hexagonal(width, height, pitch)
+    xy = arrangements.hexagonal(width, height, pitch)
     assert (np.abs(xy) <= np.array([width, height]) / 2.0 + 1e-9).all()
     for mirrored in (xy * (-1.0, 1.0), xy * (1.0, -1.0)):
         assert np.allclose(np.unique(mirrored.round(9), axis=0), np.unique(xy.round(9), axis=0))
@@ -41,7 +41,7 @@ def test_a_hexagonal_one_is_symmetric_within_its_box_at_its_pitch(
 
 
 def test_all_but_the_outer_ones_of_a_hexagonal_one_have_six_neighbours() -> None:
-    xy = plans.hexagonal(0.2, 0.2, 0.01)
+    xy = arrangements.hexagonal(0.2, 0.2, 0.01)
     inner = xy[np.abs(xy).max(axis=1) < 0.085]
     distances = np.linalg.norm(inner[:, None] - xy, axis=2)
     assert (np.isclose(distances, 0.01, rtol=1e-9).sum(axis=1) == 6).all()
@@ -51,7 +51,7 @@ def test_all_but_the_outer_ones_of_a_hexagonal_one_have_six_neighbours() -> None
 def test_a_sunflower_has_as_many_inside_any_circle_as_its_area_has_room(
     count: int, diameter: float
 ) -> None:
-    r = np.hypot(*plans.sunflower(count, diameter).T)
+    r = np.hypot(*arrangements.sunflower(count, diameter).T)
     assert len(r) == count
     assert r.max() < diameter / 2.0
     inside = (r < diameter / 4.0).sum()
@@ -60,7 +60,7 @@ def test_a_sunflower_has_as_many_inside_any_circle_as_its_area_has_room(
 
 @given(diameter=lengths, pitch=st.floats(0.005, 0.03))
 def test_rings_keep_their_pitch(diameter: float, pitch: float) -> None:
-    xy = plans.rings(diameter, pitch)
+    xy = arrangements.rings(diameter, pitch)
     assert np.hypot(*xy.T).max() <= diameter / 2.0 + 1e-9
     if len(xy) > 1:
         assert pdist(xy).min() >= pitch * (1.0 - 1e-9)
@@ -73,6 +73,16 @@ def test_random_ones_keep_apart_and_follow_from_their_generator() -> None:
     assert not np.array_equal(a, c)
     assert pdist(a).min() >= 0.008
     assert (np.abs(a) <= (0.05, 0.025, 0.0)).all()
+
+
+def test_darts_land_where_thrown_one_by_one_they_would() -> None:
+    half, rng, slow = 0.05, np.random.default_rng(3), np.empty((0, 2))
+    while len(slow) < 60:
+        dart = rng.uniform([-half, -half], [half, half])
+        if not len(slow) or np.sqrt(((slow - dart) ** 2).sum(axis=1)).min() >= 0.009:
+            slow = np.concatenate([slow, dart[None]])
+    found = arrangements.scattered(0.1, 0.1, 60, 0.009, np.random.default_rng(3))
+    np.testing.assert_array_equal(found, slow)
 
 
 def test_what_does_not_fit_says_so() -> None:

@@ -16,10 +16,10 @@ from pacinian.devices.description import Element, Steps
 from pacinian.study.file import Method, Picture, Study, read
 from pacinian.study.layouts import Autd, Lattice, Rings
 from pacinian.study.measures import MEASURES, amplitudes, emitted_power, image
-from pacinian.study.measuring import emitted, measure, solve, targets
 from pacinian.study.patterns import Focus, Points, RandomPoints
 from pacinian.study.planes import Plane
 from pacinian.study.tasks import Plan
+from pacinian.study.worker import emitted, measure, solve, targets
 
 AIR = pc.Air()
 STUDIES = Path(__file__).parents[3] / "examples" / "studies"

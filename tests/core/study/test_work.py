@@ -7,15 +7,16 @@ import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 import pacinian as pc
 import pacinian.study as ps
-from pacinian.study import report, store, work
+from pacinian.study import charts, images, report, store, work
 from pacinian.study.measures import MEASURES
-from pacinian.study.measuring import measure
 from pacinian.study.store import Folder
 from pacinian.study.tasks import Plan
+from pacinian.study.worker import measure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -119,6 +120,33 @@ def test_a_part_that_was_cut_off_or_is_something_else_is_done_again_and_told(
     assert len(table) == count
 
 
+def test_a_part_of_another_version_is_done_again_and_told(
+    write: Callable[..., Path], tmp_path: Path, counted: list[str]
+) -> None:
+    path, out = write(), tmp_path / "out"
+    table = ps.run(path, out, workers=0)
+    count = len(counted)
+    part = next((out / "parts").iterdir())
+    older = pq.read_table(part)
+    pq.write_table(older.drop_columns(["rank", "condition"]), part)
+    again = ps.run(path, out, workers=0)
+    assert len(counted) == count + len(older)
+    assert again.column("condition").to_pylist() == table.column("condition").to_pylist()
+
+
+def test_what_was_asked_is_written_down_again_where_it_cannot_be_read(
+    write: Callable[..., Path], tmp_path: Path, counted: list[str]
+) -> None:
+    path, out = write(), tmp_path / "out"
+    ps.run(path, out, workers=0)
+    count = len(counted)
+    (out / "tasks.parquet").write_text("no table")
+    assert Folder(out).asked() == ("", set())
+    ps.run(path, out, workers=0)
+    assert len(counted) == count
+    assert Folder(out).asked()[0] == Plan(ps.read(path)).digest
+
+
 def test_a_crash_while_writing_leaves_no_half_part(
     write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -184,7 +212,7 @@ def test_a_report_has_its_tables_failures_and_pictures(
     assert "1 x PointOnTransducer" in text
     assert "| lattice | 9 | 20 | 10 |" in text
     for name in MEASURES:
-        assert report.titled(name) in text
+        assert charts.titled(name) in text
     assert len(drawn) == 2
     for file in files[1:]:
         assert f"({file.name})" in text
@@ -217,3 +245,42 @@ def test_numbers_survive_the_folder_bit_by_bit(tmp_path: Path) -> None:
     folder.add([row])
     kept = folder.rows()["a"]
     assert repr({name: kept[name] for name in row}) == repr(row)
+
+
+MANY = """
+picture = { side = 0.03, step = 0.01 }
+layouts = [{ type = "lattice", width = 0.02, facing = [%s] }]
+patterns = [{ type = "focus", name = "a | b" }]
+"""
+
+
+def test_of_many_layouts_the_first_are_drawn_and_the_report_says_so(
+    write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(images, "LAYOUTS", 2)
+    monkeypatch.setattr(charts, "LAYOUTS", 2)
+    path = write(MANY % "0.3, 0.4, 0.5")
+    plan, out = Plan(ps.read(path)), tmp_path / "out"
+    drawn: list[int] = []
+    report.write(plan, ps.run(path, out, workers=0), out, lambda: drawn.append(1))
+    assert len(drawn) == 2
+    text = (out / "report.md").read_text()
+    assert "Pictures show the first 2 of 3 layouts." in text
+    assert text.count("| lattice facing=") == 3
+
+
+def test_heights_below_the_plane_have_colours_of_their_own(
+    write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[Any] = []
+    monkeypatch.setattr(images, "save", lambda page, path: kept.append(page))
+    text = MANY.replace("facing = [%s]", "fold = [-45.0, 45.0]")
+    images.layouts(Plan(ps.read(write(text))), tmp_path / "it.png")
+    for panel in kept[0].axes[:2]:
+        (dots,) = panel.collections
+        low, high = dots.get_clim()
+        assert low <= dots.get_array().min() < dots.get_array().max() <= high
+
+
+def test_nothing_in_a_name_is_taken_for_markdown() -> None:
+    assert report._plain("a | *b*\n<c>") == r"a \| \*b\* \<c\>"

@@ -1,4 +1,4 @@
-"""Plans of arrays: where transducers are in a plane [m], (N, 2), about the origin."""
+"""Arrangements in a plane: where transducers are [m], (N, 2), about the origin."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from pacinian.types import Floats
+    from pacinian.types import Flags, Floats
 
 GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # [rad], the golden angle
-TRIES = 500  # darts for each transducer
+DARTS = 1000  # that are thrown at once
 
 
 def hexagonal(width: float, height: float, pitch: float) -> Floats:
@@ -49,21 +50,29 @@ def rings(diameter: float, pitch: float) -> Floats:
 def scattered(
     width: float, height: float, count: int, apart: float, rng: np.random.Generator
 ) -> Floats:
-    """Darts at a rectangle: one that lands nearer to another than `apart` [m] is thrown again.
+    """Darts at a rectangle: one that lands nearer than `apart` [m] to an earlier one is thrown again.
 
-    Raises ArgumentError where they do not fit.
+    Raises ArgumentError where they do not fit: so many in a row find no room.
     """
     half = np.array([width, height]) / 2.0
-    places = np.empty((count, 2))
-    landed = 0
-    for _ in range(TRIES * count):
-        dart = rng.uniform(-half, half)
-        if landed and ((places[:landed] - dart) ** 2).sum(axis=1).min() < apart**2:
-            continue
-        places[landed] = dart
-        landed += 1
-        if landed == count:
-            return places
-    raise ArgumentError(
-        "apart", f"of {apart:g} m leaves room for {landed} of {count}: lower it, or the count"
-    )
+    places = np.empty((0, 2))
+    while len(places) < count:
+        darts = rng.uniform(-half, half, (DARTS, 2))
+        if len(places):
+            darts = darts[cKDTree(places).query(darts)[0] >= apart]
+        if not len(darts):
+            raise ArgumentError(
+                "apart",
+                f"of {apart:g} m leaves room for {len(places)} of {count}: lower it, or the count",
+            )
+        places = np.concatenate([places, darts[_first(darts, apart)]])
+    return places[:count]
+
+
+def _first(darts: Floats, apart: float) -> Flags:
+    """Which darts land: those that are near to none that has landed before them, (K,)."""
+    landed = np.ones(len(darts), dtype=np.bool_)
+    pairs = cKDTree(darts).query_pairs(apart, output_type="ndarray")
+    for i, j in pairs[np.argsort(pairs[:, 0], kind="stable")].tolist():
+        landed[j] &= not landed[i]
+    return landed
