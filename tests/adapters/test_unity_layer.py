@@ -112,9 +112,10 @@ def test_a_frame_makes_no_garbage_and_does_not_wait(game: Game) -> None:
 
 
 def test_what_is_changed_while_it_runs(game: Game) -> None:
-    strong = game.status()["emitted"]
+    game.do("strength 8")
+    strong = game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 1.0)["emitted"]
     game.do("strength 2")
-    game.until(lambda s: 0.0 < s["emitted"] < strong)
+    game.until(lambda s: 0.0 < s["emitted"] < 0.7 * strong)
     game.do("strength 8")
     game.do("intensity 0.5")
     game.until(lambda s: s["intensity"] == 0.5)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    from pacinian.wire.state import State
+
 
 pytestmark = pytest.mark.timeout(tools.LIMIT)
 
@@ -179,10 +181,14 @@ def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
     assert game.until(lambda s: s["faulty"] == "")["wrong"] == ""
 
 
-def _near(points: bytes, place: list[float]) -> bool:
-    """Whether the middle of all points is there, to 6 mm."""
-    r = np.frombuffer(points, "<f4").reshape(-1, 3)
-    return len(r) > 0 and np.allclose((r.min(axis=0) + r.max(axis=0))[:2] / 2.0, place, atol=0.006)
+def _upper(state: State, height: float) -> np.ndarray[Any, Any]:
+    """Normals, (K, 3), of the points of a plate at (10, 30) mm that are at that height [m]; none of a box's rim."""
+    points, normals = (
+        np.frombuffer(rows, "<f4").reshape(-1, 3) for rows in (state.points, state.normals)
+    )
+    there = np.abs(points - [0.01, 0.03, height]).max(axis=1, initial=0.0) < 0.1
+    level = np.abs(points[:, 2] - height) < 1e-4
+    return normals[there & level & (np.abs(normals[:, 2]) > 0.5)]
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "disc", "mesh 6 4 1"])
@@ -191,20 +197,15 @@ def test_surfaces_face_up(play: Callable[..., Game], server: Server, shape: str)
     connected(game)
     for line in ("place plate 3 1 20 90 1", shape, "silence ball", "play plate", "arm"):
         game.do(line)
+    top = 0.205 if shape.startswith("mesh") else 0.2
     with pc.Client(server.file, name="onlooker") as onlooker:
-        wait(lambda: _near(onlooker.status().points, [0.01, 0.03]))  # once all is sampled
-        state = onlooker.status()
-        points = np.frombuffer(state.points, "<f4").reshape(-1, 3)
-        normals = np.frombuffer(state.normals, "<f4").reshape(-1, 3)
+        wait(lambda: len(_upper(onlooker.status(), top)) > 0)
+        upper = _upper(onlooker.status(), top)
+        assert len(upper)
         if shape.startswith("mesh"):  # the ball has become a box of that mesh
             game.do("play ball")
             wait(lambda: set(onlooker.status().objects) == {"ball", "Things.Surface"})
-    top = 0.205 if shape.startswith("mesh") else 0.2
-    upper = (np.abs(points[:, 2] - top) < 1e-4) & (np.abs(normals[:, 2]) > 0.5)  # not a box's rim
-    assert upper.any()
-    np.testing.assert_allclose(
-        normals[upper], np.broadcast_to([0.0, 0.0, 1.0], (upper.sum(), 3)), atol=1e-3
-    )
+    np.testing.assert_allclose(upper, np.broadcast_to([0.0, 0.0, 1.0], upper.shape), atol=1e-3)
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 

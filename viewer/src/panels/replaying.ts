@@ -8,6 +8,7 @@ export class Replaying {
   private replay: Replay | undefined;
   private held = false;
   private due = false;
+  private wanted = 0; // [s], by the slider
 
   constructor(
     store: Store,
@@ -49,11 +50,12 @@ export class Replaying {
   /** At most once a frame. */
   private scrub(): void {
     this.held = true;
+    this.wanted = Number(input("scrub").value); // `show` may move the slider before it is sent
     if (this.due) return;
     this.due = true;
     requestAnimationFrame(() => {
       this.due = false;
-      this.send({ type: "replay", time: Number(input("scrub").value), playing: false });
+      this.send({ type: "replay", time: this.wanted, playing: false });
     });
   }
 
