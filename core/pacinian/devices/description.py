@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import msgspec
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr, replace
@@ -18,7 +17,7 @@ from pacinian.acoustics.transducer import Transducer
 from pacinian.checks import integer, number
 from pacinian.devices.calibration import apply
 from pacinian.devices.layouts import Grid, Places, Unit
-from pacinian.documents import decoded
+from pacinian.documents import decoded, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 
 if TYPE_CHECKING:
@@ -211,12 +210,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
 
 def schema() -> dict[str, Any]:
     """The JSON Schema of device descriptions."""
-    made = msgspec.json.schema(DeviceDescription)
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Pacinian device",
-        **made,
-    }
+    return json_schema(DeviceDescription, "Pacinian device")
 
 
 def _kept(board: Board) -> Indices:

@@ -14,7 +14,7 @@ from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector
 from pacinian.checks import integer, length, number
 from pacinian.devices.description import DeviceDescription
-from pacinian.documents import decoded
+from pacinian.documents import decoded, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
@@ -170,12 +170,7 @@ def load(path: str | Path) -> SceneFile:
 
 def schema() -> dict[str, Any]:
     """The JSON Schema of scene files."""
-    made = msgspec.json.schema(SceneFile)
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Pacinian scene",
-        **made,
-    }
+    return json_schema(SceneFile, "Pacinian scene")
 
 
 def _found(item: Object, index: int, path: Path) -> Object:

@@ -6,14 +6,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.propagation import Precision
 from pacinian.checks import integer, length, number
 from pacinian.devices.description import Element, Steps
-from pacinian.documents import decoded
+from pacinian.documents import decoded, json_schema
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.scene.file import Medium
@@ -139,9 +138,4 @@ def read(path: str | Path) -> Study:
 
 def schema() -> dict[str, Any]:
     """The JSON Schema of study files."""
-    made = msgspec.json.schema(Study)
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Pacinian study",
-        **made,
-    }
+    return json_schema(Study, "Pacinian study")
