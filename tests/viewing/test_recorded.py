@@ -186,6 +186,15 @@ def test_a_recorder_writes_what_a_page_is_told_from_order_to_order(tmp_path: Pat
     assert on == {"type": "record", "on": False, "file": str(file)}
 
 
+def test_recordings_begun_in_the_same_second_are_two_files(tmp_path: Path) -> None:
+    hub = Hub()
+    recorder = Recorder(hub, tmp_path)
+    for on in (True, False, True, False):
+        hub.record(0, on)
+    recorder.close()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full here")
 def test_a_full_disk_ends_a_recording_and_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

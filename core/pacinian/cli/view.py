@@ -45,6 +45,9 @@ def view(
     if samples and recording is None:
         raise click.UsageError("--samples is for a FILE")
 
+    if samples:
+        click.echo(f"{recording}: rendering its samples, which takes as long as it did", err=True)
+
     from pacinian.viewing.browser import opened
     from pacinian.viewing.run import view as run
 

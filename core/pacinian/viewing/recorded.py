@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from datetime import datetime
 from typing import IO, TYPE_CHECKING, NamedTuple
 
 import msgpack
@@ -73,7 +74,7 @@ class Recorder:
             self._hub.refuse(page, "record", str(error))
 
     def _open(self) -> None:
-        name = f"pacinian-{time.strftime('%Y%m%d-%H%M%S')}{SUFFIX}"
+        name = f"pacinian-{datetime.now():%Y%m%d-%H%M%S-%f}{SUFFIX}"
         self._writer, self._begin = Writer((self._folder / name).absolute()), time.perf_counter()
         self._view = self._hub.join(self._write)
         self._hub.put("record", Recording(on=True, file=str(self._writer.path)))

@@ -97,7 +97,7 @@ export class Choosing {
     }
     this.rates(select("technique").value);
     const chosen = this.store.newest.array?.solvers.find(({ name }) => name === select("solver").value);
-    say(element("solver-summary"), chosen?.summary ?? "");
+    say(element("solver-summary"), (chosen?.summary ?? "").replaceAll("`", ""));
   }
 
   /** Whether something was asked for that the server does not have yet. */
