@@ -29,7 +29,7 @@ pytestmark = pytest.mark.timeout(tools.LIMIT)  # it is built first
 PURE = "client_outbox", "client_dialogue"
 ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
 OTHER = {"test_one_that_is_forgotten_says_goodbye"}  # C++ forgets nothing
-RACES = "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -g -fsanitize=thread"
+RACES = "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -g -fsanitize=thread", tools.JOINED
 LEASE, LINK, SLACK = (
     0.25,
     0.55,

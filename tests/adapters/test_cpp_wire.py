@@ -28,7 +28,7 @@ ANSWERS = "vectors_answers", "space_answers"
 @pytest.fixture(scope="module")
 def programs() -> Path:
     """A folder of the test programs, which stop at wrong addresses and undefined behaviour."""
-    return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON")
+    return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON", tools.JOINED)
 
 
 @pytest.mark.timeout(tools.LIMIT)

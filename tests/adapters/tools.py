@@ -18,6 +18,7 @@ CORE = ADAPTERS / "unity" / "Runtime" / "Core"
 CSHARP = ADAPTERS / "csharp"
 CPP = ADAPTERS / "cpp"
 LIMIT = 300.0  # [s] for a compiler
+JOINED = "-DCMAKE_UNITY_BUILD=ON"  # sources compiled together, as Unreal does: sooner done
 
 
 def need(*programs: str) -> None:
