@@ -157,7 +157,7 @@ def _draw(panel: Panel, cells: list[Timed]) -> None:
         alpha = 0.4 if c.scale < WEAK else 1.0
         if c.mode == REFERENCE:
             panel.axvline(x, color=colour, linestyle=":", linewidth=1)
-            panel.text(x, 0.75 * TOP, f" {c.solver}", color=colour, fontsize=SMALL, va="top")
+            panel.text(x, 0.6 * FLOOR, f" {c.solver}", color=colour, fontsize=SMALL)
         elif c.mode == "warm":
             panel.plot(x, y, marker, color=colour, ms=4, mfc="none", mew=0.8, alpha=alpha)
             if cold := at.get((c.solver, "cold")):
