@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 LEASE = 0.25  # [s], the server's
 LATE = 0.15  # [s] after the lease, where two processors are shared by many
 END = 0.5  # [s] that the end may take
+STATES = 60  # in which the hand has been to and fro
 SKIN = 0.01  # [m]: samples are on the hand's skin, at most so deep in the ball
 
 
@@ -113,9 +114,16 @@ def test_a_frame_makes_no_garbage_and_does_not_wait(game: Game) -> None:
 
 def test_what_is_changed_while_it_runs(game: Game) -> None:
     game.do("strength 8")
-    strong = game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 1.0)["emitted"]
+    game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 3.0)  # by where the hand is
     game.do("strength 2")
-    game.until(lambda s: 0.0 < s["emitted"] < 0.7 * strong)
+    weak = [False] * STATES
+
+    def is_weak(status: dict[str, Any]) -> bool:
+        """Wherever the hand is."""
+        weak.append(0.0 < status["emitted"] < 2.5)
+        return all(weak[-STATES:])
+
+    game.until(is_weak)
     game.do("strength 8")
     game.do("intensity 0.5")
     game.until(lambda s: s["intensity"] == 0.5)

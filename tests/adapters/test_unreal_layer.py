@@ -181,27 +181,47 @@ def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
     assert game.until(lambda s: s["faulty"] == "")["wrong"] == ""
 
 
-def _upper(state: State, height: float) -> np.ndarray[Any, Any]:
-    """Normals, (K, 3), of the points of a plate at (10, 30) mm that are at that height [m]; none of a box's rim."""
+def _upper(state: State, half: tuple[float, float], height: float) -> np.ndarray[Any, Any]:
+    """
+    Normals, (K, 3), of the points that are at that height [m]; none of a box's rim. None at all unless all points are
+    on a plate that goes so far [m] on each side of (10, 30) mm, and on both sides of that.
+    """
     points, normals = (
         np.frombuffer(rows, "<f4").reshape(-1, 3) for rows in (state.points, state.normals)
     )
-    there = np.abs(points - [0.01, 0.03, height]).max(axis=1, initial=0.0) < 0.1
+    if not len(points):
+        return normals
+    from_middle = points[:, :2] - [0.01, 0.03]
+    there = np.all(np.abs(from_middle) < np.add(half, 1e-3))
+    around = np.all(from_middle.min(axis=0) < 1e-3) and np.all(from_middle.max(axis=0) > -1e-3)
     level = np.abs(points[:, 2] - height) < 1e-4
-    return normals[there & level & (np.abs(normals[:, 2]) > 0.5)]
+    return normals[there & around & level & (np.abs(normals[:, 2]) > 0.5)]
 
 
-@pytest.mark.parametrize("shape", ["rectangle", "disc", "mesh 6 4 1"])
-def test_surfaces_face_up(play: Callable[..., Game], server: Server, shape: str) -> None:
-    game = play("unarmed", "handless")
+@pytest.mark.parametrize(
+    ("shape", "half", "height"),
+    [
+        ("rectangle", (0.05, 0.05), 0.2),
+        ("disc", (0.05, 0.05), 0.2),
+        ("mesh 6 4 1", (0.03, 0.02), 0.205),
+    ],
+)
+def test_surfaces_face_up(
+    play: Callable[..., Game], server: Server, shape: str, half: tuple[float, float], height: float
+) -> None:
+    game = play("handless")
     connected(game)
     for line in ("place plate 3 1 20 90 1", shape, "silence ball", "play plate", "arm"):
         game.do(line)
-    top = 0.205 if shape.startswith("mesh") else 0.2
+    upper = np.empty((0, 3))
     with pc.Client(server.file, name="onlooker") as onlooker:
-        wait(lambda: len(_upper(onlooker.status(), top)) > 0)
-        upper = _upper(onlooker.status(), top)
-        assert len(upper)
+
+        def seen() -> bool:
+            nonlocal upper
+            upper = _upper(onlooker.status(), half, height)
+            return len(upper) > 0
+
+        wait(seen)
         if shape.startswith("mesh"):  # the ball has become a box of that mesh
             game.do("play ball")
             wait(lambda: set(onlooker.status().objects) == {"ball", "Things.Surface"})

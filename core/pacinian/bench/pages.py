@@ -27,7 +27,8 @@ SLICE = {
     "type": "slice", "id": 1, "centre": [0.0, 0.0, 0.2], "u": [1.0, 0.0, 0.0], "v": [0.0, 1.0, 0.0],
     "size": [0.2, 0.2], "shape": [128, 128],
 }  # fmt: skip
-LIMIT = 60.0  # [s] for Chromium to show the page
+LIMIT = 60.0  # [s] for a page to show all
+SHORT = 0.5  # [s] for the viewer to close a feed whose rest nobody reads
 AGAIN = 0.2  # [s] between two looks whether it does
 # As a Chromium without a graphics card is by itself: pages are put together, and WebGL is drawn, by the processor.
 CHROMIUM = (
@@ -58,11 +59,13 @@ class Reader:
 
     def __init__(self, url: str, *, sliced: bool) -> None:
         self._opening, self._sliced, self._slices = feed(url), sliced, 0
-        self._ended = threading.Event()
+        self._first, self._ended = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def counts(self) -> Counts:
-        """What it has had so far."""
+        """What it has had so far; waits until the first slice is there, where it asks for them. Raises ServerError."""
+        if self._sliced and not self._first.wait(LIMIT):
+            raise ServerError(f"no slice has come within {LIMIT:g} s")
         return Counts(time.perf_counter(), 0, self._slices)
 
     def _run(self) -> None:
@@ -74,6 +77,7 @@ class Reader:
                     data = socket.recv(0.1)
                     if msgpack.unpackb(data, raw=False)["type"] == "slice":
                         self._slices += 1
+                        self._first.set()
                         say(socket, {"type": "seen", "id": SLICE["id"]})
 
     def __enter__(self) -> Self:
@@ -104,15 +108,15 @@ class Chromium:
         self.processes = (psutil.Process(self._program.pid),)
 
     def counts(self) -> Counts:
-        """What it has had so far; waits until it shows what the server has."""
+        """What it has had so far; waits until it shows what the server has, with a slice. Raises ServerError."""
         end = time.perf_counter() + LIMIT
         while time.perf_counter() < end and self._program.poll() is None:
             with contextlib.suppress(OSError, ValueError, LookupError):  # it is not there yet
                 at, frames, slices, live = self._evaluate(COUNTS)
-                if live:
+                if live and slices:
                     return Counts(float(at), int(frames), int(slices))
             time.sleep(AGAIN)
-        raise ServerError(f"{self._name} has not shown the page within {LIMIT:g} s")
+        raise ServerError(f"{self._name} has not shown the page and a slice within {LIMIT:g} s")
 
     def _evaluate(self, expression: str) -> list[float]:
         """By the DevTools protocol. Raises OSError, ValueError, LookupError."""
@@ -158,7 +162,8 @@ def feed(url: str) -> AbstractContextManager[ClientConnection]:
     except ImportError as error:
         raise MissingExtra("websockets", "view") from error
     parts = urlsplit(url)
-    return connect(f"ws://{parts.netloc}/feed?{parts.query}", compression=None, max_size=None)
+    where = f"ws://{parts.netloc}/feed?{parts.query}"
+    return connect(where, compression=None, max_size=None, close_timeout=SHORT)
 
 
 def say(socket: ClientConnection, message: dict[str, Any]) -> None:

@@ -10,6 +10,13 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class EditorTests
     {
+        /// <summary>Also of a test that has failed.</summary>
+        [TearDown]
+        public void NoServerIsLeft()
+        {
+            LocalServer.Stop();
+        }
+
         [Test]
         public void TheMenuMakesWhatASceneNeeds()
         {
