@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING
+
+import pytest
+from click.testing import CliRunner
 
 from pacinian.bench import view
 from pacinian.bench.view import measure
+from pacinian.cli.main import cli
 
 from .browser import CHROMIUM, absent
-
-if TYPE_CHECKING:
-    import pytest
 
 WINDOW = 2.0  # [s]
 
@@ -33,3 +33,17 @@ def test_all_kinds_of_windows_are_measured(monkeypatch: pytest.MonkeyPatch) -> N
             assert 0.0 < row.ticks.p50 <= row.ticks.p99
             assert 0.0 < row.ticks.sounding <= 1.0
             assert 0.0 <= row.ticks.late <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--browser", "no-such-browser"), "no program"),
+        (("--seconds", "1"), "2.0<=x"),
+        (("--units", "2"), "1, 4, 9"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_first(arguments: tuple[str, str], told: str) -> None:
+    result = CliRunner().invoke(cli, ["bench", "view", *arguments])
+    assert result.exit_code == 2
+    assert told in result.output

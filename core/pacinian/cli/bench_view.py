@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from typing import TYPE_CHECKING
 
 import click
@@ -13,10 +14,17 @@ if TYPE_CHECKING:
     from pacinian.bench.view import Row
 
 
+def program(context: click.Context, parameter: click.Parameter, name: str) -> str:
+    """Of that name or path; "" stays."""
+    if name and shutil.which(name) is None:
+        raise click.BadParameter(f"{name!r} is no program: give the path of a Chromium")
+    return name
+
+
 @click.command()
 @click.option(
     "--seconds",
-    type=click.FloatRange(1.0, 600.0),
+    type=click.FloatRange(2.0, 600.0),  # quantiles come once a second
     default=8.0,
     show_default=True,
     help="Of each window.",
@@ -26,7 +34,10 @@ if TYPE_CHECKING:
     "--units", "side", callback=side, type=int, default=9, show_default=True,
     help="AUTD units, a square number.",
 )  # fmt: skip
-@click.option("--browser", default="", metavar="PATH", help="A Chromium to open the page in, too.")
+@click.option(
+    "--browser", callback=program, default="", metavar="PATH",
+    help="A Chromium to open the page in, too.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) -> None:
     """Measure the loop's ticks with the viewer closed, open, and open with a slice of 128 x 128, in turn.
