@@ -104,6 +104,41 @@ def test_after_a_loss_all_is_told_anew(hub: Hub) -> None:
     assert "lost" not in dict(hub.join(lambda: None).take())
 
 
+@pytest.mark.parametrize("after", ["record", "frame", "state"])
+def test_a_loss_while_a_view_takes_is_told_before_that_objects_are_gone(
+    hub: Hub, after: str
+) -> None:
+    view = hub.join(lambda: None)
+    hub.put("array", b"array")
+    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    list(view.take())
+    for kind in ("record", "frame", "state"):
+        hub.put(kind, b"")
+    taking = view.take()
+    while next(taking)[0] != after:
+        pass
+    hub.lose("it has gone")
+    rest = [kind for kind, _ in (*taking, *view.take())]
+    assert rest == ["lost", "poses"]
+
+
+@pytest.mark.parametrize("after", ["record", "lost"])
+def test_a_server_that_comes_while_a_view_takes_is_told_before_what_it_emits(
+    hub: Hub, after: str
+) -> None:
+    view = hub.join(lambda: None)
+    hub.lose("it is not there yet")
+    hub.put("record", b"")
+    taking = view.take()
+    while next(taking)[0] != after:
+        pass
+    for kind in ("array", "frame", "state"):
+        hub.put(kind, b"")
+    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    kinds = [kind for kind, _ in (*taking, *view.take())]
+    assert [kind for kind in kinds if kind != "record"] == ["array", "frame", "state", "scenery"]
+
+
 def test_a_refusal_is_for_one_or_all_and_few_wait(hub: Hub) -> None:
     one, other = hub.join(lambda: None), hub.join(lambda: None)
     for page in (one, other):

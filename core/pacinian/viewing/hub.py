@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from pacinian.viewing.messages import AnyAsked, Told
     from pacinian.viewing.model import Model
 
-ORDER = "hello", "array", "lost", "record", "replay", "histogram", "frame", "state"
+BASIS = "hello", "array", "lost"  # what all else is of
+ORDER = "record", "replay", "histogram", "frame", "state"
 NOW = "histogram", "frame", "state"  # are soon too old to be told
 GONE = "array", *NOW  # with the server
 EVENTS = 64  # that wait for one page
@@ -137,10 +138,9 @@ class View:
         """All that is new for it, by kind, the newest of each, as it is when its turn comes."""
         hub = self._hub
         for kind in ORDER:
-            number, data = hub.values.get(kind, (0, b""))
-            if number > self._seen.get(kind, 0):
-                self._seen[kind] = number
-                yield kind, data
+            yield from self._basis()
+            yield from self._new(kind)
+        yield from self._basis()
         if (now := hub.scenery) is not self._scenery:
             since, self._scenery = self._scenery.version, now
             yield now.told(since)
@@ -151,3 +151,14 @@ class View:
             yield "session", told(replace(session, mine=mine))
         while self.events:
             yield "refused", self.events.popleft()
+
+    def _basis(self) -> Iterator[tuple[str, bytes]]:
+        """Until there is nothing newer: that may come while another is sent."""
+        while found := next((new for kind in BASIS for new in self._new(kind)), None):
+            yield found
+
+    def _new(self, kind: str) -> Iterator[tuple[str, bytes]]:
+        number, data = self._hub.values.get(kind, (0, b""))
+        if number > self._seen.get(kind, 0):
+            self._seen[kind] = number
+            yield kind, data

@@ -196,6 +196,18 @@ def test_the_kernel_is_the_reference_ten_metres_away(kind: pc.Transducer) -> Non
         assert (off / bound(array, points, medium)).max() < 1.0
 
 
+@pytest.mark.parametrize("medium", [MEDIA["spherical"], MEDIA["square"], MEDIA["hot"]])
+def test_far_phases_are_those_of_a_rounded_distance(medium: pc.Air) -> None:
+    rng = np.random.default_rng(14)
+    array, points = rig(rng, 300, KINDS["omni"]), rng.uniform(-10.0, 10.0, (500, 3))
+    B = pc.matrix(array, points, medium)
+    r = np.linalg.norm(points[:, None] - array.positions, axis=2)
+    rounding = 6e-8 * medium.wavenumber(KINDS["omni"].frequency) * r  # [rad]
+    off = np.abs(single(array, points, medium) / B - 1.0) / rounding
+    assert np.sqrt(np.mean(off**2)) < 1.0
+    assert off.max() < 5.0
+
+
 @precisions
 @media
 @kinds
