@@ -9,6 +9,7 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.plot import figure, save
+from pacinian.testing import ManualClock
 
 ball = pc.Volume(
     shape=pc.Sphere(0.03),
@@ -28,7 +29,8 @@ def session(t: float) -> pc.Scene:
 
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "session.pac"
-    report = pc.Renderer(pc.autd(3, 3), session, recorder=pc.Recorder(file)).run(1.0)
+    clock = ManualClock()  # the hand's own time; with a tracker leave it out
+    report = pc.Renderer(pc.autd(3, 3), session, clock=clock, recorder=pc.Recorder(file)).run(1.0)
     recording = pc.Recording(file)
     ticks, differ = pc.rerender(recording)
     print(f"{report.ticks} ticks recorded, {ticks} rendered again, {differ} differ")
