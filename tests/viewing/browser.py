@@ -136,7 +136,7 @@ class Game:
             shape=pc.Disc(0.01), pose=_at(0.03, 0.15), radiation_pressure=5.0, name="plate"
         )
         spark = pc.Point(position=(-0.03, -0.03, 0.15), radiation_pressure=5.0, name="spark")
-        while not self._ended.is_set():
+        while not self._ended.wait(0.05):
             with (
                 contextlib.suppress(pc.ServerError),
                 pc.Client(self._connection, name="game", scene="room") as client,

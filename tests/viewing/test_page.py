@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import signal
 from typing import TYPE_CHECKING, Any
@@ -127,6 +128,8 @@ def _of(shown: Seen, plane: dict[str, Any], feed: Page) -> float:
     y = ((np.arange(rows) + 0.5) / rows - 0.5) * plane["size"][1]
     at = np.array(plane["centre"]) + x[None, :, None] * np.array(u) + y[:, None, None] * np.array(v)
     feed.next("frame")
+    if not feed.newest["frame"]["phase"]:
+        return math.inf  # silence, if the machine was too busy for a frame in time
     p = pc.field(ARRAY, gains(feed.newest["frame"]), at, medium=AIR)
     wanted = pc.radiation_pressure(p, AIR)
     found = np.array(plane["pressure"]).reshape(rows, columns)
@@ -234,23 +237,13 @@ def test_frames_are_drawn_where_something_has_changed(browser: Browser, url: str
 
 def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path) -> None:
     connection = tmp_path / "connection.json"
-    ball = pc.Volume(
-        shape=pc.Sphere(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0, name="ball"
-    )
     with viewer(connection) as url, seen(browser, url, live=False) as shown:
         shown.until(lambda: "waiting" in shown.text("#gone"))
         assert shown.page.is_disabled("#arm")
         assert shown.page.is_enabled("#stop")
-        with serving(PATIENT) as first, pc.Client(first.connection, name="game") as game:
+        with serving(PATIENT) as first, Game(first.connection):
             connection.symlink_to(first.connection)
-            game.put(ball)
-            game.arm()
-
-            def sounds() -> bool:
-                game.renew()
-                return "ball" in shown.get("objects") and bool(shown.get("drive.mean") > 0.0)
-
-            shown.until(sounds)
+            shown.until(lambda: "ball" in shown.get("objects") and shown.get("drive.mean") > 0.0)
             assert not shown.page.is_visible("#gone")
             pids = first.pids.values()
             for what in (signal.SIGSTOP, signal.SIGKILL):  # none of them sees another one die

@@ -53,8 +53,10 @@ def wave(
         square = dx * dx + dy * dy + dz * dz
         touching += f4(1.0) if square < TOUCHING else f4(0.0)
         inverse[i] = f4(1.0) / np.sqrt(square + NEAREST)
-        distance = square * inverse[i]  # [m], as good as the inverse, which may be an estimate:
-        real[i] = distance + f4(0.5) * inverse[i] * (square - distance * distance)  # so a step on
+        distance = (
+            square * inverse[i]
+        )  # [m]; the inverse may be an estimate, so one step of Newton's:
+        real[i] = distance + f4(0.5) * inverse[i] * (square - distance * distance)
     # Amplitude into imag; the two usual laws need no power.
     if power == f4(1.0):
         for i in range(count):

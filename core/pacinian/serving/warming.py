@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from pacinian.acoustics.pose import Pose
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 
 ABOVE = 0.15  # [m] in front of the array
 TICKS = 8
+LONG = 0.2  # [s] for a scene: where an array cannot do what is asked, each tick tries hard, in the same way
+QUIET = 1.0  # [Pa] of sound: less than any of the scenes leaves there by itself
 PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
@@ -41,10 +45,11 @@ def warm_up(
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
     for solver in solvers:
-        for scene in _scenes(place):
-            quiet = None if "quiet" not in solver.keeps else (place[None] + 0.1, 50.0)
-            for limits in (Limits(), Limits(quiet=quiet)):
-                _render(array, medium, solver, capability, rate, scene, limits)
+        kinds = [Limits()]
+        if "quiet" in solver.keeps:
+            kinds.append(Limits(quiet=(place[None] + 0.1, QUIET)))
+        for scene, limits in product(_scenes(place), kinds):
+            _render(array, medium, solver, capability, rate, scene, limits)
 
 
 def _render(
@@ -62,8 +67,11 @@ def _render(
         clock=Then(),
     )
     with renderer:
+        end = time.perf_counter() + LONG
         for tick in range(TICKS):
             renderer.tick(tick / rate)
+            if time.perf_counter() > end:
+                return
 
 
 def _scenes(place: Floats) -> Iterator[Scene]:

@@ -1,0 +1,34 @@
+"""What is loaded before clients come."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+ONCE_MORE = """
+import sys
+from pacinian.plugins.backend import Capability
+from pacinian.scene.file import Units
+from pacinian.serving import warming
+from pacinian.serving.choosing import made
+from pacinian.serving.settings import Settings
+
+settings = Settings(array=Units({side}, {side}))
+arguments = settings.array.make(), settings.medium.make(), [made("auto")], Capability(rate=1e3), 1e3
+warming.warm_up(*arguments)
+before = set(sys.modules)
+warming.LONG, warming.TICKS = {long}, 20
+warming.warm_up(*arguments)
+print(sorted(set(sys.modules) - before))
+"""
+
+
+@pytest.mark.parametrize(("side", "long"), [(1, 1.0), (3, 60.0)])
+def test_ticks_load_nothing_more_whatever_the_array(side: int, long: float) -> None:
+    code = ONCE_MORE.format(side=side, long=long)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=100
+    )
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
