@@ -53,9 +53,8 @@ def wave(
         square = dx * dx + dy * dy + dz * dz
         touching += f4(1.0) if square < TOUCHING else f4(0.0)
         inverse[i] = f4(1.0) / np.sqrt(square + NEAREST)
-        distance = (
-            square * inverse[i]
-        )  # [m]; the inverse may be an estimate, so one step of Newton's:
+        # The distance [m]; as the inverse may be an estimate, with a step of Newton's.
+        distance = square * inverse[i]
         real[i] = distance + f4(0.5) * inverse[i] * (square - distance * distance)
     # Amplitude into imag; the two usual laws need no power.
     if power == f4(1.0):
