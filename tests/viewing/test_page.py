@@ -36,9 +36,6 @@ AIR = pc.Air()
 TINY = 480, 400  # [px]
 
 
-pytestmark = pytest.mark.timeout(300)
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with chromium() as found:
