@@ -1,4 +1,4 @@
-"""One server for all tests; a new one where the one before did not survive."""
+"""One server for all tests of a file; a new one where the one before did not survive."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Server]]:
     """Gives the running server; starts one if there is none, or it is not whole."""
     running: list[Server] = []

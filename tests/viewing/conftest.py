@@ -1,4 +1,4 @@
-"""One server for all tests that need one, and a game."""
+"""One server for all tests of a file that need one, and a game."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Game:
         assert not self._thread.is_alive()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
     """A real one, of a single unit."""
     with serving(SETTINGS) as running:

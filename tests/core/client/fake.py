@@ -101,7 +101,7 @@ class Fake:
         assert done.wait(30.0)
 
     def say(self, reply: Any, socket: int = 0) -> None:
-        """To the client that spoke last on that socket: 0 for control, 1 for commands."""
+        """To the client that spoke last on that socket, but to stop: 0 for control, 1 for commands."""
         self.do(lambda: self._sockets[socket].send_multipart([self.peers[socket], encode(reply)]))
 
     def publish(self, *states: State) -> None:
@@ -151,16 +151,18 @@ class Fake:
             ready = dict(poller.poll(2))
             for i, decode in enumerate((decode_control, decode_command)):
                 if self._sockets[i] in ready and not self._ended:
-                    self.peers[i], data = self._sockets[i].recv_multipart()
+                    peer, data = self._sockets[i].recv_multipart()
                     message = decode(data)
+                    if not isinstance(message, control.Stop):  # has a connection of its own
+                        self.peers[i] = peer
                     self.seen.append(message)
-                    self._answer(i, message)
+                    self._answer(i, peer, message)
 
-    def _answer(self, i: int, message: Any) -> None:
+    def _answer(self, i: int, peer: bytes, message: Any) -> None:
         answer = self.answers.get(type(message), usual)(message)
         for reply in answer if isinstance(answer, list) else [answer]:
             if reply is not None:
-                self._sockets[i].send_multipart([self.peers[i], encode(reply)])
+                self._sockets[i].send_multipart([peer, encode(reply)])
 
 
 def usual(message: Any) -> Any:
