@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from .slow import Slow
 
-PATIENCE = 60.0  # [s]
+PATIENCE = 20.0  # [s]
 
 
 class Game:

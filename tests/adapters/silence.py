@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pacinian.bench.faults.device import Log
     from pacinian.bench.faults.server import Server
 
-PATIENCE = 60.0  # [s]
+PATIENCE = 20.0  # [s]
 
 
 def silent(server: Server, since: float, log: Log | None = None) -> float:

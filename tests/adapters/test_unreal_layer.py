@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.timeout(tools.LIMIT)
 
-PATIENCE = 60.0  # [s]
+PATIENCE = 20.0  # [s]
 BALL = np.array([0.0, 0.0, 0.175])  # in the array's frame [m]
 RADIUS = 0.03
 

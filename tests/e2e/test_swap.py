@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s]
 POINT = pc.Point(name="thing", position=(RADIUS, 0.0, HEIGHT), radiation_pressure=20.0)
-WAIT = 60.0  # [s]
+WAIT = 30.0  # [s]
 MODELS = Choice(name="usb-autd", options={"pretend": True})
 
 

@@ -36,6 +36,9 @@ AIR = pc.Air()
 TINY = 480, 400  # [px]
 
 
+pytestmark = pytest.mark.timeout(300)
+
+
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with chromium() as found:

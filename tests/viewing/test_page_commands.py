@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from .browser import Seen
 
+pytestmark = pytest.mark.timeout(300)
 REACHED = {
     "record", "arm", "stop", "solver", "backend", "technique", "intensity", "slice-on", "axis", "slice-at",
     "slice-mm", "slice-size", "scale", "surface-on", "level", "home", "help", "canvas",

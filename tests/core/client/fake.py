@@ -98,17 +98,17 @@ class Fake:
         """In the server's thread; waits until it is done."""
         done = threading.Event()
         self._todo.put((what, done))
-        assert done.wait(30.0)
+        assert done.wait(10.0)
 
     def say(self, reply: Any, socket: int = 0) -> None:
-        """To the client that spoke last on that socket, but to stop: 0 for control, 1 for commands."""
+        """To who spoke last on that socket, emergency stops aside: 0 for control, 1 for commands."""
         self.do(lambda: self._sockets[socket].send_multipart([self.peers[socket], encode(reply)]))
 
     def publish(self, *states: State) -> None:
         self.do(lambda: [self._sockets[2].send_multipart([STATE, encode(s)]) for s in states])
 
     def until(self, what: Callable[[], bool]) -> None:
-        end = time.monotonic() + 30.0
+        end = time.monotonic() + 10.0
         while not what():
             assert time.monotonic() < end, self.seen
             time.sleep(0.001)  # for the other thread

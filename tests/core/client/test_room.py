@@ -24,7 +24,7 @@ def server() -> Iterator[Fake]:
 
 @pytest.fixture
 def client(server: Fake) -> Iterator[pc.Client]:
-    with pc.Client(server.connection, name="test", timeout=60.0) as made:
+    with pc.Client(server.connection, name="test") as made:
         yield made
 
 

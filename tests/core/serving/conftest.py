@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from pacinian.serving.child import Told
 
-PATIENCE = 30.0  # [s]
+PATIENCE = 10.0  # [s]
 
 
 def eventually(seen: Callable[[], Any], seconds: float = PATIENCE) -> Any:

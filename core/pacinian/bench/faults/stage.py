@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 POLL = 0.005  # [s]
 STEADY = 0.2  # [s] of sound before something is broken
 QUIET = 0.1  # [s] of silence that is more than a late renderer's
-WAIT = 60.0  # [s] until what should happen has
+WAIT = 30.0  # [s] until what should happen has
 T = TypeVar("T")
 
 
