@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .slow import Slow
 
 PATIENCE = 20.0  # [s]
+LEASE = 0.25  # [s], what a game asks for where its lease is to end
+HELD = "[safety]\nlease = 10.0\n"  # of a server: else whatever ends, the lease alone would soon end the sound, too
 
 
 class Game:

@@ -15,7 +15,7 @@ from pacinian.bench.faults.server import Server
 from pacinian.wire import replies
 
 from . import test_csharp_client, test_csharp_connecting, tools
-from .game import Game, begin, free
+from .game import HELD, LEASE, Game, begin, free
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -30,11 +30,7 @@ PURE = "client_outbox", "client_dialogue"
 ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
 OTHER = {"test_one_that_is_forgotten_says_goodbye"}  # C++ forgets nothing
 RACES = "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -g -fsanitize=thread", tools.JOINED
-LEASE, LINK, SLACK = (
-    0.25,
-    0.55,
-    1.0,
-)  # [s] to silence at most; where two processors are shared by many
+LINK, SLACK = 0.55, 1.0  # [s] to silence at most; where two processors are shared by many
 SILENT = 0.5  # [s] without a frame that sounds
 UNTIL = 20.0  # [s]
 
@@ -101,15 +97,15 @@ def test_its_threads_do_not_race(server: Fake, file: Path) -> None:
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """A server of real processes, whose device remembers when it sounded."""
-    with Server(tmp_path_factory.mktemp("server")) as made:
+    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
         yield made
 
 
 @pytest.fixture
-def player(start: Start, real: Server) -> Iterator[Game]:
-    """A game of that server, with a point that is felt."""
+def player(start: Start, real: Server, request: pytest.FixtureRequest) -> Iterator[Game]:
+    """A game of that server, with a point that is felt. Its parameter: the lease that it asks for [s]."""
     free(real.file)
-    with start(real.file) as made:
+    with start(real.file, getattr(request, "param", 0.0)) as made:
         made.do("start")
         play(made)
         yield made
@@ -138,7 +134,7 @@ def silence(server: Server, since: float) -> float:
 
 def test_what_a_game_does_is_felt_and_seen(player: Game, real: Server) -> None:
     status = player.until(lambda s: s["objects"] == 1 and s["points"] > 0)
-    assert (status["status"], status["owner"], status["lease"]) == ("Connected", True, LEASE)
+    assert (status["status"], status["owner"], status["lease"]) == ("Connected", True, 10.0)
     assert status["server"].startswith("pacinian ")
     assert status["solvers"] > 3
     assert 0.0 < status["latency"] < 1.0
@@ -167,7 +163,9 @@ def test_what_a_game_does_is_felt_and_seen(player: Game, real: Server) -> None:
     assert not player.until(lambda s: not s["owner"])["armed"]
 
 
+@pytest.mark.parametrize("player", [LEASE], indirect=True)
 def test_a_frozen_game_falls_silent_though_its_worker_lives(player: Game, real: Server) -> None:
+    assert player.status()["lease"] == LEASE
     at = player.do("tick off")["time"]
     assert 0.0 < silence(real, at) < LEASE + SLACK
     assert player.do("put other 0 0 0.3 5")["done"]

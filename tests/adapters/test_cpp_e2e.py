@@ -13,7 +13,7 @@ import pacinian as pc
 from pacinian.bench.faults.server import Server
 
 from . import tools
-from .game import Game
+from .game import HELD, Game
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,7 +38,7 @@ def until_silent(client: pc.Client) -> State:
 
 @pytest.mark.timeout(tools.LIMIT + 2 * WAIT)
 def test_a_ball_from_nothing_to_silence(program: Path, tmp_path: Path) -> None:
-    with Server(tmp_path) as server:
+    with Server(tmp_path, HELD) as server:
         words: list[str | Path] = [program, server.file, str(SECONDS), "gs-pat", "probe-other"]
         with Game(words) as game:
             told = wait(game)

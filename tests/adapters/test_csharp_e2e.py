@@ -12,6 +12,7 @@ import pacinian as pc
 from pacinian.bench.faults.server import Server
 
 from . import tools
+from .game import HELD, LEASE
 from .silence import silent
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 SECONDS = 10.0
 FRAME = 1.0 / 90.0  # [s]
-LEASE = 0.25  # [s], the server's
 LATE = 0.15  # [s] after the lease, where two processors are shared by many
 REACH = 0.06  # [m] from the ball's centre: its radius is half of it
 SPARE = 4.0  # [bytes] a frame, of a text in the state that changes now and then
@@ -28,7 +28,7 @@ SPARE = 4.0  # [bytes] a frame, of a text in the state that changes now and then
 def test_from_nothing_to_a_hand_that_feels(csharp_core: Path, tmp_path: Path) -> None:
     sources = (tools.CSHARP / "example").glob("*.cs")
     program = tools.csharp(csharp_core.with_name("EndToEnd.exe"), sources, csharp_core)
-    with Server(tmp_path) as server:
+    with Server(tmp_path, HELD) as server:
         environment = {**os.environ, "PACINIAN_CONNECTION": str(server.file)}
         with subprocess.Popen(
             ["mono", "--debug", str(program), "-", str(SECONDS)],

@@ -10,7 +10,7 @@ import pytest
 
 from pacinian.bench.faults.server import Server
 
-from .game import free
+from .game import HELD, LEASE, free
 from .silence import heard, silent
 
 if TYPE_CHECKING:
@@ -18,21 +18,22 @@ if TYPE_CHECKING:
 
     from .game import Game
 
-LEASE = 0.25  # [s], the server's
 LATE = 0.15  # [s] after the lease, where two processors are shared by many
 
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    with Server(tmp_path_factory.mktemp("server")) as made:
+    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
         yield made
 
 
 @pytest.fixture
-def game(real: Server, start: Callable[..., Game]) -> Iterator[Game]:
-    """One whose ball sounds."""
+def game(
+    real: Server, start: Callable[..., Game], request: pytest.FixtureRequest
+) -> Iterator[Game]:
+    """One whose ball sounds. Its parameter: the lease that it asks for [s]."""
     free(real.file)
-    with start(real.file) as made:
+    with start(real.file, getattr(request, "param", 0.0)) as made:
         made.do("start")
         made.event("connected")
         sound(made)
@@ -75,6 +76,7 @@ def test_what_is_done_is_felt(game: Game) -> None:
     assert 0.0 <= status["age"] < 1.0
 
 
+@pytest.mark.parametrize("game", [LEASE], indirect=True)
 def test_a_frozen_game_is_silent_when_its_lease_is_over(real: Server, game: Game) -> None:
     game.say("freeze 1.2")
     since = time.perf_counter()

@@ -15,13 +15,12 @@ import pytest
 from pacinian.bench.faults.server import Server
 
 from . import tools, unity
-from .game import Game, free
+from .game import HELD, LEASE, Game, free
 from .silence import heard, silent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-LEASE = 0.25  # [s], the server's
 LATE = 0.15  # [s] after the lease, where two processors are shared by many
 END = 0.5  # [s] that the end may take
 STATES = 60  # in which the hand has been to and fro
@@ -35,15 +34,16 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> unity.Built:
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    with Server(tmp_path_factory.mktemp("server")) as made:
+    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
         yield made
 
 
 @pytest.fixture
-def game(real: Server, built: unity.Built) -> Iterator[Game]:
-    """A level whose ball is touched."""
+def game(real: Server, built: unity.Built, request: pytest.FixtureRequest) -> Iterator[Game]:
+    """A level whose ball is touched. Its parameter: the lease that it asks for [s]."""
     free(real.file)
-    with Game(["mono", "--debug", built.player, real.file]) as made:
+    lease = str(getattr(request, "param", 0.0))
+    with Game(["mono", "--debug", built.player, real.file, lease]) as made:
         made.do("play")
         made.event("connected")
         sounds(made)
@@ -173,6 +173,7 @@ def test_a_session_is_ended_and_begun_by_hand(real: Server, game: Game) -> None:
         sounds(game)
 
 
+@pytest.mark.parametrize("game", [LEASE], indirect=True)
 def test_the_end_does_not_wait_for_a_server_that_hangs(real: Server, game: Game) -> None:
     real.signal("control", signal.SIGSTOP)
     try:
@@ -196,6 +197,7 @@ def test_play_mode_again_where_the_domain_is_not_loaded_anew(game: Game) -> None
     sounds(game)
 
 
+@pytest.mark.parametrize("game", [LEASE], indirect=True)
 def test_a_freeze_is_silent_in_time_and_sounds_again_only_if_that_is_wanted(
     real: Server, game: Game
 ) -> None:
@@ -259,7 +261,7 @@ def test_a_game_without_a_server_says_what_to_do_and_connects_when_it_comes(
     real: Server, built: unity.Built, tmp_path: Path
 ) -> None:
     file = tmp_path / "connection.json"
-    with Game(["mono", "--debug", built.player, file]) as game:
+    with Game(["mono", "--debug", built.player, file, "0"]) as game:
         game.do("play")
         status = game.until(lambda s: s["problem"] != "")
         assert "is `pacinian serve` running?" in status["problem"]

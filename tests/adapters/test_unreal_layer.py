@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.bench.faults.server import Server
 
-from . import tools, unreal
-from .game import Game, free
+from . import silence, tools, unreal
+from .game import HELD, LEASE, Game, free
 from .level import MIRROR, PLACE, YAW, array, level, numbers
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.timeout(tools.LIMIT)
 
 PATIENCE = 20.0  # [s]
+SOON = 1.0  # [s], long before the lease is over
 BALL = np.array([0.0, 0.0, 0.175])  # in the array's frame [m]
 RADIUS = 0.03
 
@@ -41,7 +42,7 @@ def program() -> Path:
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """One for all; a test that kills it starts it again."""
-    with Server(tmp_path_factory.mktemp("server")) as running:
+    with Server(tmp_path_factory.mktemp("server"), HELD) as running:
         yield running
 
 
@@ -91,7 +92,7 @@ def test_a_hand_that_moves_feels_a_ball(play: Callable[..., Game], server: Serve
     game.do("sway 1.5")
     told = sounds(game)
     assert told["armed"]
-    assert told["lease"] == 0.25
+    assert told["lease"] == 10.0
     assert told["solvers"] > 5
     assert told["drawn"] > 0
     felt = array(np.reshape(told["samples"], (-1, 3)))
@@ -245,9 +246,9 @@ def test_alignment_finds_the_array(play: Callable[..., Game]) -> None:
 
 
 def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Server) -> None:
-    game = play()
+    game = play("short")
     touch(game)
-    sounds(game)
+    assert sounds(game)["lease"] == LEASE
     game.do("freeze")
     assert game.event("ended")["code"] == "expired"
     wait(lambda: silent(server))
@@ -298,7 +299,9 @@ def test_what_ends_sound(play: Callable[..., Game], server: Server, way: str) ->
     game = play()
     touch(game)
     sounds(game)
+    since = time.perf_counter()
     assert game.do(way).get("took", 0.0) < 0.6
+    assert silence.silent(server, since) - since < SOON
     wait(lambda: silent(server))
     if way == "level":  # another one, in which nothing is touched
         connected(game)

@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="module")
-def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Server]]:
+def settings() -> str:
+    """TOML that is added to the server's; for the tests of a file that has its own."""
+    return ""
+
+
+@pytest.fixture(scope="module")
+def servers(
+    settings: str, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[[], Server]]:
     """Gives the running server; starts one if there is none, or it is not whole."""
     running: list[Server] = []
 
@@ -22,7 +30,7 @@ def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], S
         if running and (running[-1].process.poll() is not None or len(running[-1].parts()) < 3):
             running.pop().close()
         if not running:
-            server = Server(tmp_path_factory.mktemp("server"))
+            server = Server(tmp_path_factory.mktemp("server"), settings)
             running.append(server)
             server.start()
         return running[-1]

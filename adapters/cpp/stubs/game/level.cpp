@@ -44,6 +44,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   server->ConnectionFile = UTF8_TO_TCHAR(connection.c_str());
   server->bArmOnConnect = !has("unarmed");
   server->bArmAgainAfterLoss = has("again");
+  if (has("short")) server->Lease = 0.25F;
   server->OnConnected.Add([] { tell(R"({"event": "connected", "code": ""})"); });
   server->OnLost.Add([](const FString&) { tell(R"({"event": "lost", "code": ""})"); });
   server->OnEnded.Add([](const FString& code, const FString&) {

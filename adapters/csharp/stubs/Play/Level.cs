@@ -16,13 +16,14 @@ namespace Pacinian.Tests
         public readonly EmissionView View;
         public readonly GameObject Array, Hand, Head;
 
-        /// <summary>file: of the connection.</summary>
-        public Level(string file)
+        /// <summary>file: of the connection. lease: [s]; 0: the server's.</summary>
+        public Level(string file, float lease)
         {
             GameObject rig = new GameObject("rig");
             rig.SetActive(false);
             Server = rig.AddComponent<HapticServer>();
             Server.ConnectionFile = file;
+            Server.Lease = lease;
             Array = new GameObject("array");
             Array.transform.SetParent(rig.transform, false);
             Array.transform.localPosition = new Vector3(1f, 0.8f, 2f);

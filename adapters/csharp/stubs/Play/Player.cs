@@ -11,7 +11,7 @@ namespace Pacinian.Tests
 {
     /// <summary>
     /// Plays a level at 90 Hz as its standard input says, a command a line, and tells what happens, a JSON object a line.
-    /// Argument: the connection file.
+    /// Arguments: the connection file; the lease [s] (0: the server's).
     /// </summary>
     internal sealed class Player
     {
@@ -19,20 +19,22 @@ namespace Pacinian.Tests
 
         private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
         private readonly string _file;
+        private readonly float _lease;
         private Level _level;
         private double _longest;
         private long _bytes, _frames, _worst;
         private bool _ends, _still, _waves = true;
 
-        private Player(string file)
+        private Player(string file, float lease)
         {
             _file = file;
+            _lease = lease;
         }
 
         private static void Main(string[] arguments)
         {
             EditorApplication.Load(Assembly.Load("Pacinian.Haptics.Editor"));
-            new Player(arguments[0]).Run();
+            new Player(arguments[0], Number(arguments[1])).Run();
         }
 
         private static double Now
@@ -121,7 +123,7 @@ namespace Pacinian.Tests
         private void Play()
         {
             Engine.Play(typeof(HapticServer).Assembly);
-            _level = new Level(_file);
+            _level = new Level(_file, _lease);
             _level.Server.Connected += () => Event("connected", "");
             _level.Server.Lost += why => Event("lost", why);
             _level.Server.Ended += why => Event("ended", why.Code);
