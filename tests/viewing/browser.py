@@ -15,12 +15,8 @@ from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import urlsplit
 
 import pytest
-from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.serving.settings import Safety
-
-from .conftest import SETTINGS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -38,9 +34,6 @@ ARGUMENTS = (
 )  # fmt: skip
 SMALL = 960, 540  # [px]: all is drawn by the processor
 LIMIT = 60.0  # [s] for something to be shown
-PATIENT = replace(
-    SETTINGS, safety=Safety(lease=10.0)
-)  # the browser leaves little of two cores to a game
 
 
 def absent(what: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.scene.file import Units
-from pacinian.serving.settings import Log, Settings
+from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, serving
 from pacinian.viewing import slices
 
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-SETTINGS = Settings(array=Units(1, 1), log=Log(level="warning"))
+SETTINGS = Settings(array=Units(1, 1), log=Log(level="warning"), safety=Safety(lease=10.0))
+"""A machine that is late ends nothing: leases are `test_letting_go`'s."""
 
 
 class Game:
@@ -70,9 +71,15 @@ class Game:
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[Running]:
+def settings() -> Settings:
+    """Of the server; for the tests of a file that has its own."""
+    return SETTINGS
+
+
+@pytest.fixture(scope="module")
+def server(settings: Settings) -> Iterator[Running]:
     """A real one, of a single unit."""
-    with serving(SETTINGS) as running:
+    with serving(settings) as running:
         yield running
 
 

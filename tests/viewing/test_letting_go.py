@@ -12,10 +12,12 @@ from urllib.parse import urlsplit
 
 import msgpack
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.serving.settings import Safety, Settings
 
-from .conftest import Game
+from .conftest import SETTINGS, Game
 from .watching import LIMIT, Page
 
 if TYPE_CHECKING:
@@ -28,6 +30,11 @@ BALL = pc.Volume(
     name="ball", shape=pc.Sphere(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0
 )
 BYE = b"\x88\x80" + bytes(4)
+
+
+@pytest.fixture(scope="module")
+def settings() -> Settings:
+    return replace(SETTINGS, safety=Safety())
 
 
 @contextlib.contextmanager
@@ -70,6 +77,27 @@ def _armed(page: socket.socket, other: Page) -> None:
             begin = other.newest["state"]["time"] + 3.0 * other.newest["session"]["lease"]
         page.sendall(said("alive"))
         other.hear(0.02)
+
+
+def test_arming_lasts_while_the_page_is_alive(url: str, server: Running) -> None:
+    with Page(url) as page, Page(url) as other:
+        page.say("arm")
+        page.until(lambda: page.newest.get("session", {}).get("armed"))
+        other.until(lambda: other.newest.get("session", {}).get("armed"))
+        assert page.newest["session"]["mine"]
+        assert not other.newest["session"]["mine"]
+        lease, end = page.newest["session"]["lease"], time.monotonic() + 1.0
+        while time.monotonic() < end:
+            page.say("alive")
+            page.listen(lease / 10.0)
+        assert page.newest["state"]["armed"]
+        assert page.newest["state"]["owner"] == page.newest["session"]["name"]
+        assert not page.counts["refused"]
+        other.say("alive")  # is not the one that armed
+        page.until(lambda: page.counts["refused"])
+        assert page.newest["refused"]["action"] == "arm"
+        page.until(lambda: not page.newest["session"]["armed"])
+        page.until(lambda: not page.newest["state"]["armed"])
 
 
 @pytest.mark.parametrize("how", ["reset", "closed", "silent"])

@@ -155,27 +155,6 @@ def test_a_device_with_other_levels_is_told_anew(url: str, server: Running) -> N
         page.until(lambda: page.newest["array"] == before)
 
 
-def test_arming_lasts_while_the_page_is_alive(url: str, server: Running) -> None:
-    with Page(url) as page, Page(url) as other:
-        page.say("arm")
-        page.until(lambda: page.newest.get("session", {}).get("armed"))
-        other.until(lambda: other.newest.get("session", {}).get("armed"))
-        assert page.newest["session"]["mine"]
-        assert not other.newest["session"]["mine"]
-        lease, end = page.newest["session"]["lease"], time.monotonic() + 1.0
-        while time.monotonic() < end:
-            page.say("alive")
-            page.listen(lease / 10.0)
-        assert page.newest["state"]["armed"]
-        assert page.newest["state"]["owner"] == page.newest["session"]["name"]
-        assert not page.counts["refused"]
-        other.say("alive")  # is not the one that armed
-        page.until(lambda: page.counts["refused"])
-        assert page.newest["refused"]["action"] == "arm"
-        page.until(lambda: not page.newest["session"]["armed"])
-        page.until(lambda: not page.newest["state"]["armed"])
-
-
 def test_another_clients_scene_is_armed_by_its_name(url: str, server: Running) -> None:
     with Page(url) as page, Game(server.connection, scene="hall") as game:
         page.say("arm", scene="hall")

@@ -17,7 +17,8 @@ from PIL import Image
 import pacinian as pc
 from pacinian.testing.server import serving
 
-from .browser import PATIENT, Game, chromium, seen
+from .browser import Game, chromium, seen
+from .conftest import SETTINGS
 from .test_live import gains
 from .watching import Page, viewer
 
@@ -47,7 +48,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
-    with serving(PATIENT) as running:
+    with serving(SETTINGS) as running:
         yield running
 
 
@@ -241,7 +242,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "waiting" in shown.text("#gone"))
         assert shown.page.is_disabled("#arm")
         assert shown.page.is_enabled("#stop")
-        with serving(PATIENT) as first, Game(first.connection):
+        with serving(SETTINGS) as first, Game(first.connection):
             connection.symlink_to(first.connection)
             shown.until(lambda: "ball" in shown.get("objects") and shown.get("drive.mean") > 0.0)
             assert not shown.page.is_visible("#gone")
@@ -256,7 +257,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "grayscale" in shown.page.evaluate(looks))
         assert "ball" in shown.get("objects")  # frozen, and visible
         connection.unlink()
-        with serving(PATIENT) as again:
+        with serving(SETTINGS) as again:
             connection.symlink_to(again.connection)
             shown.until(lambda: shown.get("link") == "live" and shown.get("output") == "silent")
             shown.until(lambda: not shown.get("objects"))

@@ -11,7 +11,8 @@ import pytest
 
 from pacinian.testing.server import serving
 
-from .browser import LIMIT, PATIENT, Game, chromium, seen, status
+from .browser import LIMIT, Game, chromium, seen, status
+from .conftest import SETTINGS
 from .watching import viewer
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
-    with serving(PATIENT) as running:
+    with serving(SETTINGS) as running:
         yield running
 
 
