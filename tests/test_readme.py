@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import pacinian as pc
+from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import serving
 from pacinian.wire.connection import VARIABLE
 
@@ -27,8 +28,8 @@ SHOWN = [
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    """For what talks to one."""
-    with serving() as running:
+    """For what talks to one; a machine that is late ends nothing."""
+    with serving(Settings(safety=Safety(lease=10.0))) as running:
         yield str(running.connection)
 
 

@@ -136,7 +136,7 @@ def _command(ramdisk: Path, out: Path, console: Path) -> list[str]:
         "qemu-system-x86_64", "-accel", "tcg,thread=multi", "-cpu", PROCESSOR, "-smp", "2", "-m", "1024",
         "-nodefaults", "-nographic", "-no-reboot", "-serial", f"file:{console}",
         "-kernel", str(KERNEL / "vmlinuz"), "-initrd", str(ramdisk),
-        "-append", "console=ttyS0 quiet panic=-1 mitigations=off",
+        "-append", "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check",
         "-fsdev", f"{share},id=root,path=/,readonly=on,multidevs=remap",
         "-device", "virtio-9p-pci,fsdev=root,mount_tag=root",
         "-fsdev", f"{share},id=out,path={out}",

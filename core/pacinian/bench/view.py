@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 FRAME = 1.0 / 90.0  # [s] of the game
 SETTLE = 3.0  # [s] before each window
-LIMIT = 60.0  # [s] for the viewer to start
+LIMIT = 60.0  # [s] for the viewer to start, and to connect anew
 BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
 HOW = "closed", "feed", "slice"
 ALL = "&power=all"  # of a page's address: frames one after the other, changed or not
@@ -123,12 +123,24 @@ def play(game: Client, seconds: float) -> list[State]:
         except Refused:  # late, on a busy machine
             game.arm()
         except ConnectionLost:  # very late
-            game.reconnect()
-            game.put(BALL)
-            game.arm()
+            _reconnect(game)
         time.sleep(FRAME)
         now = time.perf_counter()
     return found
+
+
+def _reconnect(game: Client) -> None:
+    """Until it plays on: who is late for one connection may be so for the next. Raises ConnectionLost."""
+    end = time.perf_counter() + LIMIT
+    while True:
+        try:
+            game.reconnect()
+            game.put(BALL)
+            game.arm(take=True)  # from the session that was lost
+            return
+        except ConnectionLost:
+            if time.perf_counter() > end:
+                raise
 
 
 def _playing(game: Client, seconds: float) -> None:

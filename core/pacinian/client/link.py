@@ -140,7 +140,7 @@ class Link:
         elif self.known:
             why = "has gone"  # also in the middle of a handshake
         elif event & FOREIGN:
-            why = "is no Pacinian server, or wants other security: CURVE keys or a token"
+            why = "is no Pacinian server, wants other security (CURVE keys or a token), or is too busy"
         elif event & zmq.EVENT_CLOSED:
             why = "does not answer: is `pacinian serve` running?"
         else:

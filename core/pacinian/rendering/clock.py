@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, Protocol
 
@@ -43,14 +44,16 @@ def paced(
     """When each tick of a loop is due [s], as soon as it is, for `duration` [s], or for ever.
 
     period: from tick to tick [s]. behind: by how much the loop may lag [s] before it leaves out the ticks whose
-    whole time is over. With each: how many were left out before it.
+    whole time is over; never the last one. With each: how many were left out before it.
     """
-    begin = due = clock.now()
-    lost = 0
-    while duration is None or due - begin < duration - period / 2.0:
+    begin = clock.now()
+    last = math.inf if duration is None else math.ceil(duration / period - 0.5) - 1
+    k = lost = 0
+    while k <= last:
+        due = begin + k * period
         clock.wait_until(due)
         yield due, lost
-        due += period
-        lag = clock.now() - due
-        lost = int(lag / period) if lag > behind else 0
-        due += lost * period
+        k += 1
+        lag = clock.now() - (begin + k * period)
+        lost = int(min(lag / period, max(last - k, 0))) if lag > behind else 0
+        k += lost

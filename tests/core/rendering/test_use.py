@@ -153,6 +153,20 @@ def test_a_loop_that_lags_far_gives_up_catching_up() -> None:
     assert len(list(beats)) == 24
 
 
+@pytest.mark.parametrize("duration", [0.0, 0.004, 0.006, 0.05, 0.5, 1e-12])
+@pytest.mark.parametrize("stall", [0.0, 0.05, 0.12, 0.2, 1e9])
+def test_every_tick_is_done_or_counted_also_where_a_loop_ends_late(
+    duration: float, stall: float
+) -> None:
+    for at in range(6):
+        clock, done, missed, last = ManualClock(), 0, 0, 0.0
+        for due, lost in paced(clock, 0.01, duration):
+            clock.advance(stall * (done == at))
+            done, missed, last = done + 1, missed + lost, due
+        assert done + missed == round(duration / 0.01)
+        assert done == 0 or last == pytest.approx(duration - 0.01, abs=0.005)
+
+
 def test_recent_ticks() -> None:
     report = pc.Report()
     assert not len(report.recent(5))

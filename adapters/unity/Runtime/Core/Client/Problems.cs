@@ -20,7 +20,7 @@ namespace Pacinian
                 case Ending.Denied:
                     return "the server at " + at + " refuses the token or key: another server may have been started since";
                 case Ending.Foreign:
-                    return "the server at " + at + " is no Pacinian server, or wants other security: CURVE keys or a token";
+                    return "the server at " + at + " is no Pacinian server, wants other security (CURVE keys or a token), or is too busy";
                 default:
                     return "the server at " + at + " has gone";
             }

@@ -86,7 +86,7 @@ bool Link::lost(Loss& loss, bool known) {
   else if (known)
     loss = {server + "has gone", false};  // also in the middle of a handshake
   else if (event & foreign)
-    loss = {server + "is no Pacinian server, or wants other security: CURVE keys or a token", true};
+    loss = {server + "is no Pacinian server, wants other security (CURVE keys or a token), or is too busy", true};
   else if (event & ZMQ_EVENT_CLOSED)
     loss = {server + "does not answer: is `pacinian serve` running?", false};
   else
