@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 TINY = 1e-300
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
+TRIES = 8  # in a row that may not help: one may have had no time, where others have the processor
 
 Step = tuple[object, ...]
 
@@ -40,7 +41,7 @@ class Solved:
     gains: at full envelope, (N,). voices: their amplitudes over time; None where they are in the gains.
     parts: what each of more than one voice contributes, (voices + 1, N). solution: the evidence. samples:
     what was asked. steady: whether it serves all times as it is. final: whether to solve again would be
-    in vain: the time was not up, or more of it did not help.
+    in vain: the time was not up, or more of it did not help. vain: how often it has not, in a row.
     """
 
     gains: Gains
@@ -50,6 +51,7 @@ class Solved:
     samples: Samples
     steady: bool
     final: bool
+    vain: int = 0
 
     @property
     def nbytes(self) -> int:
@@ -220,7 +222,9 @@ class Player:
         steady, sounding = voices.steady and final, None if joint else voices
         made = Solved(solution.gains, sounding, parts, solution, samples, steady, final)
         if kept is not None and solution.error > BETTER * kept.solution.error:
-            made = replace(kept, steady=voices.steady, final=True)
+            vain = kept.vain + 1
+            final = final or vain == TRIES
+            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
         self.fresh.append(made)
         self.placed = made
         if (len(self._steps) + 1) * made.nbytes > KEPT:
