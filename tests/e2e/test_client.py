@@ -22,12 +22,6 @@ if TYPE_CHECKING:
 POINT = pc.Point(name="thing", position=(0.0, 0.0, 0.2), radiation_pressure=20.0)
 
 
-@pytest.fixture(scope="module")
-def settings() -> str:
-    """A lease that does not end where the machine is late: leases are `test_faults`'."""
-    return "[safety]\nlease = 10.0\n"
-
-
 def test_a_server_that_is_killed_and_restarted(stage: Stage) -> None:
     server, before = stage.server, Connection.read(stage.server.file)
     with Peer(server.file) as peer:

@@ -32,6 +32,12 @@ LATER = (  # other tests show the same, here, in tests/core/serving or test_clie
 WRONG = "stale", "heard", "lives", "left: ", "replaced"  # what a note must not tell
 
 
+@pytest.fixture(scope="module")
+def settings() -> str:
+    """The usual lease: it is what bounds some faults."""
+    return ""
+
+
 @pytest.mark.parametrize(
     "fault", [f for f in FAULTS if f.name not in LATER], ids=lambda fault: fault.name
 )

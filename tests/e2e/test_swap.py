@@ -7,7 +7,6 @@ import time
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 
 import pacinian as pc
 from pacinian.bench.faults.device import Probe
@@ -25,12 +24,6 @@ RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s]
 POINT = pc.Point(name="thing", position=(RADIUS, 0.0, HEIGHT), radiation_pressure=20.0)
 WAIT = 30.0  # [s]
 MODELS = Choice(name="usb-autd", options={"pretend": True})
-
-
-@pytest.fixture(scope="module")
-def settings() -> str:
-    """A lease that does not end where the machine is late: leases are `test_faults`'."""
-    return "[safety]\nlease = 10.0\n"
 
 
 def play(client: pc.Client, done: Callable[[State], bool]) -> list[State]:

@@ -141,6 +141,7 @@ def _reconnect(game: Client) -> None:
         except ConnectionLost:
             if time.perf_counter() > end:
                 raise
+            time.sleep(FRAME)
 
 
 def _playing(game: Client, seconds: float) -> None:

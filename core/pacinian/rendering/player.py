@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 TINY = 1e-300
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
-TRIES = 8  # in a row that may not help: one may have had no time, where others have the processor
+TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
 
 Step = tuple[object, ...]
 

@@ -784,7 +784,7 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
     renderer, _, _ = make(pc.Scene((plate,)), clock=Slow(), solver="lbfgs", governed=False)
     errors, solves = [], []
     with renderer:
-        for _ in range(60):
+        for _ in range(40):
             renderer.tick()
             assert renderer.solution is not None
             errors.append(renderer.solution.error)
@@ -793,7 +793,7 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
         assert renderer.report.statuses["ok"] == met
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.98 * errors[0]
-    assert solves[-1] == solves[-20] < 30
+    assert solves[-1] == solves[-20] < 20
     assert renderer.player.steady
 
 
