@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import itertools
 import threading
 import time
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 import zmq
 from msgspec.structs import replace
 
+from pacinian.serving.logs import configure
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, FrameHead, Permit, Report, Traffic, pack
 from pacinian.serving.server import serve
@@ -209,6 +212,29 @@ class Asker:
         assert isinstance(reply, Welcome), reply
         self.session = reply.session
         return self
+
+
+class Logged(io.StringIO):
+    """What was logged. Not read by `capfd`, which loses what is written while it reads."""
+
+    def wait(self, *parts: str) -> str:
+        """All that was logged, once each of `parts` is in it."""
+        return str(eventually(lambda: all(p in self.getvalue() for p in parts) and self.getvalue()))
+
+    def refused(self, *whys: str) -> None:
+        """It is logged that a connection was refused, because of one of `whys`."""
+        self.wait("connection refused")
+        eventually(lambda: any(f"why={why}" in self.getvalue() for why in whys))
+
+
+@pytest.fixture
+def logged(monkeypatch: pytest.MonkeyPatch) -> Logged:
+    """What is logged in this process from now on; a server configures the rest when it starts."""
+    made = Logged()
+    seen = SimpleNamespace(stderr=made)  # sys.stderr is set by pytest when the test begins
+    monkeypatch.setattr("pacinian.serving.logs.sys", seen)
+    configure(Log(), "test")
+    return made
 
 
 @pytest.fixture

@@ -185,9 +185,7 @@ def test_another_owner_s_scene_takes_the_place_of_the_first(server: Server) -> N
     server.until(lambda: list(server.renderer.scene) == ["a"])
 
 
-def test_a_key_on_another_connection_is_refused_and_logged(
-    server: Server, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_key_on_another_connection_is_refused_and_logged(server: Server, logged: Any) -> None:
     server.sessions(A)
     one, other = server.connect(), server.connect()
     recorded = encode(put({"a": point()}, session=A, id=1))
@@ -199,9 +197,7 @@ def test_a_key_on_another_connection_is_refused_and_logged(
     assert "connection" in error.message
     one.send(recorded)
     assert server.reply(one).code == "sequence"
-    logged = "".join(capfd.readouterr())
-    assert "replayed" in logged
-    assert A.hex() not in logged
+    assert A.hex() not in logged.wait("replayed")
 
 
 def test_who_has_not_the_token_is_not_heard(server: Server) -> None:

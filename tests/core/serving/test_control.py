@@ -202,7 +202,7 @@ def test_a_fault_of_the_device_holds_until_it_is_reset(server: Any) -> None:
     assert game.ask(Status).fault_count == 2
 
 
-def test_it_ends_in_order_and_leaves_nothing(server: Any, capfd: Any) -> None:
+def test_it_ends_in_order_and_leaves_nothing(server: Any) -> None:
     game = server.client().hello()
     game.ask(Arm)
     folder = server.processes["guard"][0].told.path
@@ -272,22 +272,16 @@ def test_metrics_are_served_on_loopback(start_server: Any) -> None:
         assert name in seen
 
 
-def test_logs_hold_no_secrets(start_server: Any, capfd: Any) -> None:
+def test_logs_hold_no_secrets(start_server: Any, logged: Any, capfd: Any) -> None:
     server = start_server(Settings(log=Log("json", "debug")))
     token, game = server.connection.token, server.client().hello()
     with contextlib.suppress(zmq.Again):
         server.client(token="wrong", sndtimeo=0).socket.send(b"x")
-    text = ""
-
-    def refused() -> bool:
-        nonlocal text
-        text += capfd.readouterr().err
-        return "connection refused" in text
-
-    eventually(refused)
+    logged.wait("connection refused")
     assert isinstance(game.ask(Disarm), Ok)
     server.end()
-    text += capfd.readouterr().err
+    text = logged.wait('"event": "end"')
     assert all(isinstance(json.loads(line), dict) for line in text.splitlines())
-    assert token not in text
-    assert game.session.hex() not in text
+    for said in (text, *capfd.readouterr()):
+        assert token not in said
+        assert game.session.hex() not in said

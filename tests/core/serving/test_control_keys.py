@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -16,31 +15,10 @@ from pacinian.wire.control import Arm, Stop
 from pacinian.wire.replies import Ok
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
 PROTOCOL = "protocol", "handshake"  # which of them, depends on who closes the connection first
-
-
-def eventually(seen: Callable[[], Any], seconds: float = 10.0) -> Any:
-    due = time.monotonic() + seconds
-    while time.monotonic() < due:
-        if value := seen():
-            return value
-        time.sleep(0.002)
-    raise AssertionError("did not come true in time")
-
-
-def refused(capfd: Any, *whys: str) -> None:
-    """It is logged that a connection was refused, because of one of `whys`."""
-    text = ""
-
-    def seen() -> bool:
-        nonlocal text
-        text += capfd.readouterr().err
-        return "connection refused" in text and any(f"why={why}" in text for why in whys)
-
-    eventually(seen)
 
 
 @pytest.fixture
@@ -68,26 +46,34 @@ def test_the_connection_file_holds_keys_that_do(curve: Any) -> None:
 
 
 def test_a_key_is_let_in_as_soon_as_it_is_listed_and_no_more_once_it_is_not(
-    capfd: Any, curve: Any, keys: Path
+    logged: Any, curve: Any, keys: Path
 ) -> None:
     public, secret = make(keys, "tablet")
     known = zmq.auth.load_certificate(secret)
     with_keys(curve, *known).hello("tablet")
     public.unlink()
     with_keys(curve, *known).send(Stop())
-    refused(capfd, "key")
+    logged.refused("key")
     assert curve.permit().stopped == 0
 
 
-def test_unknown_keys_no_keys_and_another_servers_key_are_refused(capfd: Any, curve: Any) -> None:
-    unknown = zmq.curve_keypair()
-    with_keys(curve, *unknown).send(Stop())
-    refused(capfd, "key")
-    with_keys(curve, *unknown, curve_serverkey=zmq.curve_keypair()[0]).send(Stop())
-    refused(capfd, *PROTOCOL)
+def test_unknown_keys_are_refused(logged: Any, curve: Any) -> None:
+    with_keys(curve, *zmq.curve_keypair()).send(Stop())
+    logged.refused("key")
+    assert curve.permit().stopped == 0
+
+
+def test_another_servers_key_is_refused(logged: Any, curve: Any) -> None:
+    other = zmq.curve_keypair()[0]
+    with_keys(curve, *zmq.curve_keypair(), curve_serverkey=other).send(Stop())
+    logged.refused(*PROTOCOL)
+    assert curve.permit().stopped == 0
+
+
+def test_who_has_no_keys_is_refused(logged: Any, curve: Any) -> None:
     bare = curve.sockets.enter_context(curve.context.socket(zmq.DEALER))
     bare.linger = 0
     bare.connect(curve.connection.control)
     bare.send(encode(Stop(id=1)))
-    refused(capfd, *PROTOCOL)
+    logged.refused(*PROTOCOL)
     assert curve.permit().stopped == 0

@@ -60,18 +60,6 @@ def eventually(seen: Callable[[], Any], seconds: float = 10.0) -> Any:
     raise AssertionError("did not come true in time")
 
 
-def refused(capfd: Any, *whys: str) -> None:
-    """It is logged that a connection was refused, because of one of `whys`."""
-    text = ""
-
-    def seen() -> bool:
-        nonlocal text
-        text += capfd.readouterr().err
-        return "connection refused" in text and any(f"why={why}" in text for why in whys)
-
-    eventually(seen)
-
-
 def raw(server: Any, port: str = "control") -> socket.socket:
     address = getattr(server.connection, port).removeprefix("tcp://")
     host, _, number = address.rpartition(":")
@@ -123,11 +111,11 @@ def test_one_who_does_not_say_who_it_is_is_dropped_after_a_second(server: Any, d
 
 
 @pytest.mark.parametrize("token", ["0" * 64, "", "wrong"])
-def test_a_wrong_token_or_none_is_refused_and_logged(capfd: Any, server: Any, token: str) -> None:
+def test_a_wrong_token_or_none_is_refused_and_logged(logged: Any, server: Any, token: str) -> None:
     stranger = server.client(token=token, sndtimeo=0)
     with contextlib.suppress(zmq.Again):  # it may be refused already
         stranger.send(Stop(id=1))
-    refused(capfd, *(PROTOCOL if not token else ("secret",)))
+    logged.refused(*(PROTOCOL if not token else ("secret",)))
     assert not stranger.socket.poll(50)
     assert server.permit().stopped == 0
     quiet = server.socket(zmq.SUB, token=token)
@@ -136,7 +124,7 @@ def test_a_wrong_token_or_none_is_refused_and_logged(capfd: Any, server: Any, to
     assert not quiet.poll(100), "nor is it told anything"
 
 
-def test_the_token_of_a_run_before_is_refused(capfd: Any, start_server: Any) -> None:
+def test_the_token_of_a_run_before_is_refused(logged: Any, start_server: Any) -> None:
     first = start_server()
     old = first.connection.token
     first.end()
@@ -144,7 +132,7 @@ def test_the_token_of_a_run_before_is_refused(capfd: Any, start_server: Any) -> 
     assert server.connection.token != old
     with contextlib.suppress(zmq.Again):  # it may be refused already
         server.client(token=old, sndtimeo=0).send(Stop())
-    refused(capfd, "secret")
+    logged.refused("secret")
     assert server.permit().stopped == 0
 
 
@@ -169,12 +157,11 @@ def test_one_routing_id_is_one_clients(server: Any) -> None:
     assert [c.name for c in first.ask(Status).clients] == ["first"]
 
 
-def test_a_key_on_another_connection_is_refused_and_logged(capfd: Any, server: Any) -> None:
+def test_a_key_on_another_connection_is_refused_and_logged(logged: Any, server: Any) -> None:
     game, thief = server.client().hello(), server.client()
     thief.session = game.session
     assert thief.ask(Arm).code == "session"
-    eventually(lambda: "another connection" in capfd.readouterr().err)
-    assert game.session.hex() not in capfd.readouterr().err
+    assert game.session.hex() not in logged.wait("another connection")
 
 
 def test_a_slow_reader_delays_nobody(server: Any) -> None:
