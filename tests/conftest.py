@@ -7,14 +7,25 @@ import os
 from typing import TYPE_CHECKING
 
 import pytest
+import zmq
 from hypothesis import settings
 
+from pacinian.client import link
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from types import ModuleType
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.load_profile("fixed")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def patient() -> Iterator[None]:
+    """Servers wait for our clients' heartbeats longer than the 0.2 s for which a busy machine may stop them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_TTL, 10_000)
+        yield
 
 
 @pytest.fixture(scope="session")

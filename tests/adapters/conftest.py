@@ -27,7 +27,7 @@ def csharp_core(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def csharp_driver(csharp_core: Path) -> Path:
     """A game in C# that does as its standard input says."""
-    sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json")]
+    sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json", "Spent")]
     sources.append(tools.CSHARP / "example" / "OpenHand.cs")
     return tools.csharp(csharp_core.with_name("ClientDriver.exe"), sources, csharp_core)
 

@@ -12,17 +12,20 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
+from pacinian.wire import control
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
     from types import TracebackType
 
+    from ..core.client.fake import Fake
     from .slow import Slow
 
 PATIENCE = 20.0  # [s]
 LEASE = 0.25  # [s], what a game asks for where its lease is to end
-HELD = "[safety]\nlease = 10.0\n"  # of a server: else whatever ends, the lease alone would soon end the sound, too
+# of a server: else whatever ends, the lease alone would soon end the sound, too, and so would a late frame
+HELD = "[safety]\nlease = 10.0\nstale = 1.0\n"
 
 
 class Game:
@@ -80,6 +83,16 @@ class Game:
             assert time.monotonic() < end, status
             time.sleep(0.01)  # until it has ticked
         return status
+
+    def sounding(self) -> dict[str, Any]:
+        """How it stands when it sounds; it arms again where that took longer than its lease."""
+
+        def sounds(status: dict[str, Any]) -> bool:
+            if not status["armed"]:
+                self.do("arm")
+            return bool(status["armed"] and status["output"] == "sounding")
+
+        return self.until(sounds)
 
     def end(self) -> int:
         """Let it end by itself."""
@@ -147,8 +160,14 @@ def free(file: Path) -> None:
             time.sleep(0.01)
 
 
-def fill(game: Game, wire: Slow) -> None:
-    """Hold up its commands, and send until there is no room: what is put then waits."""
+def fill(server: Fake, game: Game, wire: Slow) -> None:
+    """Hold up its commands, and send until there is no room: what is put then waits.
+
+    After each, its own thread says another thing to control: so none took the place of the one before.
+    """
     wire.goes.clear()
     for _ in range(120):
+        before = len(server.of(control.Reset))
         game.do("heavy rain 5000")
+        game.do("reset")
+        server.until(lambda n=before: len(server.of(control.Reset)) > n)  # type: ignore[misc]

@@ -33,9 +33,12 @@ class Slow:
         with contextlib.suppress(OSError):  # closed
             while True:
                 near, _ = self._listener.accept()
-                self._open.append(near)
-                far = socket.create_connection(self._to)
-                self._open.append(far)
+                try:
+                    far = socket.create_connection(self._to)
+                except OSError:  # nobody is there, now
+                    near.close()
+                    continue
+                self._open += near, far
                 for pair in ((near, far), (far, near)):
                     self._threads.append(threading.Thread(target=self._pass, args=pair))
                     self._threads[-1].start()

@@ -116,7 +116,7 @@ def play(game: Game) -> dict[str, Any]:
     game.event("connected")
     game.do("put ball 0 0 0.2 20")
     game.do("arm")
-    return game.until(lambda s: s["armed"] and s["output"] == "sounding")
+    return game.sounding()
 
 
 def silence(server: Server, since: float) -> float:

@@ -36,6 +36,13 @@ def game(start: Start, file: Path) -> Iterator[Game]:
         yield made
 
 
+def subscribed(server: Fake, game: Game) -> None:
+    """Wait until it hears what is published."""
+    server.stream = lambda: state(0)
+    game.until(lambda s: s["objects"] >= 0)
+    server.stream = None
+
+
 def heard(server: Fake) -> int:
     """How many messages have come that are no renewals."""
     return len(server.seen) - len(server.of(control.Renew))
@@ -75,6 +82,7 @@ def test_hello_and_all_commands(server: Fake, game: Game) -> None:
 
 
 def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> None:
+    subscribed(server, game)
     server.publish(*(state(i, solver=f"s{i}") for i in range(1, 51)))
     assert game.until(lambda s: s["sequence"] == 50)["solver"] == "s50"
     game.do("arm")
@@ -90,6 +98,7 @@ def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> No
 
 @pytest.mark.parametrize("of", ["control", "state"])
 def test_what_cannot_be_read_is_told_once_and_skipped(server: Fake, game: Game, of: str) -> None:
+    subscribed(server, game)
     router, _, publisher = server._sockets  # pyright: ignore[reportPrivateUsage]
     for _ in range(3):
         if of == "control":
@@ -132,22 +141,27 @@ def test_a_server_that_hangs_is_lost_in_time_and_nothing_waits_for_it(
     assert game.status()["longest"] < TICK
 
 
-def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: Game) -> None:
-    game.do("warm")
-    fill(game, wire)
-    for i in range(50):
-        game.do(f"move rain 0 0 {i / 100}")
-    assert game.status()["longest"] < TICK
-    assert server.of(commands.Move) == []
-    wire.goes.set()
-    server.until(lambda: bool(server.of(commands.Move)))
-    (move,) = server.of(commands.Move)
-    assert unpack(move.poses, 7)[0, 2] == pytest.approx(0.49)
-    assert len(server.of(commands.Put)) < 120
+def test_the_newest_wins_while_there_is_no_room(
+    server: Fake, wire: Slow, file: Path, start: Start
+) -> None:
+    with start(file, life=60.0) as game:
+        game.do("start")
+        game.event("connected")
+        game.do("warm")
+        fill(server, game, wire)
+        for i in range(50):
+            game.do(f"move rain 0 0 {i / 100}")
+        assert game.status()["longest"] < TICK
+        assert server.of(commands.Move) == []
+        wire.goes.set()
+        server.until(lambda: bool(server.of(commands.Move)))
+        (move,) = server.of(commands.Move)
+        assert unpack(move.poses, 7)[0, 2] == pytest.approx(0.49)
+        assert len(server.of(commands.Put)) < 120
 
 
 def test_what_waits_too_long_is_not_sent(server: Fake, wire: Slow, game: Game) -> None:
-    fill(game, wire)
+    fill(server, game, wire)
     game.do("move rain 0 0 0.2")
     game.do("freeze 1.1")
     wire.goes.set()
@@ -162,7 +176,7 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
     game.do("put ball 0 0 0.2 5")
     game.do("arm")
     game.until(lambda s: s["armed"])
-    fill(game, wire)
+    fill(server, game, wire)
     server.close()
     told = game.event("lost")
     assert "has gone" in told["message"]
@@ -187,7 +201,7 @@ def test_what_could_wait_long_does_not_reach_a_new_server(
     with start(file, life=60.0) as game:
         game.do("start")
         game.event("connected")
-        fill(game, wire)
+        fill(server, game, wire)
         for i in range(20):
             game.do(f"heavy rain{i} 5000")
         server.close()

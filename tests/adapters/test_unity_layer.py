@@ -21,6 +21,8 @@ from .silence import heard, silent
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+pytestmark = pytest.mark.timeout(tools.LIMIT)  # it is built first
+
 LATE = 0.15  # [s] after the lease, where two processors are shared by many
 END = 0.5  # [s] that the end may take
 STATES = 60  # in which the hand has been to and fro
@@ -46,6 +48,8 @@ def game(real: Server, built: unity.Built, request: pytest.FixtureRequest) -> It
     with Game(["mono", "--debug", built.player, real.file, lease]) as made:
         made.do("play")
         made.event("connected")
+        if hasattr(request, "param"):
+            made.sounding()
         sounds(made)
         yield made
 

@@ -43,7 +43,10 @@ def build(folder: Path) -> Built:
     )  # fmt: skip
     player = tools.csharp(
         folder / "Player.exe",
-        [*(STUBS / "Play").glob("*.cs"), tools.CSHARP / "tests" / "ClientJson.cs"],
+        [
+            *(STUBS / "Play").glob("*.cs"),
+            *(tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Json", "Spent")),
+        ],
         core, engine, layer, editor,
     )  # fmt: skip
     return Built(player, runner, tests, of_editor)

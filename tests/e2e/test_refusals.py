@@ -98,7 +98,7 @@ def test_a_session_of_another_connection_is_refused_and_logged(server: Server) -
         reply = good.tell("clear", wait=2.0)
         assert reply is not None
         assert reply["type"] == "ok"
-    assert [e for e in server.events() if "another connection" in e["event"]]
+    until(lambda: [e for e in server.events() if "another connection" in e["event"]])
 
 
 def test_a_replayed_command_is_refused(server: Server) -> None:

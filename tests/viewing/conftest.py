@@ -6,8 +6,10 @@ import threading
 from typing import TYPE_CHECKING, Any, Self
 
 import pytest
+import zmq
 
 import pacinian as pc
+from pacinian.client import link
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, serving
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-SETTINGS = Settings(array=Units(1, 1), log=Log(level="warning"), safety=Safety(lease=10.0))
+SETTINGS = Settings(
+    array=Units(1, 1), log=Log(level="warning"), safety=Safety(lease=10.0, stale=1.0)
+)
 """A machine that is late ends nothing: leases are `test_letting_go`'s."""
 
 
@@ -52,12 +56,12 @@ class Game:
                     client.hold(0.02)
                     if self.moves:
                         client.move("plate", pc.Pose((0.03, 0.03, 0.15 + 1e-4 * (step % 100))))
+                    if client.status().output == "sounding":
+                        self._sounds.set()
                 except pc.Refused as error:
                     self.refused.append(error.code)
                 except pc.ConnectionLost:
                     return
-                if client.status().output == "sounding":
-                    self._sounds.set()
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -88,6 +92,12 @@ def url(server: Running, tmp_path: Path) -> Iterator[str]:
     """The address of a viewer of that server."""
     with viewer(server.connection, folder=tmp_path) as address:
         yield address
+
+
+@pytest.fixture(autouse=True)
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Connections end when they are closed, not when this process stands still for 0.2 s."""
+    monkeypatch.setattr(link, "HEARTBEAT", {zmq.RCVHWM: 0})
 
 
 @pytest.fixture(autouse=True)

@@ -16,6 +16,7 @@ from .browser import CHROMIUM, absent
 WINDOW = 2.0  # [s]
 
 
+@pytest.mark.timeout(300)
 def test_all_kinds_of_windows_are_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(view, "SETTLE", 0.5)
     monkeypatch.setattr(view, "HOW", ("closed", "slice"))  # a feed is a slice's without it

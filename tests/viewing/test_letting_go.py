@@ -17,6 +17,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.serving.settings import Safety, Settings
 
+from .browser import status
 from .conftest import SETTINGS, Game
 from .watching import LIMIT, Page
 
@@ -34,7 +35,7 @@ BYE = b"\x88\x80" + bytes(4)
 
 @pytest.fixture(scope="module")
 def settings() -> Settings:
-    return replace(SETTINGS, safety=Safety(lease=1.0))
+    return replace(SETTINGS, safety=Safety(lease=1.0, stale=1.0))
 
 
 @contextlib.contextmanager
@@ -105,15 +106,10 @@ def test_arming_lasts_while_the_page_is_alive(url: str, server: Running) -> None
 def test_there_is_silence_within_the_lease_of_a_page_that_goes(
     url: str, server: Running, how: str
 ) -> None:
-    with (
-        pc.Client(server.connection, name="clock") as clock,
-        Game(server.connection) as game,
-        Page(url) as other,
-        raw(url) as page,
-    ):
+    with Game(server.connection) as game, Page(url) as other, raw(url) as page:
         _armed(page, other)
         assert set(game.refused) == {"owner"}
-        left = clock.status().time
+        left = status(server.connection).time
         if how == "reset":  # as of a computer, or a browser, that is killed
             page.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             page.close()

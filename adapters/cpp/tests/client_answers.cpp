@@ -12,6 +12,7 @@
 
 #include "client_driver.h"
 #include "client_scene.h"
+#include "client_spent.h"
 
 namespace {
 
@@ -114,9 +115,9 @@ class Game {
 
   template <class Act>
   void timed(Act act) {
-    const double begin = client_.now();
+    const driver::Spent spent;
     act();
-    longest_ = std::max(longest_, client_.now() - begin);
+    longest_ = std::max(longest_, spent.seconds());
   }
 
   void tell() {

@@ -20,7 +20,7 @@ namespace Pacinian.Tests
         private HapticClient _client;
         private readonly List<HandFrame> _hands = new List<HandFrame>();
         private readonly OpenHand _hand = new OpenHand();
-        private double _longest;
+        private readonly ClientSpent _spent = new ClientSpent();
         private bool _ends, _still, _waves;
 
         private ClientDriver(Options options)
@@ -104,7 +104,7 @@ namespace Pacinian.Tests
                 case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
                 case "dispose": Timed(_client.Dispose); break;
                 case "status": Tell(); return;
-                case "warm": _longest = 0.0; break;
+                case "warm": _spent.Longest = 0.0; break;
                 case "forget": Forget(); break;
                 case "end": _ends = true; break;
                 default: throw new ArgumentException(words[0]);
@@ -120,7 +120,7 @@ namespace Pacinian.Tests
             ClientJson.Say(
                 "status", _client.Status, "problem", _client.Problem, "armed", _client.Armed, "owner", _client.Owner,
                 "lease", _client.Lease, "latency", _client.Latency, "scene", _client.Scene, "server", _client.Server,
-                "offset", _client.Offset, "longest", _longest, "time", _client.Now,
+                "offset", _client.Offset, "longest", _spent.Longest, "time", _client.Now,
                 "solvers", abilities == null ? -1 : abilities.Solvers.Count, "age", seen ? _client.Age(state) : -1.0,
                 "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
                 "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
@@ -143,9 +143,9 @@ namespace Pacinian.Tests
 
         private void Timed(Action call)
         {
-            double begin = _client.Now;
+            _spent.Begin();
             call();
-            _longest = Math.Max(_longest, _client.Now - begin);
+            _spent.End();
         }
 
         private void Read()

@@ -110,7 +110,10 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
 
 
 def play(game: Client, seconds: float) -> list[State]:
-    """Move a hand over the ball for so long [s]; the state at the end of each second."""
+    """Move a hand over the ball for so long [s]; the state at the end of each second.
+
+    Where it does not sound just then, the first one in the next second that does, or else the last.
+    """
     begin = now = time.perf_counter()
     found: list[State] = []
     while now < begin + seconds:
@@ -119,7 +122,9 @@ def play(game: Client, seconds: float) -> list[State]:
             game.hands(Hand.open("right", Pose((x, -0.03, 0.215))), wait=False)
             game.renew()
             if now - begin >= len(found) + 1.0:
-                found.append(game.status())
+                state = game.status()
+                if state.output == "sounding" or now - begin >= len(found) + 2.0:
+                    found.append(state)
         except Refused:  # late, on a busy machine
             game.arm()
         except ConnectionLost:  # very late
@@ -155,7 +160,8 @@ def _window(
     play(game, SETTLE)
     counts, before, meter = _counts(game, page), game.status(), Meter(viewer, page)
     seen = play(game, seconds)
-    cores, after, now = meter.cores(), game.status(), _counts(game, page)
+    cores, after = meter.cores(), game.status()
+    now = _sliced(partial(_counts, game, page), partial(play, game, SETTLE), counts)
     sounding = [state for state in seen if state.output == "sounding"]
     if not sounding:
         raise ServerError("nothing has sounded: the machine is too busy to measure this")
@@ -187,14 +193,26 @@ def _record(game: Client, seconds: float, folder: Path, *where: str) -> None:
 
 
 def _alone(url: str, seconds: float, viewer: psutil.Process, page: Chromium) -> Row:
+
+    def again() -> None:
+        with feed(url) as socket:
+            say(socket, {"type": "replay", "time": 0.0, "playing": True})
+        time.sleep(SETTLE)
+
     page.counts()
-    with feed(url) as socket:
-        say(socket, {"type": "replay", "time": 0.0, "playing": True})
-    time.sleep(SETTLE)
+    again()
     counts, meter = page.counts(), Meter(viewer, page)
     time.sleep(seconds)
     cores = meter.cores()
-    return Row("alone", None, *page.counts().rates(counts), *cores)
+    return Row("alone", None, *_sliced(page.counts, again, counts).rates(counts), *cores)
+
+
+def _sliced(counts: Callable[[], Counts], go_on: Callable[[], object], before: Counts) -> Counts:
+    """The counts, once a slice has come since, where they are asked for: of a window without one no rate is known."""
+    end = time.perf_counter() + LIMIT
+    while (now := counts()).slices == before.slices > 0 and time.perf_counter() < end:
+        go_on()
+    return now
 
 
 class Meter:

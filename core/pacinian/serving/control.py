@@ -145,6 +145,8 @@ class Control:
             self.counts["busy"] += 1
             self._log.warning("too many requests", user=user)
             if len(data) > STOP:
+                if tells.take(now):
+                    self._slow_down(peer, id_of(data))
                 return
         try:
             message = decode_control(data)
@@ -159,8 +161,7 @@ class Control:
             return
         if busy and not isinstance(message, Stop):
             if tells.take(now):
-                most = f"more than {self._settings.clients.rate:g} messages a second"
-                self._send(peer, Error(id=message.id, code="busy", message=most))
+                self._slow_down(peer, message.id)
             return
         try:
             self._do(peer, user, message, now)
@@ -234,6 +235,10 @@ class Control:
         if not self._doors.reply(peer, encode(reply)):
             self.counts["lost"] += 1
             self.sessions.lost(peer, self._clock())
+
+    def _slow_down(self, peer: bytes, number: int) -> None:
+        most = f"more than {self._settings.clients.rate:g} messages a second"
+        self._send(peer, Error(id=number, code="busy", message=most))
 
     def _probe(self, now: float, *, owner: bool) -> None:
         for session in self.sessions.all:

@@ -55,8 +55,8 @@ class Welcome(Reply, frozen=True, kw_only=True, tag="welcome"):
     """To `hello`. session: key for all that follows. protocol: the server's major, minor.
 
     server: name and version, for people. time: of the server's clock. scene: the one that this client is in.
-    lease: from the last renewal to silence, at most [s]. link: from the last heartbeat to silence,
-    at most, with a TTL of 0.2 s [s].
+    lease: from the last renewal to silence, at most [s]. link: from when the connection is closed or cut off
+    to silence, at most [s].
     rate: ticks per second [Hz].
     """
 

@@ -25,7 +25,8 @@ def test_what_clients_put_last_is_felt() -> None:
     assert isinstance(final, Final)
     assert not final.missing
     assert final.known == final.objects == 16
-    assert (final.errors, final.dropped) == (0, 0)
+    assert final.errors == 0  # of a client's moves that come together the newest is done
+    assert not final.refused
     assert final.received == final.sent
     quiet, busy = rows
     assert isinstance(quiet, Row)

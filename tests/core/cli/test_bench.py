@@ -128,7 +128,8 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
     assert child.returncode == 130
     told = json.loads(out)
     assert told["interrupted"]
-    assert len(told["rows"]) == len(read(table)) >= 3
+    assert len(told["rows"]) >= 3
+    assert len(read(table)) - len(told["rows"]) in (0, 1)  # one may have been under way
 
 
 ROW = scenes.Row("palm", 0.6, 1.2, 0.01, 0.0, 500.0, 60, {"solve": 0.3}, 0.001, 0.1)

@@ -15,6 +15,7 @@ import pacinian as pc
 from pacinian.cli.status import status
 from pacinian.cli.stop import stop
 from pacinian.cli.watch import watch
+from pacinian.client import dialogue
 from pacinian.wire import control, replies
 from pacinian.wire.bulk import pack
 from pacinian.wire.state import ClientState, State
@@ -31,6 +32,11 @@ FULL: dict[str, Any] = {
     "clients": (ClientState(name="game [1]", scene="hall", owner=True, objects=1, commands=9, errors=0,
                             dropped=0, age=0.001, renewed=0.01),),
 }  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dialogue, "FAREWELL", 10.0)  # a server that is slow is told, too
 
 
 @pytest.fixture

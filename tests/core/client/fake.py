@@ -45,6 +45,8 @@ class Fake:
         self.answers: dict[type, Callable[[Any], Any]] = {}
         self.deaf = False
         """Reads nothing."""
+        self.full = False
+        """Reads no commands."""
         self.stream: Callable[[], State] | None = None
         """Makes a state to be published at each turn, at most 500 a second."""
         self._context = zmq.Context()
@@ -135,9 +137,6 @@ class Fake:
         self.close()
 
     def _run(self) -> None:
-        poller = zmq.Poller()
-        for socket in self._sockets[:2]:
-            poller.register(socket, zmq.POLLIN)
         while not self._ended:
             while not self._todo.empty():
                 what, done = self._todo.get()
@@ -148,7 +147,7 @@ class Fake:
                 continue
             if self.stream:
                 self._sockets[2].send_multipart([STATE, encode(self.stream())])
-            ready = dict(poller.poll(2))
+            ready, *_ = zmq.select(self._sockets[: 1 if self.full else 2], [], [], 0.002)
             for i, decode in enumerate((decode_control, decode_command)):
                 if self._sockets[i] in ready and not self._ended:
                     peer, data = self._sockets[i].recv_multipart()

@@ -18,7 +18,7 @@ from pacinian.serving.logs import configure
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, FrameHead, Permit, Report, Traffic, pack
 from pacinian.serving.server import serve
-from pacinian.serving.settings import Log, Settings
+from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.wire.codec import decode_reply, decode_state, encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Hello
@@ -249,5 +249,5 @@ def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
 
 @pytest.fixture
 def server(start_server: Callable[..., Server]) -> Server:
-    """A server with the usual settings."""
-    return start_server()
+    """A server whose leases are so long that a machine that is late ends none."""
+    return start_server(Settings(log=Log(level="warning"), safety=Safety(lease=10.0, forget=60.0)))

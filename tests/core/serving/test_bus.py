@@ -128,7 +128,7 @@ def test_what_clients_put_is_what_the_renderer_has(server: Server) -> None:
     send(other, put({"c": point()}, session=B, id=2))
     assert server.reply(other) == Ok(id=2)
     send(other, hands(HandFrame(), session=B, sequence=2, time=7.0))
-    send(one, move(("b",), 0.5, session=A, sequence=2))
+    send(one, move(("b",), 0.5, session=A, sequence=2, ttl=60.0))
     server.until(lambda: server.renderer.scene.get("b", [0, 0])[1] == 0.5)
     told = server.until(
         lambda: server.renderer.hands and server.renderer.hands.input == 2 and server.renderer.hands

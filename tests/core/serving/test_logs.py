@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from pacinian.serving.logs import Sparse, configure, flush, log
+from pacinian.serving.logs import Sparse, _waiting, configure, log
 from pacinian.serving.settings import Log
 from pacinian.testing import ManualClock
 
@@ -21,7 +21,7 @@ def lines(capfd: pytest.CaptureFixture[str]) -> Callable[[], list[dict[str, Any]
     configure(Log("json", "info"), "test")
 
     def read() -> list[dict[str, Any]]:
-        flush()
+        _waiting.join()
         return [json.loads(line) for line in capfd.readouterr().err.splitlines()]
 
     return read
@@ -31,7 +31,7 @@ def lines(capfd: pytest.CaptureFixture[str]) -> Callable[[], list[dict[str, Any]
 def test_a_clients_name_controls_no_terminal(form: Any, capfd: Any) -> None:
     configure(Log(form, "info"), "test")
     log().warning("client told", message=RUDE)
-    flush()
+    _waiting.join()
     text = capfd.readouterr().err
     assert text.count("\n") == 1
     assert text.rstrip("\n").isprintable()

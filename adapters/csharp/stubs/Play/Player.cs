@@ -21,7 +21,7 @@ namespace Pacinian.Tests
         private readonly string _file;
         private readonly float _lease;
         private Level _level;
-        private double _longest;
+        private readonly ClientSpent _spent = new ClientSpent();
         private long _bytes, _frames, _worst;
         private bool _ends, _still, _waves = true;
 
@@ -69,9 +69,9 @@ namespace Pacinian.Tests
                 _level.Wave(Now);
             }
             long bytes = GC.GetAllocatedBytesForCurrentThread();
-            double begin = Now;
+            _spent.Begin();
             Engine.Frame();
-            _longest = Math.Max(_longest, Now - begin);
+            _spent.End();
             long made = GC.GetAllocatedBytesForCurrentThread() - bytes;
             _bytes += made;
             _worst = Math.Max(_worst, made);
@@ -112,7 +112,7 @@ namespace Pacinian.Tests
                 case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
                 case "still": _still = true; break;
                 case "gizmos": Gizmos.Spheres.Clear(); _level.View.SendMessage("OnDrawGizmos"); break;
-                case "warm": _longest = 0.0; _bytes = _frames = _worst = 0; break;
+                case "warm": _spent.Longest = 0.0; _bytes = _frames = _worst = 0; break;
                 case "status": Tell(); return;
                 case "end": _ends = true; break;
                 default: throw new ArgumentException(words[0]);
@@ -136,7 +136,7 @@ namespace Pacinian.Tests
             Wire.State state = server == null || server.Client == null ? null : server.Client.State;
             ClientJson.Say(
                 "status", server == null ? "" : server.Status.ToString(), "problem", server == null ? "" : server.Problem,
-                "armed", server != null && server.Armed, "longest", _longest,
+                "armed", server != null && server.Armed, "longest", _spent.Longest,
                 "bytes", _frames == 0 ? 0.0 : (double)_bytes / _frames, "worst", _worst, "frames", _frames,
                 "output", state == null ? "" : state.Output.ToString().ToLowerInvariant(),
                 "solver", state == null ? "" : state.Solver, "intensity", state == null ? -1.0 : state.Intensity,

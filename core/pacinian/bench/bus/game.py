@@ -23,6 +23,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
 from pacinian.scene.time.waves import Constant, Sine
+from pacinian.serving.choosing import SUPERSEDED
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import State
 
@@ -129,7 +130,8 @@ class Game:
         try:
             self._frame(now)
             for error in self.client.errors:
-                self.events[f"refused: {error.code}"] += 1
+                late = SUPERSEDED in str(error)  # a selection, by the next one: it is not refused
+                self.events["superseded" if late else f"refused: {error.code}"] += 1
         except Refused as error:
             self.events[f"told: {error.code}"] += 1
             self.client.arm(take=True)

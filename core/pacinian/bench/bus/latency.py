@@ -8,7 +8,7 @@ from pacinian.bench.bus.apart import Apart
 from pacinian.bench.bus.echo import Echo
 from pacinian.bench.bus.sender import Task, Times
 from pacinian.scene.file import Units
-from pacinian.serving.settings import Settings
+from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import serving
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ SLACK = 120.0  # [s] beyond what is measured
 
 
 def settings(side: int) -> Settings:
-    """A server with `side` x `side` AUTD units."""
-    return Settings(array=Units(side, side))
+    """A server with `side` x `side` AUTD units. No sender is so late that it is silenced, and not measured."""
+    return Settings(array=Units(side, side), safety=Safety(lease=10.0))
 
 
 def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterator[Times]:

@@ -19,9 +19,10 @@ from pacinian.serving.settings import Clients, Log, Settings
 from pacinian.testing import serving
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from pacinian.testing import Running
+    from pacinian.testing.server import Usage
 
 CLIENTS = 1, 8, 64
 RATES = 0.0, 1000.0, 10_000.0, 100_000.0  # [Hz] in all: nothing, a tenth, the load, ten times that
@@ -147,10 +148,10 @@ def _phase(
     watcher.tell(Look(begin + SETTLE * seconds, end))
     time.sleep(max(0.0, begin - time.perf_counter()))
     before = server.usage()
-    memory = list[float]()
+    memory = [_memory(before)]
     while (left := end - time.perf_counter()) > 0.0:
-        memory.append(sum(used.memory for used in server.usage().values()) / MEGA)
         time.sleep(min(left, STEP))
+        memory.append(_memory(server.usage()))
     after = server.usage()
     done = [crowd.hear(Done, SLACK) for crowd in crowds]
     seen = watcher.hear(Seen, SLACK)
@@ -172,3 +173,8 @@ def _phase(
             if name in after
         },
     )
+
+
+def _memory(usage: Mapping[str, Usage]) -> float:
+    """Of all processes [MB]."""
+    return sum(used.memory for used in usage.values()) / MEGA

@@ -41,7 +41,7 @@ def measure(side: int, seconds: float) -> Iterator[Row]:
     with ExitStack() as stack:
         server = stack.enter_context(serving(settings))
         game = stack.enter_context(Apart("game"))
-        game.tell(Play(str(server.connection), min(1.0, length / 5.0)))
+        game.tell(Play(str(server.connection), min(1.0, length / 10.0)))
         begin = time.perf_counter()
         for k in range(max(4, round(seconds / length))):
             before, start = server.usage(), time.perf_counter()

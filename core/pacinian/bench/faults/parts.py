@@ -58,12 +58,15 @@ def _signalled(stage: Stage, part: str, number: int, quiet: float = QUIET) -> Ti
     if stage.onlooker.ask("status")["restarts"][part]:
         # one that ends again and again is started later and later, which is not what is measured
         until(lambda: time.time() - process.create_time() > WELL)
-    stage.sounding()
-    stage.answers.clear()
-    silence = stage.broken(lambda: process.send_signal(number), quiet)
+
+    def act() -> None:
+        stage.answers.clear()
+        process.send_signal(number)
+
+    silence = stage.broken(act, quiet)
     recovery = stage.healed(after=0.0)
-    told = {answer["code"] for answer in stage.answers if answer["type"] == "error"}
-    return Times(silence, recovery, note=f"told: {', '.join(sorted(told)) or 'nothing'}")
+    told = [answer["code"] for answer in stage.answers if answer["type"] == "error"]
+    return Times(silence, recovery, note=f"told: {told[0] if told else 'nothing'}")
 
 
 def control_killed(stage: Stage) -> Times:

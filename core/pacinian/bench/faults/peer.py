@@ -30,18 +30,23 @@ class Silent(TimeoutError):
 class Peer:
     """Connected to the server of a connection file; a context manager.
 
-    hide: takes the place of parts of the file, as another token or address. clock: its own [s]. Raises ServerError
-    where there is no server.
+    hide: takes the place of parts of the file, as another token or address. clock: its own [s]. beats: whether its
+    connections end, as a game's, where it is not heard for a moment. Raises ServerError where there is no server.
     """
 
     def __init__(
-        self, file: Path, *, clock: Callable[[], float] = time.perf_counter, **hide: str
+        self,
+        file: Path,
+        *,
+        clock: Callable[[], float] = time.perf_counter,
+        beats: bool = False,
+        **hide: str,
     ) -> None:
         self.file = {**asdict(Connection.read(file)), **hide}
         self.clock = clock
         self.context = zmq.Context()
-        self.control = self._dealer("control")
-        self.command = self._dealer("command")
+        self.control = self._dealer("control", beats)
+        self.command = self._dealer("command", beats)
         self.session = b""
         self.sequence = self.id = 0
         self.told: list[Message] = []
@@ -49,9 +54,9 @@ class Peer:
         self.codes: Counter[str] = Counter()
         """Of all errors received."""
 
-    def _dealer(self, name: str) -> zmq.Socket[bytes]:
+    def _dealer(self, name: str, beats: bool) -> zmq.Socket[bytes]:
         made = self.context.socket(zmq.DEALER)
-        prepare(made, self.file)
+        prepare(made, self.file, beats=beats)
         made.connect(self.file[name])
         return made
 
@@ -134,11 +139,12 @@ class Peer:
         self.close()
 
 
-def prepare(socket: zmq.Socket[bytes], file: dict[str, Any]) -> None:
+def prepare(socket: zmq.Socket[bytes], file: dict[str, Any], *, beats: bool = True) -> None:
     """Options of a client's socket, with the credentials of a connection file."""
     socket.linger, socket.immediate = 0, True
-    socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT, 2 * HEARTBEAT
-    socket.heartbeat_ttl = 4 * HEARTBEAT
+    if beats:
+        socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT, 2 * HEARTBEAT
+        socket.heartbeat_ttl = 4 * HEARTBEAT
     if file["server_key"]:
         socket.curve_serverkey = file["server_key"].encode()
         socket.curve_publickey = file["public_key"].encode()

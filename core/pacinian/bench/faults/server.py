@@ -86,7 +86,7 @@ class Server:
         with contextlib.suppress(psutil.Error):
             for child in psutil.Process(self.process.pid).children():
                 with contextlib.suppress(psutil.Error):
-                    module = child.cmdline()[-1].rpartition(".")[2]
+                    module = "".join(child.cmdline()[-1:]).rpartition(".")[2]
                     if module in PARTS and child.status() != psutil.STATUS_ZOMBIE:
                         found[module] = child
         self._seen.update(found.values())
@@ -117,7 +117,7 @@ class Server:
 
     def left(self) -> list[psutil.Process]:
         """Processes of it that still run."""
-        return [p for p in self._seen if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
+        return [process for process in self._seen if _runs(process)]
 
     def close(self) -> None:
         """End whatever still runs, and the logs."""
@@ -153,6 +153,13 @@ class Server:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _runs(process: psutil.Process) -> bool:
+    try:
+        return process.is_running() and bool(process.status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:  # it ended between the two
+        return False
 
 
 def memory(pid: int) -> set[Path]:

@@ -39,7 +39,7 @@ namespace Pacinian.Wire
         /// <summary>From the last renewal to silence, at most [s].</summary>
         public double Lease;
 
-        /// <summary>From the last heartbeat to silence, at most, with a TTL of 0.2 s [s].</summary>
+        /// <summary>From when the connection is closed or cut off to silence, at most [s].</summary>
         public double Link;
 
         /// <summary>Ticks per second [Hz].</summary>

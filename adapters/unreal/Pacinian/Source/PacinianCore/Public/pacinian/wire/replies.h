@@ -48,7 +48,7 @@ struct Welcome : Reply {
   std::string scene;
   /// from the last renewal to silence, at most [s]
   double lease = 0.0;
-  /// from the last heartbeat to silence, at most, with a TTL of 0.2 s [s]
+  /// from when the connection is closed or cut off to silence, at most [s]
   double link = 0.0;
   /// ticks per second [Hz]
   double rate = 0.0;
