@@ -12,7 +12,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
-from pacinian.wire import control
+from pacinian.wire import commands, control
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -165,6 +165,8 @@ def fill(server: Fake, game: Game, wire: Slow) -> None:
 
     After each, its own thread says another thing to control: so none took the place of the one before.
     """
+    game.do("clear")
+    server.until(lambda: bool(server.of(commands.Clear)))  # commands are connected
     wire.goes.clear()
     for _ in range(120):
         before = len(server.of(control.Reset))

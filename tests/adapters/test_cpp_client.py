@@ -173,8 +173,7 @@ def test_a_frozen_game_falls_silent_though_its_worker_lives(player: Game, real: 
     assert "not renewed in time" in player.event("ended", "expired")["message"]
     status = player.until(lambda s: s["owner"] and not s["armed"])
     assert status["output"] == "silent"
-    player.do("arm")
-    player.until(lambda s: s["armed"] and s["output"] == "sounding")
+    player.sounding()
 
 
 def test_a_game_that_is_killed_falls_silent(player: Game, real: Server) -> None:

@@ -86,6 +86,7 @@ def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> No
     server.publish(*(state(i, solver=f"s{i}") for i in range(1, 51)))
     assert game.until(lambda s: s["sequence"] == 50)["solver"] == "s50"
     game.do("arm")
+    server.until(lambda: bool(server.of(control.Arm)))  # whose answer is before what is said now
     assert game.until(lambda s: s["armed"])["owner"]
     for code in ("expired", "owner", "stopped", "fault"):
         server.say(replies.Error(code=code, message=f"it is {code}", advice="arm again"))
@@ -165,8 +166,7 @@ def test_what_waits_too_long_is_not_sent(server: Fake, wire: Slow, game: Game) -
     game.do("move rain 0 0 0.2")
     game.do("freeze 1.1")
     wire.goes.set()
-    game.do("remove rain")
-    server.until(lambda: bool(server.of(commands.Remove)))
+    server.until(lambda: bool(game.do("remove rain") and server.of(commands.Remove)))
     assert server.of(commands.Move) == []
 
 

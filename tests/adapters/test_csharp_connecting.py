@@ -156,7 +156,7 @@ def test_its_domain_can_be_unloaded_as_an_editor_does(
 ) -> None:
     sources = [tools.CSHARP / "tests" / "ClientDomain.cs"]
     program = tools.csharp(csharp_core.with_name("ClientDomain.exe"), sources, csharp_core)
-    said = tools.run("mono", "--debug", program, file, limit=20.0)
+    said = tools.run("mono", "--debug", program, file, limit=60.0)
     assert said.split() == ["connected", "unloaded", "connected", "unloaded"]
     assert len(server.of(control.Hello)) == 2
 

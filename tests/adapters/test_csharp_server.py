@@ -90,8 +90,7 @@ def test_a_frozen_game_is_silent_when_its_lease_is_over(real: Server, game: Game
     game.do("field at 0 0 0.2")
     game.wait(lambda told: "field" in told)
     assert not heard(real, mark)  # nothing resumes by itself
-    game.do("arm")
-    game.until(lambda s: s["output"] == "sounding")
+    game.sounding()
 
 
 def test_a_killed_game_is_silent(real: Server, game: Game) -> None:

@@ -215,8 +215,7 @@ def test_a_freeze_is_silent_in_time_and_sounds_again_only_if_that_is_wanted(
     game.until(lambda s: s["frames"] > 0)
     assert not game.status()["armed"]
     assert not heard(real, mark)
-    assert game.do("arm")["done"]
-    sounds(game)
+    game.sounding()
     game.do("again")
     game.do("freeze 0.6")
     game.event("ended", "expired")

@@ -101,10 +101,13 @@ def test_a_hand_that_moves_feels_a_ball(play: Callable[..., Game], server: Serve
     assert np.all(felt[:, 2] > BALL[2])  # its upper side, where the hand is
     with pc.Client(server.file, name="onlooker") as onlooker:
         state = onlooker.status()
-        while not (
-            state.hands and state.objects
-        ):  # where frames are late the hand is lost for a moment
+
+        def seen() -> bool:  # where frames are late the hand is lost for a moment
+            nonlocal state
             state = onlooker.status()
+            return bool(state.hands and state.objects)
+
+        wait(seen)
         assert (state.objects, state.owner) == (("ball",), "StubGame")
         hands = np.frombuffer(state.hands, "<f4").reshape(-1, 3)
         assert hands[:, 2].min() > 0.19  # above the ball, in the array's frame
@@ -136,7 +139,7 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
         game.do("play point")
         wait(lambda: there("Things.Point"))
         wait(there)
-        assert not game.status()["playing"]
+        game.until(lambda s: not s["playing"])
         game.do("duration point 0")
         game.do("place point 0 0 22 0 1")
         game.do("press point 3")
@@ -258,8 +261,7 @@ def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Serve
     assert game.event("ended")["code"] == "expired"
     wait(lambda: silent(server))
     assert not game.status()["armed"]
-    game.do("arm")
-    sounds(game)
+    game.sounding()
 
 
 def test_a_server_that_ends_and_comes_again(play: Callable[..., Game], server: Server) -> None:

@@ -132,7 +132,14 @@ def test_a_client_that_is_forgotten_gives_the_output_back(kernel: Any, server: R
 
 
 def test_stop_while_a_client_holds_ends_in_silence(kernel: Any, server: Running) -> None:
-    hold = "print('it holds', flush=True)\nclient.hold(1000.0)"
+    hold = (
+        "renew = client.renew\n"
+        "def renewed():\n"
+        "    renew()\n"
+        "    print('it holds', flush=True)\n"
+        "client.renew = renewed\n"
+        "client.hold(1000.0)"
+    )
     cell = kernel.interrupted(SPARK.format(path=str(server.connection)) + hold, "it holds")
     assert cell.error.startswith("KeyboardInterrupt")
     with pc.Client(server.connection) as watcher:

@@ -172,6 +172,10 @@ def test_the_page_that_armed_is_told_at_once_why_that_has_ended(
         one.next("state")
         other.say("arm")
         other.until(lambda: other.newest.get("session", {}).get("mine"))
+        (armed,) = fake.of(control.Arm)
+        fake.until(
+            lambda: any(isinstance(m, control.Renew) for m in fake.seen[fake.seen.index(armed) :])
+        )
         fake.say(replies.Error(id=0, code="owner", message="game has taken the output"))
         assert other.next("refused")["message"] == "game has taken the output"
         assert other.newest["refused"]["action"] == "arm"

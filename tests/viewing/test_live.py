@@ -309,7 +309,7 @@ def test_a_recording_is_the_feed(url: str, server: Running, tmp_path: Path) -> N
         live = page.newest["array"]
     with viewer(recording=found) as replayed, Page(replayed) as again:
         assert again.next("hello")["recording"] == found.name
-        again.say("replay", time=0.0, speed=0.2)
+        again.say("replay", time=0.0, speed=0.2, playing=True)
         again.until(lambda: again.newest.get("state", {}).get("output") == "sounding")
         again.until(lambda: "ball" in again.objects)
         assert again.newest["array"] == live

@@ -8,7 +8,8 @@
 namespace driver {
 
 /// From when it is made, how long this thread is at something [s]: all of the time where it waited for anything, else
-/// that of the processor. What others take of the machine meanwhile is no fault of the call.
+/// that of the processor. What others take of the machine meanwhile is no fault of the call; but of waiting by yielding
+/// only the processor's time counts, and one short wait for a lock counts all.
 class Spent {
  public:
   double seconds() const {

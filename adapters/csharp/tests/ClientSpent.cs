@@ -5,7 +5,8 @@ namespace Pacinian.Tests
 {
     /// <summary>
     /// What calls take of a game's frame: of each the whole time if it waited for anything, else that of the processor.
-    /// What others take of the machine meanwhile is no fault of the call. For one thread, on Linux.
+    /// What others take of the machine meanwhile is no fault of the call; but of waiting by yielding only the processor's
+    /// time counts, and one short wait for a lock counts all. For one thread, on Linux.
     /// </summary>
     internal sealed class ClientSpent
     {

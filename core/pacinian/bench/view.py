@@ -44,8 +44,8 @@ ALL = "&power=all"  # of a page's address: frames one after the other, changed o
 class Ticks(Struct, frozen=True):
     """Of the loop in a window.
 
-    p50, p99: of the ticks of each second in which it sounded, medians over the window [ms]. sounding: share of those
-    seconds. late: share of ticks.
+    p50, p99: of the ticks of each second after which it sounded, at its end or within one more, medians over the window
+    [ms]. sounding: share of those seconds. late: share of ticks.
     """
 
     p50: float
@@ -112,7 +112,7 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
 def play(game: Client, seconds: float) -> list[State]:
     """Move a hand over the ball for so long [s]; the state at the end of each second.
 
-    Where it does not sound just then, the first one in the next second that does, or else the last.
+    Where it does not sound just then, the first one until the end of the next second that does, or else the last.
     """
     begin = now = time.perf_counter()
     found: list[State] = []
@@ -122,9 +122,9 @@ def play(game: Client, seconds: float) -> list[State]:
             game.hands(Hand.open("right", Pose((x, -0.03, 0.215))), wait=False)
             game.renew()
             if now - begin >= len(found) + 1.0:
-                state = game.status()
-                if state.output == "sounding" or now - begin >= len(found) + 2.0:
-                    found.append(state)
+                found.append(game.status())
+            elif found and found[-1].output != "sounding":
+                found[-1] = game.status()
         except Refused:  # late, on a busy machine
             game.arm()
         except ConnectionLost:  # very late

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
 OWN = "own "  # begins the names of scenes that nobody else may join
-# [s] from when a client's connection is cut off to silence: `security.UNCONFIRMED` and what TCP adds, whose timer is
-# no finer (0.51 to 0.73 s were measured between two network name spaces)
+# [s] from when a client's connection is cut off to silence: `security.UNCONFIRMED`, and room for TCP's timer, which
+# is coarser
 LINK = 0.8
 
 

@@ -145,8 +145,8 @@ class Fake:
             if self.deaf:
                 time.sleep(0.001)
                 continue
-            if self.stream:
-                self._sockets[2].send_multipart([STATE, encode(self.stream())])
+            if stream := self.stream:  # which may be taken away just now
+                self._sockets[2].send_multipart([STATE, encode(stream())])
             ready, *_ = zmq.select(self._sockets[: 1 if self.full else 2], [], [], 0.002)
             for i, decode in enumerate((decode_control, decode_command)):
                 if self._sockets[i] in ready and not self._ended:

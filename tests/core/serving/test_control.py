@@ -154,8 +154,7 @@ def test_one_who_asks_too_much_is_told_and_still_can_stop(start_server: Any) -> 
     game.ask(Arm)
     for i in range(300):
         game.send(Renew(session=game.session, id=1000 + i, sequence=1 + i, time=0.0))
-    while getattr(game.hear(), "code", "") != "busy":
-        pass
+    eventually(lambda: getattr(game.hear(), "code", "") == "busy")
     assert isinstance(game.ask(Stop), Ok)
     assert server.permit().stopped == 1
     server.client().hello("calm")
@@ -171,10 +170,7 @@ def test_a_process_that_ends_silences_and_is_started_again(
     game = server.client().hello()
     game.ask(Arm)
     server.processes[name][0].code = code
-    seen = []
-    while told not in seen:
-        reply = game.hear()
-        seen += [reply.code] if isinstance(reply, Error) else []
+    eventually(lambda: getattr(game.hear(), "code", "") == told)
     assert server.permit().armed == 0
     eventually(lambda: len(server.processes[name]) == 2)
     again = game if name != "bus" else game.hello()

@@ -42,9 +42,9 @@ class Fault(NamedTuple):
 
 FAULTS = (
     Fault("client killed -9", clients.killed, LEASE, "link, or lease"),
-    Fault("client stopped (SIGSTOP)", clients.stopped, LEASE, "link, or lease"),
+    Fault("client stopped (SIGSTOP)", clients.stopped, LEASE, "lease"),
     Fault("game thread frozen", clients.frozen, LEASE, "lease"),
-    Fault("TCP half open", clients.half_open, LEASE, "link, or lease"),
+    Fault("half open: nothing is passed on", clients.half_open, LEASE, "lease"),
     Fault("client's clock jumps by 1 h", clients.jumped, LEASE, "lease"),
     Fault("state is never read", clients.slow, math.nan, "memory bounded"),
     Fault("thousands of topics", clients.greedy, math.nan, "memory bounded"),

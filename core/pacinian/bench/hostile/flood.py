@@ -44,7 +44,7 @@ class Flood:
     def messages(self, kind: str) -> Iterator[Peer]:
         """Spoiled messages from an authenticated client."""
         examples = COMMANDS if kind == "command" else CONTROLS
-        with Peer(self.file) as peer, Peer(self.file) as stranger:
+        with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
             spoiler = Spoiler(self.random, b"")
             socket = peer.command if kind == "command" else peer.control
             longest = LONGEST_COMMAND if kind == "command" else LONGEST_CONTROL
@@ -87,7 +87,7 @@ class Flood:
 
     def _apart(self, data: bytes) -> None:
         """By a connection of its own, which it ends."""
-        with Peer(self.file) as peer:
+        with Peer(self.file, beats=True) as peer:
             if peer.control.poll(1000, zmq.POLLOUT):
                 peer.control.send(data)
                 peer.control.poll(FAREWELL)
