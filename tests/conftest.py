@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,8 +17,28 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import ModuleType
 
+ROOT = Path(__file__).parent
+PLAIN = (
+    *(ROOT / "core").glob("test_*.py"),
+    *(
+        ROOT / "core" / name
+        for name in (
+            "acoustics", "devices", "paper", "plot", "plugins", "rendering", "scene", "solving", "stress", "wire",
+        )
+    ),
+    ROOT / "plugins",
+    ROOT / "wire",
+)  # fmt: skip
+
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.load_profile("fixed")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark those that others beside them do not disturb, nor they others."""
+    for item in items:
+        if any(item.path.is_relative_to(place) for place in PLAIN):
+            item.add_marker("plain")
 
 
 @pytest.fixture(scope="session", autouse=True)
