@@ -35,7 +35,7 @@ settings.load_profile("fixed")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark those that others beside them do not disturb, nor they others."""
+    """Mark those that need no servers, devices or browsers: they may run beside each other."""
     for item in items:
         if any(item.path.is_relative_to(place) for place in PLAIN):
             item.add_marker("plain")
@@ -43,9 +43,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def patient() -> Iterator[None]:
-    """Servers wait for our clients' heartbeats longer than the 0.2 s for which a busy machine may stop them."""
+    """Neither end gives up the other for a moment in which a busy machine stops it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_TTL, 10_000)
+        patch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_TIMEOUT, 2_000)
         yield
 
 

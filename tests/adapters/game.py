@@ -84,13 +84,13 @@ class Game:
             time.sleep(0.01)  # until it has ticked
         return status
 
-    def sounding(self) -> dict[str, Any]:
-        """How it stands when it sounds; it arms again where that took longer than its lease."""
+    def sounding(self, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
+        """How it stands when it sounds, and is as wanted; it arms again where that took longer than its lease."""
 
         def sounds(status: dict[str, Any]) -> bool:
             if not status["armed"]:
                 self.do("arm")
-            return bool(status["armed"] and status["output"] == "sounding")
+            return bool(status["armed"] and status["output"] == "sounding" and wanted(status))
 
         return self.until(sounds)
 
@@ -165,8 +165,9 @@ def fill(server: Fake, game: Game, wire: Slow) -> None:
 
     After each, its own thread says another thing to control: so none took the place of the one before.
     """
-    game.do("clear")
-    server.until(lambda: bool(server.of(commands.Clear)))  # commands are connected
+    server.until(
+        lambda: bool(game.do("clear") and server.of(commands.Clear))
+    )  # commands are connected
     wire.goes.clear()
     for _ in range(120):
         before = len(server.of(control.Reset))

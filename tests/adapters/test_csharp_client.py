@@ -166,7 +166,8 @@ def test_what_waits_too_long_is_not_sent(server: Fake, wire: Slow, game: Game) -
     game.do("move rain 0 0 0.2")
     game.do("freeze 1.1")
     wire.goes.set()
-    server.until(lambda: bool(game.do("remove rain") and server.of(commands.Remove)))
+    game.do("wave on")  # hands are sent after all else that waits
+    server.until(lambda: bool(server.of(commands.Hands)))
     assert server.of(commands.Move) == []
 
 

@@ -44,8 +44,7 @@ def sound(game: Game) -> None:
     """Put a ball and arm, until it sounds."""
     game.do("put ball 0 0.01 0.2 20")
     game.do("arm")
-    game.sounding()
-    game.until(lambda s: s["output"] == "sounding" and s["objects"] == 1)
+    game.sounding(lambda s: s["objects"] == 1)
 
 
 def test_what_is_done_is_felt(game: Game) -> None:

@@ -49,13 +49,17 @@ def game(real: Server, built: unity.Built, request: pytest.FixtureRequest) -> It
         made.do("play")
         made.event("connected")
         if hasattr(request, "param"):
-            made.sounding()
+            made.sounding(felt)
         sounds(made)
         yield made
 
 
+def felt(status: dict[str, Any]) -> bool:
+    return bool(status["output"] == "sounding" and status["emitted"] > 0.5)
+
+
 def sounds(game: Game) -> None:
-    game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 0.5)
+    game.until(felt)
 
 
 def test_the_packages_own_tests(built: unity.Built) -> None:
@@ -215,7 +219,7 @@ def test_a_freeze_is_silent_in_time_and_sounds_again_only_if_that_is_wanted(
     game.until(lambda s: s["frames"] > 0)
     assert not game.status()["armed"]
     assert not heard(real, mark)
-    game.sounding()
+    game.sounding(felt)
     game.do("again")
     game.do("freeze 0.6")
     game.event("ended", "expired")

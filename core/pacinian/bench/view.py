@@ -44,8 +44,8 @@ ALL = "&power=all"  # of a page's address: frames one after the other, changed o
 class Ticks(Struct, frozen=True):
     """Of the loop in a window.
 
-    p50, p99: of the ticks of each second after which it sounded, at its end or within one more, medians over the window
-    [ms]. sounding: share of those seconds. late: share of ticks.
+    p50, p99: of ticks, as told after each second if it sounds then, or as soon as it does in the next; medians over the
+    window [ms]. sounding: share of the seconds after which it did. late: share of ticks.
     """
 
     p50: float
@@ -110,7 +110,7 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
 
 
 def play(game: Client, seconds: float) -> list[State]:
-    """Move a hand over the ball for so long [s]; the state at the end of each second.
+    """Move a hand over the ball for so long [s]; the state at the end of each second but the last.
 
     Where it does not sound just then, the first one until the end of the next second that does, or else the last.
     """

@@ -151,15 +151,21 @@ class Dialogue:
             self._note(self._come.popleft())
 
     def newest(self, timeout: float) -> State | None:
-        """The newest state that has been published; None if none came."""
-        self.look()
+        """The newest state that has been published, waited for at most so long [s]; None if none came."""
+        end = self.clock() + timeout
         if self._states is None:
             self._states = made(self._context, zmq.SUB, self._connection)
             connect(self._states, self._connection.state)
             self._states.subscribe(STATE)
-        return newest(
-            self._states, timeout, lambda state: self.timing.age(state.time, self.clock())
-        )
+        watched = zmq.Poller()
+        for socket in (self._states, *(link.monitor for link in self._links)):
+            watched.register(socket, zmq.POLLIN)
+        while True:
+            self.look()
+            found = newest(self._states, lambda state: self.timing.age(state.time, self.clock()))
+            left = end - self.clock()
+            if found or left <= 0.0 or not watched.poll(milliseconds(left)):
+                return found
 
     def close(self) -> None:
         """Say bye if anybody listens, and end it."""

@@ -22,15 +22,13 @@ SETTLE = 0.005  # [s] in which more would come
 PASSES = 50
 
 
-def newest(
-    socket: zmq.Socket[bytes], timeout: float, age: Callable[[State], float]
-) -> State | None:
-    """The newest state, waited for at most `timeout` [s]; None if none came.
+def newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> State | None:
+    """The newest state that has come; None if none has.
 
     age: how long ago a state was published [s]. Raises WireError.
     """
     found: State | None = None
-    wait = timeout
+    wait = 0.0
     for _ in range(PASSES):
         if not socket.poll(milliseconds(wait)):
             break

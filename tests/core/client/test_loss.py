@@ -3,6 +3,7 @@
 import socket
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -158,6 +159,20 @@ def test_any_call_finds_out(server: Fake, call: str) -> None:
             "hold": lambda: client.hold(5.0),
         }
         lost(client, calls[call], "has gone")
+
+
+def test_who_watches_finds_out_at_once(server: Fake) -> None:
+    def watch() -> object:
+        with pc.Client(server.connection) as client:
+            client.renew()
+            return next(client.watch(60.0))
+
+    with ThreadPoolExecutor(1) as pool:
+        seen = pool.submit(watch)
+        server.until(lambda: bool(server.of(control.Renew)))
+        server.close()
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            seen.result(timeout=30.0)
 
 
 def test_nothing_resumes_after_a_restart(server: Fake, tmp_path: Path) -> None:

@@ -67,7 +67,9 @@ def test_a_reader_that_slept_finds_the_newest_not_the_oldest(
             lambda i=i: [server._sockets[2].send_multipart([STATE, d]) for d in given[i : i + 100]]  # type: ignore[misc]
         )
     got = [seen.sequence] if (seen := client.look()) else []
+    end = time.monotonic() + 20.0
     while not got or got[-1] < 6000:
+        assert time.monotonic() < end, got
         server.publish(state(6000))
         got += [seen.sequence] if (seen := client.look()) else []
     assert got == sorted(got)

@@ -179,14 +179,16 @@ def seconds(call: Any) -> float:
 def test_new_names_do_not_cost_the_square_of_their_number() -> None:
     many = [made(0, f"{i}", (0.0, 0.0, 0.1), None) for i in range(20_000)]
     few = min(seconds(lambda: pc.Scene().put(*many[:1000])) for _ in range(3))
-    assert seconds(lambda: pc.Scene().put(*many)) < 200.0 * few  # 20 times as many
+    all_of_them = min(seconds(lambda: pc.Scene().put(*many)) for _ in range(3))
+    assert all_of_them < 200.0 * few  # 20 times as many
 
 
 def test_a_million_objects_are_a_scene() -> None:
     far = made(1, "", (5.0, 5.0, 5.0), None)
     few, many = pc.Scene((far,) * 10_000), pc.Scene((far,) * 1_000_000)
     small = min(seconds(lambda: pc.Scene(few.objects).bounds) for _ in range(3))
-    assert seconds(lambda: many.bounds) < 1000.0 * small  # 100 times as many
+    large = min(seconds(lambda: pc.Scene(many.objects).bounds) for _ in range(3))
+    assert large < 1000.0 * small  # 100 times as many
     ball = made(1, "ball", (0.0, 0.0, 0.2), None)
     touched = many.put(ball).held(Hand.open("right", pc.Pose((0.0, 0.0, 0.21))))
     samples = pc.Sampler().sample(touched)

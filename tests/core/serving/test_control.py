@@ -73,9 +73,7 @@ def test_the_lease_expires_while_the_connection_lives(start_server: Any) -> None
     server = start_server()
     game = server.client().hello()
     game.ask(Arm)
-    reply = game.hear()
-    while not isinstance(reply, Error):
-        reply = game.hear()
+    reply = eventually(lambda: isinstance(said := game.hear(), Error) and said)
     assert (reply.code, reply.id) == ("expired", 0)
     assert server.permit().armed == 0
     assert game.ask(Status).clients[0].name == "game"

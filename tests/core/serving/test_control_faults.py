@@ -91,9 +91,7 @@ def test_nothing_is_armed_while_the_bus_is_started_again(server: Any) -> None:
     game = server.client().hello()
     server.silent.add("bus")
     server.processes["bus"][0].code = 1
-    reply = game.hear()
-    while not isinstance(reply, Error):
-        reply = game.hear()
+    reply = eventually(lambda: isinstance(said := game.hear(), Error) and said)
     assert reply.code == "session"
     assert game.ask(Arm).code == "session", "of a session that is over, that is told first"
     game.hello()

@@ -39,7 +39,7 @@ socket = zmq.Context().socket(zmq.DEALER)
 socket.linger = 0
 socket.plain_username, socket.plain_password = b"pacinian", connection.token.encode()
 socket.connect(connection.control)
-socket.send(encode(Hello(protocol=(MAJOR, MINOR), client="other", lease=float(sys.argv[2]))))
+socket.send(encode(Hello(protocol=(MAJOR, MINOR), client="other")))
 key = decode_reply(socket.recv()).session
 socket.send(encode(Arm(session=key, id=1, take=True)))
 print("armed", flush=True)
@@ -186,7 +186,7 @@ def test_a_slow_reader_delays_nobody(server: Any) -> None:
 @contextlib.contextmanager
 def other(server: Any) -> Iterator[subprocess.Popen[str]]:
     """A client in another process, armed."""
-    command = [sys.executable, "-c", CLIENT, str(server.path), "10.0"]
+    command = [sys.executable, "-c", CLIENT, str(server.path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None
@@ -209,11 +209,13 @@ def test_a_client_that_is_killed_is_silenced_by_its_link(server: Any) -> None:
 def test_a_client_that_is_stopped_is_silenced_by_its_lease_and_then_forgotten(
     start_server: Any,
 ) -> None:
-    server = start_server(Settings(log=Log(level="warning"), safety=Safety(forget=2.0)))
+    server = start_server(Settings(log=Log(level="warning"), safety=Safety(lease=1.0, forget=4.0)))
     with other(server) as process:
         watcher = server.client().hello("watcher")
         os.kill(process.pid, signal.SIGSTOP)
         eventually(lambda: server.permit().armed == 0)
+        there = {c.name for c in watcher.ask(Status).clients}
+        assert there == {"watcher", "other"}, "not its link"
 
         def forgotten() -> bool:
             now = time.monotonic()

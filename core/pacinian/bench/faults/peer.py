@@ -31,7 +31,7 @@ class Peer:
     """Connected to the server of a connection file; a context manager.
 
     hide: takes the place of parts of the file, as another token or address. clock: its own [s]. beats: whether its
-    connections end, as a game's, where it is not heard for a moment. Raises ServerError where there is no server.
+    link to control ends, as a game's, where it is not heard for a moment. Raises ServerError where there is no server.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Peer:
         self.clock = clock
         self.context = zmq.Context()
         self.control = self._dealer("control", beats)
-        self.command = self._dealer("command", beats)
+        self.command = self._dealer("command", False)
         self.session = b""
         self.sequence = self.id = 0
         self.told: list[Message] = []
@@ -145,6 +145,7 @@ def prepare(socket: zmq.Socket[bytes], file: dict[str, Any], *, beats: bool = Tr
     if beats:
         socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT, 2 * HEARTBEAT
         socket.heartbeat_ttl = 4 * HEARTBEAT
+        socket.rcvhwm = 0  # no limit: libzmq 4.3 ends the process if a heartbeat is due at one
     if file["server_key"]:
         socket.curve_serverkey = file["server_key"].encode()
         socket.curve_publickey = file["public_key"].encode()

@@ -42,7 +42,7 @@ class Flood:
         self.failed = 0
 
     def messages(self, kind: str) -> Iterator[Peer]:
-        """Spoiled messages from an authenticated client."""
+        """Spoiled messages from an authenticated client, whose heartbeats are a part of the load."""
         examples = COMMANDS if kind == "command" else CONTROLS
         with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
             spoiler = Spoiler(self.random, b"")
