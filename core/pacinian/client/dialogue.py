@@ -58,6 +58,7 @@ class Dialogue:
         self.errors, self.notices = deque[Refused](maxlen=KEPT), deque[Refused](maxlen=KEPT)
         self.outbox = Outbox()
         self._come: deque[AnyReply | State] = deque()
+        self._ended = ""  # why a link has ended; told after all that came before
         self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._links: list[Link] = []
@@ -149,6 +150,7 @@ class Dialogue:
         self._receive(wait)
         while self._come:
             self._note(self._come.popleft())
+        self._go_on()
 
     def newest(self, timeout: float) -> State | None:
         """The newest state that has been published, waited for at most so long [s]; None if none came."""
@@ -232,14 +234,21 @@ class Dialogue:
         """Whether there is anything in `_come`, waiting at most so long [s]."""
         if self.lost:
             raise ConnectionLost(self.lost)
+        self._go_on()
         ready = dict(self._poller.poll(0 if self._come else milliseconds(wait)))
         for link in self._links:
             if link.socket in ready:
                 self._come += link.receive()
         for link in self._links:
-            if link.monitor in ready and not self._come:  # else it is told next time
-                self.lose(str(link.lost()))
+            if link.monitor in ready and not self._ended:
+                self._ended = str(link.lost())
+        self._go_on()
         return bool(self._come)
+
+    def _go_on(self) -> None:
+        """Unless a link has ended, and nothing that came before is left."""
+        if self._ended and not self._come:
+            self.lose(self._ended)
 
     def _note(self, reply: AnyReply | State) -> None:
         """What was not asked, or not waited for."""

@@ -114,6 +114,22 @@ def test_a_server_has_gone_also_where_a_connection_was_still_in_its_handshake(
             lost(client, client.renew, "has gone; nothing of this session goes on")
 
 
+def test_an_end_is_told_however_much_comes_by_the_other_link(server: Fake) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        with pc.Client(replace(server.connection, command=at)) as client:
+            listener.accept()[0].close()
+            assert client._dialogue._command.monitor.poll(10_000)
+
+            def renew() -> None:
+                assert client._dialogue._control.socket.poll(10_000)  # the answer to the last
+                client.renew()
+
+            client._dialogue._renew()
+            lost(client, renew, "has gone")
+        assert len(server.of(control.Renew)) == 1
+
+
 def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
     late: list[Any] = []
     server.answers[commands.Put] = late.append
