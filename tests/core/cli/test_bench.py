@@ -115,16 +115,23 @@ def test_a_peer_is_measured_beside_ours_and_its_faults_are_told(tmp_path: Path) 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
-    child = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-m", "pacinian", "bench", "--quick", "--units", "1", "--seeds", "500",
          "--out", str(tmp_path), "--json"],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
-    table, limit = tmp_path / "bench.csv", time.monotonic() + 60
-    while not (table.exists() and table.read_text().count("\n") > 3) and time.monotonic() < limit:
-        time.sleep(0.02)  # for another process, which has no clock of ours
-    os.killpg(child.pid, signal.SIGINT)  # as a terminal does
-    out, _ = child.communicate(timeout=60)
+    ) as child:  # fmt: skip
+        try:
+            table, limit = tmp_path / "bench.csv", time.monotonic() + 60
+            while (
+                not (table.exists() and table.read_text().count("\n") > 3)
+                and time.monotonic() < limit
+            ):
+                time.sleep(0.02)  # for another process, which has no clock of ours
+            os.killpg(child.pid, signal.SIGINT)  # as a terminal does
+            out, _ = child.communicate(timeout=60)
+        except BaseException:
+            os.killpg(child.pid, signal.SIGKILL)
+            raise
     assert child.returncode == 130
     told = json.loads(out)
     assert told["interrupted"]

@@ -225,16 +225,23 @@ def test_an_interrupted_run_ends_in_silence_with_its_summary(
     number: signal.Signals, tmp_path: Path
 ) -> None:
     record = tmp_path / "run.pac"
-    child = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-m", "pacinian", "render", str(EXAMPLE), "--seconds", "60", "--json",
          "--record", str(record)],
         stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    limit = time.monotonic() + 60
-    while not (record.exists() and record.stat().st_size > 500_000) and time.monotonic() < limit:
-        time.sleep(0.02)  # for another process, which has no clock of ours
-    child.send_signal(number)
-    out, _ = child.communicate(timeout=30)
+    ) as child:  # fmt: skip
+        try:
+            limit = time.monotonic() + 60
+            while (
+                not (record.exists() and record.stat().st_size > 500_000)
+                and time.monotonic() < limit
+            ):
+                time.sleep(0.02)  # for another process, which has no clock of ours
+            child.send_signal(number)
+            out, _ = child.communicate(timeout=30)
+        except BaseException:
+            child.kill()
+            raise
     assert child.returncode == 130
     seen = json.loads(out)
     assert seen["interrupted"]
