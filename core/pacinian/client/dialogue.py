@@ -124,6 +124,7 @@ class Dialogue:
 
     def tell(self, command: AnyCommand, answer: type[R]) -> R:
         """A command, and its answer."""
+        self.look()
         if not self._flush(self.timeout):
             self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
         sequence = next(self._sequence)
@@ -139,7 +140,12 @@ class Dialogue:
 
     def renew(self) -> None:
         """The owner is alive; tells why it does not sound any more, each reason once. Does not wait."""
-        self.look()
+        try:
+            self.look()
+        except ConnectionLost:
+            if self.notices:  # it came before
+                raise self.notices.popleft() from None
+            raise
         self._renew()
         self._flush()
         if self.notices:
@@ -155,19 +161,22 @@ class Dialogue:
     def newest(self, timeout: float) -> State | None:
         """The newest state that has been published, waited for at most so long [s]; None if none came."""
         end = self.clock() + timeout
+        self.look()
         if self._states is None:
             self._states = made(self._context, zmq.SUB, self._connection)
             connect(self._states, self._connection.state)
             self._states.subscribe(STATE)
         watched = zmq.Poller()
-        for socket in (self._states, *(link.monitor for link in self._links)):
-            watched.register(socket, zmq.POLLIN)
+        watched.register(self._states, zmq.POLLIN)
+        for link in self._links:
+            watched.register(link.socket, zmq.POLLIN)
+            watched.register(link.monitor, zmq.POLLIN)
         while True:
-            self.look()
             found = newest(self._states, lambda state: self.timing.age(state.time, self.clock()))
             left = end - self.clock()
             if found or left <= 0.0 or not watched.poll(milliseconds(left)):
                 return found
+            self.look()
 
     def close(self) -> None:
         """Say bye if anybody listens, and end it."""
@@ -188,15 +197,16 @@ class Dialogue:
     def _call(
         self, link: Link, message: Any, answer: type[R], timeout: float, every: float = 0.0
     ) -> R:
-        number, sent = self._number(), self.clock()
+        number = self._number()
         what = type(message).__name__.lower()
         data = encode(replace(message, id=number))
-        if self.lost:
-            raise ConnectionLost(self.lost)
+        self.look()
+        sent = self.clock()
         found = (
             self._answer(number, sent + timeout, every) if self._sent(link, data, timeout) else None
         )
         if found is None:
+            self._go_on()
             self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
         self.timing.answered(sent, self.clock())
         if isinstance(found, Error):

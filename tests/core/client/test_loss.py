@@ -130,6 +130,54 @@ def test_an_end_is_told_however_much_comes_by_the_other_link(server: Fake) -> No
         assert len(server.of(control.Renew)) == 1
 
 
+def test_an_end_that_came_beside_an_answer_is_told_after_it(
+    server: Fake, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        with pc.Client(replace(server.connection, command=at)) as client:
+            dialogue = client._dialogue
+            sent = dialogue._sent
+
+            def heard(*given: Any) -> bool:
+                """Sent, and answered; and then the other link ends."""
+                done = sent(*given)
+                assert dialogue._control.socket.poll(10_000)
+                listener.accept()[0].close()
+                assert dialogue._command.monitor.poll(10_000)
+                return done
+
+            with monkeypatch.context() as patch:
+                patch.setattr(dialogue, "_sent", heard)
+                client.status()
+            with pytest.raises(pc.ConnectionLost, match="has gone"):
+                client.put(POINT)
+
+
+def test_why_it_fell_silent_is_told_before_its_loss(server: Fake) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        with pc.Client(replace(server.connection, command=at)) as client:
+            client.arm()
+            server.say(replies.Error(code="expired", message="not renewed in time"))
+            assert client._dialogue._control.socket.poll(10_000)
+            listener.accept()[0].close()
+            assert client._dialogue._command.monitor.poll(10_000)
+            with pytest.raises(pc.Refused, match="not renewed in time"):
+                client.renew()
+            with pytest.raises(pc.ConnectionLost, match="has gone"):
+                client.renew()
+
+
+def test_whatever_is_called_after_a_loss_tells_it_again(server: Fake) -> None:
+    with pc.Client(server.connection) as client:
+        server.close()
+        lost(client, client.renew, "has gone")
+        for call in (client.look, lambda: next(client.watch(5.0)), client.status, client.arm):
+            with pytest.raises(pc.ConnectionLost, match="has gone"):
+                call()
+
+
 def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
     late: list[Any] = []
     server.answers[commands.Put] = late.append
@@ -178,14 +226,16 @@ def test_any_call_finds_out(server: Fake, call: str) -> None:
 
 
 def test_who_watches_finds_out_at_once(server: Fake) -> None:
+    watching: list[pc.Client] = []
+
     def watch() -> object:
         with pc.Client(server.connection) as client:
-            client.renew()
+            watching.append(client)
             return next(client.watch(60.0))
 
     with ThreadPoolExecutor(1) as pool:
         seen = pool.submit(watch)
-        server.until(lambda: bool(server.of(control.Renew)))
+        server.until(lambda: bool(watching and watching[0]._dialogue._states is not None))
         server.close()
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             seen.result(timeout=30.0)
