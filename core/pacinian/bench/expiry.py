@@ -18,7 +18,7 @@ from pacinian.bench.guard_process import LONG, PROMPT, GuardProcess, levels
 from pacinian.bench.tables import plain_table
 from pacinian.bench.timing import quantile
 from pacinian.plugins import registry
-from pacinian.serving import child
+from pacinian.serving import priority
 from pacinian.serving.guard import ROUND
 from pacinian.serving.guarding import Guard
 from pacinian.serving.messages import FrameHead, Permit
@@ -127,7 +127,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
 
 def _sleeps(count: int) -> list[float]:
     """How long the machine sleeps when it is asked for one round."""
-    child.urgent(0)
+    priority.urgent(0)
     found: list[float] = []
     for _ in range(count):
         begin = time.perf_counter()

@@ -21,7 +21,7 @@ import msgspec
 import zmq
 
 from pacinian.errors import ServerError
-from pacinian.serving import child
+from pacinian.serving import child, priority
 from pacinian.serving.desk import Desk
 from pacinian.serving.fields import Emitted
 from pacinian.serving.logs import Sparse, configure
@@ -191,7 +191,7 @@ def main() -> None:
     told = child.begin(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
-    child.urgent(4)  # before who sends too much, but not before the renderer
+    priority.urgent(priority.URGENT - 1)  # before who sends too much, but not before the renderer
     with opened(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 LONGEST = 1 << 20  # [bytes] of what a child is told
-PDEATHSIG, TIMERSLACK = 1, 29  # of Linux's prctl
-AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
+PDEATHSIG = 1  # of Linux's prctl
 
 
 class Told(Struct, frozen=True):
@@ -114,23 +113,3 @@ def _read(pipe: int, length: int) -> bytes:
     while len(data) < length and (more := os.read(pipe, length - len(data))):
         data += more
     return data
-
-
-def urgent(by: int = 10, *, first: bool = False) -> None:
-    """Ask the system to prefer this process, and to wake it in time, where it may be asked.
-
-    by: how much, whatever its parent's; 0 as usual. Linux counts it among the threads of a session, and that of
-    the session's leader, as each child is, among sessions (sched(7), autogroup).
-    first: on Linux, this thread goes before all usual ones, but not what it starts: for one that mostly sleeps.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
-        if first:
-            policy = os.SCHED_RR | os.SCHED_RESET_ON_FORK
-            with contextlib.suppress(OSError):
-                os.sched_setscheduler(0, policy, os.sched_param(1))
-    with contextlib.suppress(AttributeError, OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, -by)
-    if sys.platform == "linux" and os.getsid(0) == os.getpid():
-        with contextlib.suppress(OSError):
-            AUTOGROUP.write_text(f"{-by}")

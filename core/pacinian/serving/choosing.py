@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 import queue
-import threading
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import UnsupportedLimit
@@ -11,6 +11,7 @@ from pacinian.plugins import registry
 from pacinian.rendering.warming import try_out
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
+from pacinian.serving.priority import beside
 from pacinian.session import Session
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class Solvers:
             raise UnsupportedLimit(stand_in.name, QUIET)
         self.chosen = chosen
         self._stand_in, self._array, self._medium = stand_in, array, medium
-        self._thread = thread or _thread
+        self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
         self._busy = False
         self._next: tuple[int, Choice] | None = None  # once the thread is free
@@ -123,7 +124,3 @@ def made(choice: str | Choice | Configured) -> Solver:
         with LOADING:
             plugins.find("solver", name)
     return cast("Solver", plugins.make("solver", name, options))
-
-
-def _thread(work: Callable[[], None]) -> None:
-    threading.Thread(target=work, name="solver", daemon=True).start()

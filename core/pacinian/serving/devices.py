@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import itertools
 import queue
-import threading
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple, cast
 
@@ -13,6 +12,7 @@ from pacinian.plugins import registry
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
+from pacinian.serving.priority import beside
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,7 +73,7 @@ class Devices:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
-        self._make, self._thread = make or _made, thread or _thread
+        self._make, self._thread = make or _made, thread or functools.partial(beside, name="device")
         self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
         self._busy = False
@@ -205,7 +205,3 @@ def _made(choice: Choice | Configured) -> Backend:
 def _close(backend: Backend) -> None:
     with suppress(Exception):  # it was silenced before, or is faulty: a reset says what is wrong
         backend.close()
-
-
-def _thread(work: Callable[[], None]) -> None:
-    threading.Thread(target=work, name="device", daemon=True).start()

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
-from pacinian.serving import child
+from pacinian.serving import child, priority
 from pacinian.serving.devices import Devices
 from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
@@ -72,6 +72,7 @@ class Rounds:
         chosen = settings.backend
         choice = chosen if isinstance(chosen, Choice) else Choice(chosen)
         self.devices = Devices(self.guard, array, choice, settings.rate)
+        self.processor = priority.ANY
         self._told = -TELL  # [s]
         self._orders.look()
         self.devices.begin(self._orders.value)
@@ -97,7 +98,9 @@ class Rounds:
     def tell(self) -> None:
         """Publish how it is."""
         self.guard.changed = False
-        self._device.write(pack(self.guard.device(self.devices.results, self.backends or ())))
+        self._device.write(
+            pack(self.guard.device(self.devices.results, self.backends or (), self.processor))
+        )
 
     def __enter__(self) -> Rounds:
         return self
@@ -155,7 +158,7 @@ def main() -> None:
         gc.collect()
         gc.freeze()
         gc.disable()
-        child.urgent(first=True)  # from here on it mostly sleeps
+        rounds.processor = priority.first()  # from here on it mostly sleeps
         while not ended.is_set():
             # not while there is none: one may take its time to open
             _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)

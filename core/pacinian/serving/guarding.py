@@ -13,6 +13,7 @@ import numpy as np
 from pacinian.errors import BackendError, PacinianError
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.messages import HEAD, MOST_ROWS, Device, FrameHead, Permit
+from pacinian.serving.priority import ANY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -205,7 +206,9 @@ class Guard:
             self._inputs.append(_INPUT.pack(head.input, head.sent, head.received, now))
             self._inputs_until += 1
 
-    def device(self, results: dict[str, str], backends: tuple[Plugin, ...]) -> Device:
+    def device(
+        self, results: dict[str, str], backends: tuple[Plugin, ...], processor: int = ANY
+    ) -> Device:
         """What others are told."""
         can = self._can if self.coming is None else self._coming_can
         return Device(
@@ -228,6 +231,7 @@ class Guard:
             results=results,
             backends=backends,
             reasons=dict(self._reasons),
+            processor=processor,
             sizes=b"" if can.even else can.sizes.astype("<f4").tobytes(),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gc
 import math
 import queue
@@ -16,6 +17,7 @@ from pacinian.scene.shapes.flat import Disc, Rectangle
 from pacinian.scene.shapes.round import Sphere
 from pacinian.scene.time.envelope import Envelope, Noise, Timed, Wave, resolve
 from pacinian.serving.guarding import told
+from pacinian.serving.priority import beside
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +46,7 @@ class Loader:
     def __init__(self, thread: Callable[[Callable[[], None]], object] | None = None) -> None:
         self._jobs: dict[str, tuple[int, Callable[[], Object | Timed]]] = {}
         self._some, self._done = threading.Condition(), queue.SimpleQueue[Loaded]()
-        self._thread, self._started = thread or _thread, False
+        self._thread, self._started = thread or functools.partial(beside, name="loader"), False
 
     def __len__(self) -> int:
         """How many wait."""
@@ -125,7 +127,3 @@ def ready(envelope: Timed) -> Timed:
     """The envelope, ready to be followed. Raises ArgumentError."""
     envelope.at(np.zeros(1))
     return envelope
-
-
-def _thread(work: Callable[[], None]) -> None:
-    threading.Thread(target=work, name="loader", daemon=True).start()

@@ -26,6 +26,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.plugins.backend import Capability
+from pacinian.serving.priority import ANY
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 from pacinian.wire.time import Technique
@@ -261,7 +262,7 @@ class Device(Struct, frozen=True, array_like=True):
     took. silences: how often sound was ended; reasons: by what. longest_gap: between frames since the output was armed
     last [s]. inputs: the last ones, as in `State`; inputs_until: how many there have been. results: of orders, by
     "backend number" and "reset number": "" for done, or why not. sizes: amplitude of each level, float32; empty where
-    they are even.
+    they are even. processor: that the guard keeps to, or `ANY`.
     """
 
     generation: int
@@ -285,6 +286,7 @@ class Device(Struct, frozen=True, array_like=True):
     """That can be selected."""
     reasons: dict[str, int] = {}
     sizes: bytes = b""
+    processor: int = ANY
 
     @property
     def capability(self) -> Capability:

@@ -6,18 +6,21 @@ It ends with its parent, or on SIGTERM; the last thing it hands over is silence.
 from __future__ import annotations
 
 import _thread
+import functools
 import signal
 import sys
-import threading
 import time
 from contextlib import ExitStack
 
+from msgspec.msgpack import Decoder
+
 from pacinian.plugins.backend import Capability
-from pacinian.serving import child
+from pacinian.serving import child, priority
 from pacinian.serving.choosing import Solvers, made
 from pacinian.serving.loading import Loader
 from pacinian.serving.loop import FILES, Loop
 from pacinian.serving.memory import Latest
+from pacinian.serving.messages import Device
 from pacinian.serving.offers import offers
 from pacinian.serving.warming import warm_up
 
@@ -47,15 +50,17 @@ def _render(told: child.Told) -> None:
         chosen, stand_in = made(settings.solver), made(STAND_IN)
         solvers = [chosen] if chosen.name == stand_in.name else [chosen, stand_in]
         warm_up(array, medium, solvers, Capability(rate=settings.rate), settings.rate)
-        while not files["device"].number:
+        while (newest := files["device"].read()) is None:
             time.sleep(LOOK)
+        device = Decoder(Device).decode(newest[1])
         loop = Loop(
             files, settings, array, medium, Solvers(chosen, stand_in, array, medium), Loader()
         )
-        child.urgent(5)
+        priority.urgent()
+        priority.avoid(device.processor)
         stack.callback(loop.close)
         loop.open()
-        threading.Thread(target=_list, args=(loop,), name="offers", daemon=True).start()
+        priority.beside(functools.partial(_list, loop), "offers")
         # the past is not made up for: what is sent is of now, and the newest hands are seen at once
         loop.renderer.run(on_tick=loop.between, behind=0.0)
 

@@ -16,7 +16,7 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.errors import ServerError
-from pacinian.serving import child, memory
+from pacinian.serving import child, memory, priority
 from pacinian.serving.control import Control
 from pacinian.serving.doors import Doors
 from pacinian.serving.logs import configure, flush, log
@@ -62,7 +62,7 @@ def serve(
             name: stack.enter_context(memory.Latest.create(folder / name, capacity))
             for name, capacity in capacities.items()
         }
-        child.urgent(5)  # a stop is answered whatever the others do; threads of ZeroMQ take it over
+        priority.urgent()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
         doors = stack.enter_context(Doors(context, gate, settings.network))

@@ -15,13 +15,13 @@ from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.grid import Grid
 from pacinian.errors import ArgumentError
+from pacinian.serving.priority import AUTOGROUP
 from pacinian.viewing.messages import Volume
 
 if TYPE_CHECKING:
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
 CALM = 19  # nice
-AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
 
 
 def grid(asked: Slice | Volume) -> Grid:

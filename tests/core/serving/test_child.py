@@ -111,59 +111,6 @@ def test_secrets_are_not_shown() -> None:
     assert "hidden" not in repr(Told("folder", Settings(), {"token": "hidden"}))
 
 
-@linux
-def test_threads_are_as_urgent_as_what_made_them_was_then() -> None:
-    """As those of ZeroMQ: niceness is of a thread, and handed on."""
-    code = """
-import os, zmq
-from pathlib import Path
-from pacinian.serving import child
-
-def nice():
-    stats = [task.read_text() for task in Path("/proc/self/task").glob("*/stat")]
-    return len(stats), {int(stat.rpartition(")")[2].split()[16]) for stat in stats}
-
-try:
-    os.setpriority(os.PRIO_PROCESS, 0, -5)
-except OSError:
-    print("may not")
-else:
-    child.urgent(0)
-    before, _ = nice()
-    with zmq.Context() as context, context.socket(zmq.PUB):
-        after, levels = nice()
-        print(after > before, levels)
-"""
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, check=True, text=True, timeout=LONG)
-    if "may not" in done.stdout:
-        pytest.skip("may not be urgent here")
-    assert done.stdout.strip() == "True {0}"
-
-
-@pytest.mark.skipif(not child.AUTOGROUP.exists(), reason="only Linux shares time out by session")
-def test_a_child_is_urgent_among_sessions_too() -> None:
-    """Niceness is looked at within a session only, and each child is one."""
-    code = """
-from pacinian.serving import child
-def nice():  # nothing is told of what no session was ever made for
-    return (child.AUTOGROUP.read_text().split() or ["none"])[-1]
-
-before = nice()
-child.urgent(3)
-print(before, nice())
-"""
-    for alone, nice in ((True, "-3"), (False, "0")):
-        done = subprocess.run(
-            [sys.executable, "-c", code],
-            capture_output=True, check=True, text=True, timeout=LONG, start_new_session=alone,
-        )  # fmt: skip
-        before, after = done.stdout.split()
-        if alone and after == before:
-            pytest.skip("may not be urgent here")
-        assert after == (nice if alone else before)
-
-
 def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
     told = Told(str(tmp_path), Settings(), {"long": "x" * child.LONGEST})
     with pytest.raises(ServerError, match="more than"):
@@ -210,20 +157,3 @@ def test_an_interrupt_from_the_keyboard_is_the_parent_s_affair(tmp_path: Path) -
     until((tmp_path / "told").exists)
     assert os.getpgid(process.pid) != os.getpgid(0)
     child.end(process, LONG)
-
-
-@linux
-def test_what_an_urgent_process_starts_is_not_urgent() -> None:
-    asks = "import os; print(os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_RR | os.SCHED_RESET_ON_FORK))"
-    code = f"""
-import os, subprocess, sys
-from pacinian.serving import child
-child.urgent(first=True)
-{asks}
-sys.stdout.flush()
-subprocess.run([sys.executable, "-c", {asks!r}])
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
-    itself, other = done.stdout.split()
-    assert itself in ("True", "False")  # as it may
-    assert other == "False"

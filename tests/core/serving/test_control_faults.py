@@ -18,6 +18,7 @@ import zmq
 from pacinian.errors import WireError
 from pacinian.serving import control
 from pacinian.serving.doors import Doors
+from pacinian.serving.priority import URGENT
 from pacinian.serving.security import Gate
 from pacinian.serving.settings import Network
 from pacinian.wire.codec import encode
@@ -206,6 +207,6 @@ def test_the_threads_of_its_sockets_are_as_urgent_as_it_is(server: Any) -> None:
         with contextlib.suppress(OSError):  # it has just ended
             name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
             nice[int(stat.parent.name)] = name, int(rest.split()[16])
-    if nice[own][1] != -5:
+    if nice[own][1] != -URGENT:
         pytest.skip("may not be urgent here")
-    assert ("ZMQbg/IO/0", -5) in nice.values()
+    assert ("ZMQbg/IO/0", -URGENT) in nice.values()

@@ -1,0 +1,87 @@
+"""Who of the server's processes runs before whom, and before all else, and where: as far as the system lets them."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+TIMERSLACK = 29  # of Linux's prctl
+AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
+URGENT = 15  # of a processor shared with one usual process it has 97 %
+ANY = -1  # processor
+_ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
+
+
+def urgent(by: int = URGENT) -> None:
+    """Ask the system to prefer this process, and to wake it in time, where it may be asked.
+
+    by: how much, whatever its parent's; 0 as usual. Where so much is not allowed, as much as is. Linux counts it among
+    the threads of a session, and that of the session's leader, as each child is, among sessions (sched(7), autogroup).
+    """
+    _punctual()
+    for level in (by, min(by, _most())):
+        with contextlib.suppress(AttributeError, OSError):
+            os.setpriority(os.PRIO_PROCESS, 0, -level)
+            break
+    if sys.platform == "linux" and os.getsid(0) == os.getpid():
+        with contextlib.suppress(OSError):
+            AUTOGROUP.write_text(f"{-level}")
+
+
+def first() -> int:
+    """Let this thread go before all usual ones, but not what it starts; on Linux: for one that mostly sleeps.
+
+    The processor that it keeps to from now on, one of two or more: a thread that wakes 4000 times a second and goes
+    before takes a fifth of what shares it (decision 28). `ANY` where it may not go first.
+    """
+    urgent()
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
+            if len(_ALLOWED) > 1:  # that of another server, if there is one, is likely another
+                mine = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]
+                os.sched_setaffinity(0, {mine})
+                return mine
+    return ANY
+
+
+def avoid(processor: int) -> None:
+    """Keep this thread off a processor that another one keeps to."""
+    if sys.platform == "linux" and (rest := _ALLOWED - {processor}):
+        with contextlib.suppress(OSError):
+            os.sched_setaffinity(0, rest)
+
+
+def beside(work: Callable[[], object], name: str) -> None:
+    """Do work in a thread of its own, on any processor, wherever this one keeps to."""
+
+    def run() -> None:
+        if sys.platform == "linux":
+            with contextlib.suppress(OSError):
+                os.sched_setaffinity(0, _ALLOWED)
+        work()
+
+    threading.Thread(target=run, name=name, daemon=True).start()
+
+
+def _punctual() -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
+
+
+def _most() -> int:
+    """How much is allowed by the limit on niceness."""
+    if sys.platform != "linux":
+        return 0
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_NICE)
+    return max(0, limit - 20)  # unlimited is -1: then it is something else that forbids it

@@ -1,0 +1,175 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import psutil
+import pytest
+
+from pacinian.scene.file import Units
+from pacinian.serving import priority
+from pacinian.serving.settings import Log, Settings
+from pacinian.testing import serving
+
+LONG = 20.0  # [s]
+linux = pytest.mark.skipif(
+    sys.platform != "linux", reason="only Linux lets a thread choose so much"
+)
+
+
+def told(code: str, *, alone: bool = False) -> list[str]:
+    """What another process prints, which keeps what it asks for. alone: in a session of its own."""
+    command = [sys.executable, "-c", f"import os\nfrom pacinian.serving import priority\n{code}"]
+    done = subprocess.run(
+        command, capture_output=True, check=True, text=True, timeout=LONG, start_new_session=alone
+    )
+    if "may not" in done.stdout:
+        pytest.skip("may not be urgent here")
+    return done.stdout.split()
+
+
+@linux
+def test_threads_are_as_urgent_as_what_made_them_was_then() -> None:
+    """As those of ZeroMQ: niceness is of a thread, and handed on."""
+    code = """
+import zmq
+from pathlib import Path
+
+def nice():
+    stats = [task.read_text() for task in Path("/proc/self/task").glob("*/stat")]
+    return len(stats), {int(stat.rpartition(")")[2].split()[16]) for stat in stats}
+
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -5)
+except OSError:
+    print("may not")
+else:
+    priority.urgent(0)
+    before, _ = nice()
+    with zmq.Context() as context, context.socket(zmq.PUB):
+        after, levels = nice()
+        print(after > before, levels)
+"""
+    assert told(code) == ["True", "{0}"]
+
+
+@pytest.mark.skipif(not priority.AUTOGROUP.exists(), reason="only Linux shares time out by session")
+def test_a_child_is_urgent_among_sessions_too() -> None:
+    """Niceness is looked at within a session only, and each child is one."""
+    code = """
+def nice():  # nothing is told of what no session was ever made for
+    return (priority.AUTOGROUP.read_text().split() or ["none"])[-1]
+
+before = nice()
+priority.urgent(3)
+print(before, nice())
+"""
+    for alone, nice in ((True, "-3"), (False, "0")):
+        before, after = told(code, alone=alone)
+        if alone and after == before:
+            pytest.skip("may not be urgent here")
+        assert after == (nice if alone else before)
+
+
+@linux
+@pytest.mark.parametrize(("limit", "nice"), [(0, 0), (20, 0), (21, -1), (30, -10), (40, -15)])
+def test_who_may_not_be_as_urgent_is_as_urgent_as_may_be(limit: int, nice: int) -> None:
+    """The limit is 20 less the niceness (setrlimit(2)); a pretended one, which does not bind root."""
+    code = f"""
+import resource
+kept = []
+
+def setpriority(which, who, nice):
+    if nice < 20 - {limit}:
+        raise PermissionError
+    kept.append(nice)
+
+os.setpriority, resource.getrlimit = setpriority, lambda which: ({limit}, {limit})
+priority.urgent()
+print(*kept or [0])
+"""
+    assert told(code) == [str(nice)]
+
+
+@linux
+def test_what_an_urgent_process_starts_is_not_urgent() -> None:
+    asks = "import os; print(os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_RR | os.SCHED_RESET_ON_FORK))"
+    code = f"""
+import subprocess, sys
+priority.first()
+{asks}
+sys.stdout.flush()
+subprocess.run([sys.executable, "-c", {asks!r}])
+"""
+    itself, other = told(code)
+    assert itself in ("True", "False")  # as it may
+    assert other == "False"
+
+
+@linux
+def test_one_that_may_not_go_first_keeps_to_no_processor() -> None:
+    code = """
+def refused(*_):
+    raise PermissionError
+
+before, os.sched_setscheduler = os.sched_getaffinity(0), refused
+print(priority.first() == priority.ANY, os.sched_getaffinity(0) == before)
+priority.avoid(priority.ANY)
+print(os.sched_getaffinity(0) == before)
+"""
+    assert told(code) == ["True"] * 3
+
+
+@linux
+def test_the_only_processor_is_shared() -> None:
+    code = """
+only = max(os.sched_getaffinity(0))
+os.sched_setaffinity(0, {only})
+import importlib
+importlib.reload(priority)
+print(priority.first() == priority.ANY)
+priority.avoid(only)
+print(os.sched_getaffinity(0) == {only})
+"""
+    assert told(code) == ["True"] * 2
+
+
+@linux
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="wants two processors")
+def test_work_beside_runs_on_all_processors_again() -> None:
+    code = """
+import threading
+everywhere, done = os.sched_getaffinity(0), threading.Event()
+if len(everywhere) < 2:
+    print("may not")
+else:
+    priority.avoid(min(everywhere))
+    print(os.sched_getaffinity(0) == everywhere - {min(everywhere)})
+    priority.beside(lambda: print(os.sched_getaffinity(0) == everywhere) or done.set(), "work")
+    done.wait(10)
+"""
+    assert told(code) == ["True"] * 2
+
+
+@linux
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="wants two processors")
+def test_the_guard_and_the_loop_keep_to_different_processors() -> None:
+    """And nothing else of the server keeps to any."""
+    everywhere = os.sched_getaffinity(0)
+    with serving(Settings(array=Units(1, 1), log=Log(level="warning"))) as server:
+        pids = server.pids
+        found = {
+            (name, thread.id == pid): os.sched_getaffinity(thread.id)
+            for name, pid in pids.items()
+            for thread in psutil.Process(pid).threads()
+        }
+        first = os.sched_getscheduler(pids["guard"]) != os.SCHED_OTHER
+    guard, loop = found.pop(("guard", True)), found.pop(("render", True))
+    assert all(others == everywhere for others in found.values())
+    assert {name for name, _ in found} == set(pids)
+    if not first or len(everywhere) < 2:
+        assert guard == loop == everywhere
+        pytest.skip("may not go first here")
+    assert len(guard) == 1
+    assert loop == everywhere - guard
