@@ -158,7 +158,7 @@ def main() -> None:
         gc.collect()
         gc.freeze()
         gc.disable()
-        rounds.processor = priority.first()  # from here on it mostly sleeps
+        rounds.processor = priority.go_first()  # from here on it mostly sleeps
         while not ended.is_set():
             # not while there is none: one may take its time to open
             _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)

@@ -26,7 +26,8 @@ def urgent(by: int = URGENT) -> None:
     by: how much, whatever its parent's; 0 as usual. Where so much is not allowed, as much as is. Linux counts it among
     the threads of a session, and that of the session's leader, as each child is, among sessions (sched(7), autogroup).
     """
-    _punctual()
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
     for level in (by, min(by, _most())):
         with contextlib.suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, 0, -level)
@@ -36,20 +37,20 @@ def urgent(by: int = URGENT) -> None:
             AUTOGROUP.write_text(f"{-level}")
 
 
-def first() -> int:
-    """Let this thread go before all usual ones, but not what it starts; on Linux: for one that mostly sleeps.
+def go_first() -> int:
+    """On Linux, let this thread go before all usual ones, but not what it starts: for one that mostly sleeps.
 
-    The processor that it keeps to from now on, one of two or more: a thread that wakes 4000 times a second and goes
-    before takes a fifth of what shares it (decision 28). `ANY` where it may not go first.
+    Return the processor that it keeps to from now on, so that others can `avoid` it (decision 28): `ANY` where it may
+    not go first, or there is only one.
     """
     urgent()
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
             os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
-            if len(_ALLOWED) > 1:  # that of another server, if there is one, is likely another
-                mine = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]
-                os.sched_setaffinity(0, {mine})
-                return mine
+            if len(_ALLOWED) > 1:
+                own = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]  # not the same for all servers
+                os.sched_setaffinity(0, {own})
+                return own
     return ANY
 
 
@@ -72,16 +73,11 @@ def beside(work: Callable[[], object], name: str) -> None:
     threading.Thread(target=run, name=name, daemon=True).start()
 
 
-def _punctual() -> None:
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
-
-
 def _most() -> int:
-    """How much is allowed by the limit on niceness."""
+    """How much may be asked for without a right of its own: what there is already, or up to the limit on niceness."""
     if sys.platform != "linux":
         return 0
     import resource
 
     limit, _ = resource.getrlimit(resource.RLIMIT_NICE)
-    return max(0, limit - 20)  # unlimited is -1: then it is something else that forbids it
+    return max(0, limit - 20, -os.getpriority(os.PRIO_PROCESS, 0))

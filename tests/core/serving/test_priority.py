@@ -93,11 +93,34 @@ print(*kept or [0])
 
 
 @linux
+def test_who_may_ask_for_nothing_keeps_what_was_given() -> None:
+    """As one that was started by `nice -n -5`, whose rights were taken away then."""
+    code = """
+import resource
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -5)
+except OSError:
+    print("may not") or exit()
+allowed = os.setpriority
+
+def setpriority(which, who, nice):
+    if nice < -5:
+        raise PermissionError
+    allowed(which, who, nice)
+
+os.setpriority, resource.getrlimit = setpriority, lambda which: (0, 0)
+priority.urgent()
+print(os.getpriority(os.PRIO_PROCESS, 0))
+"""
+    assert told(code) == ["-5"]
+
+
+@linux
 def test_what_an_urgent_process_starts_is_not_urgent() -> None:
     asks = "import os; print(os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_RR | os.SCHED_RESET_ON_FORK))"
     code = f"""
 import subprocess, sys
-priority.first()
+priority.go_first()
 {asks}
 sys.stdout.flush()
 subprocess.run([sys.executable, "-c", {asks!r}])
@@ -114,7 +137,7 @@ def refused(*_):
     raise PermissionError
 
 before, os.sched_setscheduler = os.sched_getaffinity(0), refused
-print(priority.first() == priority.ANY, os.sched_getaffinity(0) == before)
+print(priority.go_first() == priority.ANY, os.sched_getaffinity(0) == before)
 priority.avoid(priority.ANY)
 print(os.sched_getaffinity(0) == before)
 """
@@ -128,7 +151,7 @@ only = max(os.sched_getaffinity(0))
 os.sched_setaffinity(0, {only})
 import importlib
 importlib.reload(priority)
-print(priority.first() == priority.ANY)
+print(priority.go_first() == priority.ANY)
 priority.avoid(only)
 print(os.sched_getaffinity(0) == {only})
 """
