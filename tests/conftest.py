@@ -9,13 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-import zmq
 from hypothesis import settings
 
-from pacinian.client import link
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from types import ModuleType
 
 ROOT = Path(__file__).parent
@@ -45,15 +42,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if any(item.path.is_relative_to(place) for place in PLAIN):
             item.add_marker("plain")
-
-
-@pytest.fixture(scope="session", autouse=True)
-def patient() -> Iterator[None]:
-    """Neither end gives up the other for a moment in which a busy machine stops it."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_TTL, 10_000)
-        patch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_TIMEOUT, 2_000)
-        yield
 
 
 @pytest.fixture(scope="session")

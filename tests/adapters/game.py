@@ -95,9 +95,16 @@ class Game:
         return self.until(sounds)
 
     def end(self) -> int:
-        """Let it end by itself."""
+        """Let it end by itself.
+
+        Its input ends, too: Mono, at its own end, interrupts a thread that reads only once, and waits for ever
+        if that was just before the thread began to.
+        """
         with suppress(OSError, ValueError):
             self.say("end")
+        if self.process.stdin is not None:
+            with suppress(OSError):
+                self.process.stdin.close()
         code = self.process.wait(PATIENCE)
         self._close()
         return code

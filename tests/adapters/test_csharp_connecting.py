@@ -17,6 +17,7 @@ from pacinian.wire import control, replies
 from pacinian.wire.connection import Connection
 
 from ..core.client.fake import Fake, usual
+from ..core.client.standing import server_apart, stand_still
 from . import tools
 from .game import fill
 
@@ -144,6 +145,22 @@ def test_the_end_never_waits_long(
         assert time.monotonic() - begin < 5.0
     if when in {"connected", "twice"}:
         server.until(lambda: bool(server.of(control.Bye)))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGSTOP")
+def test_neither_side_is_lost_that_stands_still_for_a_second(start: Start, tmp_path: Path) -> None:
+    with (
+        server_apart() as (server, connection),
+        start(connection.write(tmp_path / "c.json")) as game,
+    ):
+        game.do("start")
+        game.event("connected")
+        for process in (server, game.process, server):
+            stand_still(process)
+            game.do("field at 0 0 0.2")
+            assert game.wait(lambda told: "field" in told)["field"] == 1
+        assert not [told for told in game.told if told.get("event") == "lost"]
+        assert game.status()["status"] == "Connected"
 
 
 def test_one_that_is_forgotten_says_goodbye(server: Fake, game: Game) -> None:

@@ -6,10 +6,8 @@ import threading
 from typing import TYPE_CHECKING, Any, Self
 
 import pytest
-import zmq
 
 import pacinian as pc
-from pacinian.client import link
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, serving
@@ -92,12 +90,6 @@ def url(server: Running, tmp_path: Path) -> Iterator[str]:
     """The address of a viewer of that server."""
     with viewer(server.connection, folder=tmp_path) as address:
         yield address
-
-
-@pytest.fixture(autouse=True)
-def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Connections end when they are closed, not when this process stands still for 0.2 s."""
-    monkeypatch.setattr(link, "HEARTBEAT", {zmq.RCVHWM: 0})
 
 
 @pytest.fixture(autouse=True)

@@ -32,15 +32,16 @@ OPTIONS = {
     zmq.SNDHWM: 16,
     zmq.RCVHWM: MOST,
     zmq.MAXMSGSIZE: LONGEST_REPLY,
-    zmq.HANDSHAKE_IVL: 1000,  # [ms], as all below
+    zmq.HANDSHAKE_IVL: 2000,  # [ms], as all below
     zmq.CONNECT_TIMEOUT: 2000,
 }
 ONCE = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
 # no high-water mark: one that is reached while a heartbeat is due makes libzmq 4.3 end the process (`!_io_error`)
+# Little sooner than an answer is given up: what silence waits for is the lease (decision 29).
 HEARTBEAT = {
     zmq.HEARTBEAT_IVL: 50,
-    zmq.HEARTBEAT_TTL: 200,
-    zmq.HEARTBEAT_TIMEOUT: 500,
+    zmq.HEARTBEAT_TTL: 1500,
+    zmq.HEARTBEAT_TIMEOUT: 1500,
     zmq.RCVHWM: 0,
 }
 

@@ -191,7 +191,7 @@ def main() -> None:
     told = child.begin(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
-    priority.urgent(priority.URGENT - 1)  # before who sends too much, but not before the renderer
+    priority.urgent(priority.EAGER - 1)  # before who sends too much, but not before the renderer
     with opened(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()

@@ -16,6 +16,7 @@ import msgspec
 from msgspec import Struct
 
 from pacinian.errors import ServerError
+from pacinian.serving import priority
 from pacinian.serving.settings import Settings
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def launch(command: Sequence[str], told: Told) -> subprocess.Popen[bytes]:
         raise ServerError(f"the settings take {len(data)} bytes, more than {LONGEST}")
     # a group of its own: Ctrl-C is the parent's, which ends its children in order
     process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
+    priority.ease(process.pid)
     if process.stdin is not None:
         file = os.dup(process.stdin.fileno())
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 TIMERSLACK = 29  # of Linux's prctl
 AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
 URGENT = 15  # of a processor shared with one usual process it has 97 %
+EAGER = 5  # 75 %
 ANY = -1  # processor
 _ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
 
@@ -35,6 +36,21 @@ def urgent(by: int = URGENT) -> None:
     if sys.platform == "linux" and os.getsid(0) == os.getpid():
         with contextlib.suppress(OSError):
             AUTOGROUP.write_text(f"{-level}")
+
+
+def ease(child: int) -> None:
+    """Let a process that has just been started be `EAGER` at most, until it is ready and asks to be `urgent`.
+
+    On Linux; not where it could not ask for it again.
+    """
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError):
+            given = os.getpriority(os.PRIO_PROCESS, child)
+            if _limit() < URGENT:
+                os.setpriority(
+                    os.PRIO_PROCESS, child, -URGENT - 1
+                )  # which needs a right, whatever was given
+            os.setpriority(os.PRIO_PROCESS, child, max(given, -EAGER))
 
 
 def go_first() -> int:
@@ -62,12 +78,13 @@ def avoid(processor: int) -> None:
 
 
 def beside(work: Callable[[], object], name: str) -> None:
-    """Do work in a thread of its own, on any processor, wherever this one keeps to."""
+    """Do work in a thread of its own, on any processor, wherever this one keeps to, and `EAGER` at most."""
 
     def run() -> None:
         if sys.platform == "linux":
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, _ALLOWED)
+                os.setpriority(os.PRIO_PROCESS, 0, max(os.getpriority(os.PRIO_PROCESS, 0), -EAGER))
         work()
 
     threading.Thread(target=run, name=name, daemon=True).start()
@@ -75,9 +92,10 @@ def beside(work: Callable[[], object], name: str) -> None:
 
 def _most() -> int:
     """How much may be asked for without a right of its own: what there is already, or up to the limit on niceness."""
-    if sys.platform != "linux":
-        return 0
+    return max(0, _limit(), -os.getpriority(os.PRIO_PROCESS, 0)) if sys.platform == "linux" else 0
+
+
+def _limit() -> int:
     import resource
 
-    limit, _ = resource.getrlimit(resource.RLIMIT_NICE)
-    return max(0, limit - 20, -os.getpriority(os.PRIO_PROCESS, 0))
+    return resource.getrlimit(resource.RLIMIT_NICE)[0] - 20

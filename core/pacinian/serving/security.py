@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DOMAIN = "pacinian"
 USER = "pacinian"
-HANDSHAKE = 1000  # [ms] in which a connection must have shown who it is
+HANDSHAKE = 2000  # [ms] in which a connection must have shown who it is
 # [ms] after which what a connection does not confirm ends it. Not by heartbeats of ours: libzmq 4.3 ends the process
 # when one is due of a connection that was closed while its messages waited at the high-water mark (`!_io_error`)
 UNCONFIRMED = 500

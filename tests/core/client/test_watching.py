@@ -1,15 +1,11 @@
 """The newest state and the server's clock; a server that is stopped."""
 
-import json
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from itertools import count
-from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -18,10 +14,10 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.client.timing import Timing, Trips
 from pacinian.wire.codec import encode
-from pacinian.wire.connection import Connection
 from pacinian.wire.state import STATE
 
 from .fake import Fake, state
+from .standing import server_apart, stand_still
 
 SECONDS = st.floats(0.0, 1.0)
 
@@ -122,22 +118,21 @@ def test_round_trips_in_order(trips: list[float]) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGSTOP")
 def test_a_server_that_is_stopped_is_lost_by_its_heartbeat() -> None:
-    program = Path(__file__).with_name("fake.py")
-    process = subprocess.Popen(
-        [sys.executable, str(program)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    with process:
-        try:
-            connection = msgspec.convert(json.loads(process.stdout.readline()), Connection)
-            with pc.Client(connection, timeout=60.0) as client:
-                client.arm()
-                process.send_signal(signal.SIGSTOP)
-                begin = time.monotonic()
-                with pytest.raises(pc.ConnectionLost, match="has gone"):
-                    client.hold(30.0, every=0.02)
-                assert time.monotonic() - begin < 20.0
-                with pytest.raises(pc.ConnectionLost):
-                    client.renew()
-        finally:
-            process.kill()
+    with server_apart() as (process, connection), pc.Client(connection, timeout=60.0) as client:
+        client.arm()
+        process.send_signal(signal.SIGSTOP)
+        begin = time.monotonic()
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            client.hold(30.0, every=0.02)
+        assert time.monotonic() - begin < 20.0
+        with pytest.raises(pc.ConnectionLost):
+            client.renew()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGSTOP")
+def test_a_server_that_stands_still_for_a_second_is_not_lost() -> None:
+    with server_apart() as (process, connection), pc.Client(connection, timeout=60.0) as client:
+        client.arm()
+        stand_still(process)
+        client.hold(0.2, every=0.02)
+        assert client.armed

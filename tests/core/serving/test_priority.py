@@ -116,6 +116,47 @@ print(os.getpriority(os.PRIO_PROCESS, 0))
 
 
 @linux
+def test_a_child_is_less_urgent_until_it_asks() -> None:
+    """Whatever control is, whose niceness is handed on."""
+    code = """
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -priority.URGENT)
+except OSError:
+    print("may not") or exit()
+priority.ease(os.getpid())
+print(os.getpriority(os.PRIO_PROCESS, 0))
+priority.urgent()
+print(os.getpriority(os.PRIO_PROCESS, 0))
+os.setpriority(os.PRIO_PROCESS, 0, 3)
+priority.ease(os.getpid())
+print(os.getpriority(os.PRIO_PROCESS, 0))
+"""
+    assert told(code) == ["-5", "-15", "3"]
+
+
+@linux
+@pytest.mark.parametrize(("limit", "after"), [(20, -10), (34, -10), (35, -5), (40, -5)])
+def test_who_could_not_ask_again_gives_nothing_back(limit: int, after: int) -> None:
+    """As one that was started by `nice -n -10`, whose rights were taken away then. The limit: as above."""
+    code = f"""
+import resource
+now = -10
+
+def setpriority(which, who, nice):
+    global now
+    if nice < min(now, 20 - {limit}):
+        raise PermissionError
+    now = nice
+
+os.setpriority, resource.getrlimit = setpriority, lambda which: ({limit}, {limit})
+os.getpriority = lambda which, who: now
+priority.ease(os.getpid())
+print(now)
+"""
+    assert told(code) == [str(after)]
+
+
+@linux
 def test_what_an_urgent_process_starts_is_not_urgent() -> None:
     asks = "import os; print(os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_RR | os.SCHED_RESET_ON_FORK))"
     code = f"""
@@ -173,6 +214,46 @@ else:
     done.wait(10)
 """
     assert told(code) == ["True"] * 2
+
+
+@linux
+def test_work_beside_is_less_urgent_than_what_goes_on() -> None:
+    code = """
+import threading
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -15)
+except OSError:
+    print("may not") or exit()
+for nice in (-15, 3):
+    os.setpriority(os.PRIO_PROCESS, 0, nice)
+    done = threading.Event()
+    priority.beside(lambda: print(os.getpriority(os.PRIO_PROCESS, 0)) or done.set(), "work")
+    done.wait(10)
+    print(os.getpriority(os.PRIO_PROCESS, 0))
+"""
+    assert told(code) == ["-5", "-15", "3", "3"]
+
+
+@linux
+def test_only_the_loop_and_control_go_before_all() -> None:
+    """What is loaded for the loop, and who works off what clients ask, must not take all of a processor from games."""
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    try:
+        os.setpriority(os.PRIO_PROCESS, 0, before - 1)
+    except OSError:
+        pytest.skip("may not be urgent here")
+    os.setpriority(os.PRIO_PROCESS, 0, before)
+    with serving(Settings(array=Units(1, 1), log=Log(level="warning"))) as server:
+        nice = {
+            name: {
+                thread.id: os.getpriority(os.PRIO_PROCESS, thread.id)
+                for thread in psutil.Process(pid).threads()
+            }
+            for name, pid in server.pids.items()
+        }
+        pids = server.pids
+    assert nice["control"][pids["control"]] == nice["render"].pop(pids["render"]) == -15
+    assert all(level >= -5 for name in ("render", "bus") for level in nice[name].values())
 
 
 @linux

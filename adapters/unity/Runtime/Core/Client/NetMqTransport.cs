@@ -63,7 +63,7 @@ namespace Pacinian
                         socket.Options.DelayAttachOnConnect = true;
                         socket.Options.ReconnectInterval = Never;
                         socket.Options.HeartbeatInterval = TimeSpan.FromMilliseconds(i == 0 ? 50.0 : 0.0);
-                        socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(500.0);
+                        socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(1500.0);
                     }
                     socket.Connect(connection.At((Channel)i));
                 }

@@ -43,7 +43,7 @@ namespace Pacinian
         {
             Set(LibZmq.SendRoom, Waiting);
             Set(LibZmq.ReceiveRoom, Most);
-            Set(LibZmq.HandshakeTimeout, 1000); // [ms], as all below
+            Set(LibZmq.HandshakeTimeout, 2000); // [ms], as all below
             Set(LibZmq.ConnectTimeout, 2000);
             long longest = Protocol.LongestReply;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
@@ -66,8 +66,8 @@ namespace Pacinian
             if (heartbeat)
             {
                 Set(LibZmq.HeartbeatInterval, 50); // [ms], as all below
-                Set(LibZmq.HeartbeatTtl, 200);
-                Set(LibZmq.HeartbeatTimeout, 500);
+                Set(LibZmq.HeartbeatTtl, 1500);
+                Set(LibZmq.HeartbeatTimeout, 1500);
                 Set(LibZmq.ReceiveRoom, 0); // no limit: libzmq 4.3 ends the process if a heartbeat is due at one
             }
             const int events = LibZmq.Connected | LibZmq.Closed | LibZmq.Disconnected

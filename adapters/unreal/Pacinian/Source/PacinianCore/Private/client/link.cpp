@@ -17,13 +17,13 @@ struct Option {
 
 constexpr Option options[] = {
     {ZMQ_SNDHWM, 16}, {ZMQ_MAXMSGSIZE, longest},
-    {ZMQ_HANDSHAKE_IVL, 1000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], as all below
+    {ZMQ_HANDSHAKE_IVL, 2000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], as all below
 };
 constexpr Option once[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
 // No limit on what waits: libzmq 4.3 ends the process if a heartbeat is due at one.
 constexpr Option beats[] = {{ZMQ_HEARTBEAT_IVL, 50},
-                            {ZMQ_HEARTBEAT_TTL, 200},
-                            {ZMQ_HEARTBEAT_TIMEOUT, 500},
+                            {ZMQ_HEARTBEAT_TTL, 1500},
+                            {ZMQ_HEARTBEAT_TIMEOUT, 1500},
                             {ZMQ_RCVHWM, 0}};
 
 bool set_option(Socket& socket, const Option& option) {
