@@ -148,7 +148,7 @@ def test_the_end_never_waits_long(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGSTOP")
-def test_neither_side_is_lost_that_stands_still_for_a_second(start: Start, tmp_path: Path) -> None:
+def test_neither_side_is_lost_that_stands_still_for_a_moment(start: Start, tmp_path: Path) -> None:
     with (
         server_apart() as (server, connection),
         start(connection.write(tmp_path / "c.json")) as game,

@@ -17,7 +17,7 @@ from pacinian.wire.connection import Connection
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-STILL = 1.0  # [s]: longer than most leases, shorter than a link may be quiet
+STILL = 0.75  # [s]: longer than most leases, half as long as a link may be quiet
 SERVER = Path(__file__).with_name("fake.py")
 
 

@@ -130,7 +130,7 @@ def test_a_server_that_is_stopped_is_lost_by_its_heartbeat() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGSTOP")
-def test_a_server_that_stands_still_for_a_second_is_not_lost() -> None:
+def test_a_server_that_stands_still_for_a_moment_is_not_lost() -> None:
     with server_apart() as (process, connection), pc.Client(connection, timeout=60.0) as client:
         client.arm()
         stand_still(process)
