@@ -21,6 +21,7 @@ PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
 HINGE = 1e-9  # [m]; a transducer this near is on the hinge
 FAINTEST = 1e-3  # of its kind's strength; below, a transducer is dead
+WORLD = 1e6  # [m]; positions farther from the origin are rounded to more than 0.1 nm
 DOTS = 5000  # at most, in a notebook's small picture
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
 
@@ -55,6 +56,12 @@ class Array:
         r = numbers("positions", positions, (None, 3)).copy()
         if not len(r):
             raise ArgumentError("positions", "must hold at least one transducer")
+        if (farthest := np.abs(r).max()) > WORLD:
+            raise ArgumentError(
+                "positions",
+                f"reach {farthest:.4g} m from the origin, more than {WORLD:g} m, where rounding would "
+                "make phases wrong: put the origin nearer",
+            )
         near("positions", r, r.mean(axis=0))
         try:
             n = numbers(

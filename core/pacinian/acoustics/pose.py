@@ -67,7 +67,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         if self.rotation is UPRIGHT or (type(self.rotation) is tuple and self.rotation == UPRIGHT):
             return
         q = numbers("rotation", self.rotation, (4,))
-        size = float(np.sqrt(q @ q))
+        size = hypot(*q.tolist())
         if abs(size - 1.0) > 0.01:
             raise ArgumentError(
                 "rotation", f"must be a unit quaternion (x, y, z, w), not of length {size:g}"

@@ -67,17 +67,19 @@ def audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
     """Energy of an envelope within 20 Hz to 20 kHz over its mean square [dB]; -inf where there is none.
 
     e: |p|^2 [Pa^2], (S, M). sampling: its samples per second [Hz]. weighted: by the ear's sensitivity,
-    as `weighting` has it. Some tenths of a second are needed to tell 20 Hz from slow motion. Returns (M,).
+    as `weighting` has it. Both by Hann's window, so that it does not matter where in a period e begins or
+    ends. Some tenths of a second are needed to tell 20 Hz from slow motion. Returns (M,).
     """
-    from scipy.signal import periodogram
+    from scipy.signal import get_window, periodogram
 
-    frequency, power = periodogram(e, sampling, window="hann", detrend="constant", axis=0)
+    window = get_window("hann", len(e))
+    frequency, power = periodogram(e, sampling, window=window, detrend="constant", axis=0)
     heard = (frequency >= BAND[0]) & (frequency <= BAND[1])
     power, frequency = power[heard], frequency[heard]
     if weighted:
         power = power * 10.0 ** (weighting(frequency)[:, None] / 10.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = power.sum(axis=0) * sampling / len(e) / (e * e).mean(axis=0)
+        ratio = power.sum(axis=0) * sampling / len(e) * (window @ window) / (window**2 @ e**2)
         return np.asarray(10.0 * np.log10(np.nan_to_num(ratio)))
 
 

@@ -233,6 +233,20 @@ def test_transducers_at_one_place_are_warned_of(second: list[float]) -> None:
         pc.Array([[0.0, 0.0, 0.0], second])
 
 
+@pytest.mark.parametrize("far", [2e6, 281474976710657.0, 1e308])
+def test_an_array_so_far_from_the_origin_that_its_places_are_lost_is_refused(far: float) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"`positions` reach .* from the origin"):
+        pc.lattice(0.1, 0.1).moved(pc.Pose((far, 0.0, 0.0)))
+
+
+def test_an_array_in_a_game_s_far_corner_sounds_as_at_its_origin() -> None:
+    array, q = pc.lattice(0.1, 0.1), np.array([[0.01, 0.02, 0.15]])
+    far = (30_000.0, -70_000.0, 500.0)
+    solution = pc.solve(array, q, [500.0])
+    moved = pc.solve(array.moved(pc.Pose(far)), q + far, [500.0])
+    np.testing.assert_allclose(moved.gains, solution.gains, atol=1e-5)
+
+
 def test_transducers_a_millimetre_apart_are_not_warned_of() -> None:
     assert len(pc.Array([[0.0, 0, 0], [1e-3, 0, 0]])) == 2
 

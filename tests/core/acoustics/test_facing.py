@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import QUARTER, Facing
+from pacinian.acoustics.facing import FAINT, QUARTER, Facing
 from pacinian.acoustics.propagation import Wave
 from pacinian.scene.hands.capsules import capsules
 from pacinian.scene.hands.hand import Hand
@@ -71,10 +71,13 @@ def test_weights_are_those_of_a_walk_along_each_way(seed: int) -> None:
     n, r = directions(rng, 2), rng.uniform(-0.3, 0.3, (4, 3))
     edge = rng.uniform(0.001, 0.01)
     w = Facing(n, hand, edge).weights(q, r)
+    exact = np.empty((2, 4))
     for m, k in np.ndindex(2, 4):
         cosine = (r[k] - q[m]) @ n[m] / np.linalg.norm(r[k] - q[m])
-        exact = max(0.0, cosine) * passing(q[m], r[k], hand, edge)
-        assert w[m, k] == pytest.approx(exact, abs=1e-4)
+        exact[m, k] = max(0.0, cosine) * passing(q[m], r[k], hand, edge)
+    size = np.linalg.norm(exact, axis=1)
+    for m in np.flatnonzero(np.abs(size - FAINT) > 2e-4):  # nearer, the walk cannot tell
+        np.testing.assert_allclose(w[m], exact[m] if size[m] > FAINT else 0.0, atol=1e-4)
 
 
 @given(seeds)

@@ -67,6 +67,8 @@ def test_a_slightly_long_quaternion_is_normalised(q: Any, factor: float) -> None
         (0, 0, 0, 1.02),
         (0, 0, 0, 0.98),
         (1, 1, 1, 1),
+        (1.4e154, 0, 0, 1),
+        (1.7e308, 1.7e308, 1.7e308, 1.7e308),
         (0, 0, 0, math.nan),
         (0, 0, 1),
         "turned",

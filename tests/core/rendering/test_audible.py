@@ -34,7 +34,7 @@ def test_a_sine_has_half_the_square_of_its_depth(frequency: float, depth: float)
     energy = depth**2 / 2.0
     expected = 10.0 * np.log10(energy / (1.0 + energy))
     level = audible(wave(frequency, depth), FS)
-    assert level == pytest.approx(expected, abs=0.05)
+    assert level == pytest.approx(expected, abs=1e-3)
     weighted = audible(wave(frequency, depth), FS, weighted=True)
     assert weighted - level == pytest.approx(weighting(np.array([frequency]))[0], abs=0.2)
 

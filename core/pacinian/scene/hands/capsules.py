@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 BURIED = 5e-4  # [m]; what lies deeper within another capsule is not skin
-SEARCH = 100  # steps from inside of the union to its surface
+SEARCH = 1000  # steps from inside of the union to its surface
+TURNS = 50  # of them may each go out of the capsule that is deepest there
 ARRIVED = 1e-12  # [m]
 TINY = 1e-15  # [m]; nearer to an axis than this, there is no direction away from it
 
@@ -61,8 +62,8 @@ def closest(capsules: Floats, points: Floats) -> Nearest:
     """The nearest skin of the union of the capsules to points, (P, 3).
 
     Exact outside. From inside, the way goes out of the capsule that the point is deepest in, and on out
-    of the next if that ends in another; the distance is as of `distance_to_skin`. From an axis, where
-    all ways are the same, it goes to some side.
+    of the next if that ends in another; if that goes round in circles, straight on. The distance is as of
+    `distance_to_skin`. From an axis, where all ways are the same, it goes to some side.
     """
     return _found(capsules, points, SEARCH)
 
@@ -148,6 +149,19 @@ def _side(capsules: Floats, c: int) -> tuple[float, float, float]:
     return (0.0, -uz / size, uy / size) if size > 0.0 else (0.0, 0.0, 1.0)
 
 
+@compiled("Tuple((f8, f8, f8, f8))(f8[:, ::1], i8, f8, f8, f8)")
+def _outward(
+    capsules: Floats, c: int, x: float, y: float, z: float
+) -> tuple[float, float, float, float]:
+    """The direction from a capsule's axis to a point, and how far that way its surface is [m]."""
+    nx, ny, nz, size = _from_axis(capsules, c, x, y, z)
+    if size > TINY:
+        nx, ny, nz = nx / size, ny / size, nz / size
+    else:
+        nx, ny, nz = _side(capsules, c)
+    return nx, ny, nz, capsules[c, 6] - size
+
+
 @compiled("void(f8[:, ::1], f8[:, ::1], i8, f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
 def _nearest(
     capsules: Floats, points: Floats, steps: int,
@@ -158,16 +172,17 @@ def _nearest(
         away, c = _union(capsules, x, y, z)
         distance[p] = away
         nx, ny, nz = 0.0, 0.0, 0.0
-        for _ in range(steps):
-            nx, ny, nz, size = _from_axis(capsules, c, x, y, z)
-            if size > TINY:
-                nx, ny, nz = nx / size, ny / size, nz / size
+        for step in range(steps):
+            if step < TURNS:
+                nx, ny, nz, out = _outward(capsules, c, x, y, z)
             else:
-                nx, ny, nz = _side(capsules, c)
-            out = capsules[c, 6] - size
+                out = -away
             x, y, z, bone[p] = x + out * nx, y + out * ny, z + out * nz, c
             away, c = _union(capsules, x, y, z)
             if away > -ARRIVED:
+                if step >= TURNS:
+                    bone[p] = c
+                    nx, ny, nz, _ = _outward(capsules, c, x, y, z)
                 break
         surface[p, 0], surface[p, 1], surface[p, 2] = x, y, z
         normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz

@@ -43,7 +43,7 @@ def shell(whole: Solid, sides: Sides, spacing: float) -> Local:
 
 
 def _fine(sides: Sides) -> float:
-    return math.sqrt(sum(part.area for part, _ in sides) / FINE)
+    return math.sqrt(sum(part.area for part, _ in sides) / FINE) or 1.0  # of nothing, any
 
 
 def _only(samples: Local, kept: Flags | Indices) -> Local:

@@ -205,8 +205,18 @@ def test_a_remnant_smaller_than_the_spacing_has_samples() -> None:
     assert area.sum() == pytest.approx(sliver.area)
 
 
+NOTHING = Difference(CUBE, (pc.Sphere(0.1),))
+
+
 @pytest.mark.parametrize(
-    "nothing", [Intersection((BALL, at(BALL, 0.1, 0, 0))), Difference(CUBE, (pc.Sphere(0.1),))]
+    "nothing",
+    [
+        NOTHING,
+        Intersection((BALL, at(BALL, 0.1, 0, 0))),
+        Union((NOTHING,)),
+        Intersection((NOTHING, Placed(NOTHING, pc.Pose((0.1, 0.0, 0.0))))),
+        Difference(NOTHING, (Union((NOTHING,)),)),
+    ],
 )
 def test_what_has_nothing_left_has_no_samples(nothing: Any) -> None:
     points, normals, area = nothing.cover(0.0085)
