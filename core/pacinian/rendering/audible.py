@@ -73,7 +73,7 @@ def audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
     from scipy.signal import get_window, periodogram
 
     window = get_window("hann", len(e))
-    frequency, power = periodogram(e, sampling, window=window, detrend="constant", axis=0)
+    frequency, power = periodogram(e, sampling, window="hann", detrend="constant", axis=0)
     heard = (frequency >= BAND[0]) & (frequency <= BAND[1])
     power, frequency = power[heard], frequency[heard]
     if weighted:
