@@ -21,7 +21,7 @@ PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
 HINGE = 1e-9  # [m]; a transducer this near is on the hinge
 FAINTEST = 1e-3  # of its kind's strength; below, a transducer is dead
-WORLD = 1e6  # [m]; positions farther from the origin are rounded to more than 0.1 nm
+WORLD = 1e7  # [m]; positions farther from the origin are rounded to more than 2 nm
 DOTS = 5000  # at most, in a notebook's small picture
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
 

@@ -127,7 +127,7 @@ class Devices:
         for order in self._coming.pop(guard.generation, ()):  # which has got its first frame
             self._done(order)
         while guard.leaving:
-            self._thread(functools.partial(_close, guard.leaving.pop()))
+            self._thread(functools.partial(self._close, guard.leaving.pop()))
 
     def _take(self, opened: Opened) -> None:
         guard, (orders, choice, device, problem) = self._guard, opened
@@ -174,10 +174,14 @@ class Devices:
 
         def work() -> None:
             for old in ahead.olds:
-                _close(old)
+                self._close(old)
             self._opened.put(self._tried(ahead.orders, choice))
 
         self._thread(work)
+
+    def _close(self, backend: Backend) -> None:
+        _close(backend)
+        self._guard.closed(backend)
 
     def _tried(self, orders: tuple[str, ...], choice: Choice | Configured) -> Opened:
         """What comes of opening a device."""

@@ -6,6 +6,7 @@ import math
 import struct
 import time
 from collections import Counter, deque
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,6 +54,7 @@ class Guard:
         """Open, and waits for the first frame for it."""
         self.leaving: list[Backend] = []
         """To be closed."""
+        self._stuck: list[Backend] = []  # left while loud, and not closed yet
         self.loud = False
         """Something was sent since the last silence."""
         self.generation = self.next = 0
@@ -88,9 +90,26 @@ class Guard:
 
     def release(self) -> Backend | None:
         """The device, to be closed; there is none from now on."""
-        backend, self.backend, self.loud = self.backend, None, False
+        backend, self.backend = self.backend, None
+        if backend is not None and self.loud:
+            self._stuck.append(backend)
+        self.loud = False
         self._ended("fault")
         return backend
+
+    def closed(self, backend: Backend) -> None:
+        """A device that was left is closed, and so silent; from any thread."""
+        with suppress(ValueError):
+            self._stuck.remove(backend)
+            self.changed = True
+
+    @property
+    def problem(self) -> str:
+        """The fault, or why there is none and still no sound; "" if there may be."""
+        if self.fault or not self._stuck:
+            return self.fault
+        names = ", ".join(backend.name for backend in self._stuck)
+        return f"{names} refused to be silent and is not closed yet: unplug it if it goes on"
 
     def fail(self, problem: str) -> None:
         """Silence until `clear`."""
@@ -135,7 +154,7 @@ class Guard:
 
     def _reason(self, permit: Permit, now: float) -> str:
         """Why there must be silence; "" if there may be sound."""
-        if self.fault or self.backend is None:
+        if self.fault or self._stuck or self.backend is None:
             return "fault"
         if permit.stopped:
             return "stopped"
@@ -221,7 +240,7 @@ class Guard:
             watchdog=can.watchdog,
             beat=self._clock(),
             sounding=self.sounding,
-            fault=self.fault,
+            fault=self.problem,
             frames=self._frames,
             silences=self._reasons.total(),
             stale=self.stale,

@@ -233,7 +233,7 @@ def test_transducers_at_one_place_are_warned_of(second: list[float]) -> None:
         pc.Array([[0.0, 0.0, 0.0], second])
 
 
-@pytest.mark.parametrize("far", [2e6, 281474976710657.0, 1e308])
+@pytest.mark.parametrize("far", [2e7, 281474976710657.0, 1e308])
 def test_an_array_so_far_from_the_origin_that_its_places_are_lost_is_refused(far: float) -> None:
     with pytest.raises(pc.ArgumentError, match=r"`positions` reach .* from the origin"):
         pc.lattice(0.1, 0.1).moved(pc.Pose((far, 0.0, 0.0)))
