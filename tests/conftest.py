@@ -34,6 +34,9 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
+settings.register_profile(
+    "random", deadline=None, max_examples=1000, database=None, print_blob=True
+)
 settings.load_profile("fixed")
 
 

@@ -11,7 +11,7 @@ import pacinian as pc
 from pacinian.rendering.audible import audible, envelope, weighting
 from pacinian.rendering.smooth import Smoother, Smoothing
 
-bounded = settings(deadline=None, derandomize=True, max_examples=30)
+bounded = settings(max_examples=30)
 FS = 96_000.0
 TIMES = np.arange(48_000) / FS
 ARRAY = pc.lattice(0.04, 0.04)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pacinian.rendering.governor import FAR, HIGH, LEAST, LONGEST, LOW, RUN, WAIT, Governor
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 PERIOD = 1e-3  # [s]
 SLOW, VERY, WELL, SHORT = (share * PERIOD for share in (1.1 * HIGH, 1.1 * FAR, 0.7, 0.5 * LOW))
 ticks = st.lists(st.tuples(st.floats(0.0, 0.02), st.integers(0, 400)), min_size=1, max_size=300)

@@ -22,7 +22,7 @@ from pacinian.scene.shapes.curves import Circle, Line
 from pacinian.scene.time.technique import AM, LM, STM
 from pacinian.scene.time.waves import Pulse
 
-bounded = settings(deadline=None, derandomize=True, max_examples=25)
+bounded = settings(max_examples=25)
 levels = st.floats(0.0, 1.0)
 ARRAY = pc.autd()
 AIR = pc.Air()

@@ -25,12 +25,7 @@ from pacinian.scene.time.technique import STM
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-bounded = settings(
-    deadline=None,
-    derandomize=True,
-    max_examples=60,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+bounded = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SMALL = pc.lattice(0.05, 0.05)  # 36 transducers
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=0.02)
 SCENE = pc.Scene((POINT,))

@@ -741,7 +741,7 @@ steps = st.lists(
 )
 
 
-@settings(deadline=None, derandomize=True, max_examples=40)
+@settings(max_examples=40)
 @given(steps)
 def test_whatever_changes_and_in_whatever_order_what_is_sent_is_what_is_asked(script: Any) -> None:
     device = Simulated(phases=1 << 16, amplitudes=1 << 16, rate=2000.0)

@@ -29,7 +29,7 @@ from pacinian.scene.time.recorded import Wave
 from pacinian.scene.time.technique import AM, LM, STM
 from pacinian.scene.time.waves import Pulse
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=0.02)
 
 

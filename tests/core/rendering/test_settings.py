@@ -15,7 +15,7 @@ from pacinian.rendering.smooth import Smoothing
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 
 
 def again(renderer: pc.Renderer) -> pc.Renderer:

@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering.smooth import Smoother, Smoothing
 
-bounded = settings(deadline=None, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 N, DT = 37, 0.5e-3
 FREE = Smoothing(rate=None)
@@ -53,7 +52,6 @@ def reference(last: Any, g: Any, how: Smoothing, seconds: float) -> tuple[Any, f
 
 
 @given(seed=seeds, rate=st.one_of(st.none(), st.floats(1.0, 5000.0)), align=st.booleans())
-@bounded
 def test_rows_are_the_definitions(seed: int, rate: float | None, align: bool) -> None:
     before, gains = drawn(seed, N), drawn(seed + 1, 5, N)
     how = Smoothing(rate=rate, align=align)
@@ -69,7 +67,6 @@ def test_rows_are_the_definitions(seed: int, rate: float | None, align: bool) ->
 
 
 @given(seed=seeds, turn=st.floats(0.0, 2.0 * math.pi))
-@bounded
 def test_a_turn_of_all_phases_is_no_change(seed: int, turn: float) -> None:
     gains = drawn(seed, N)
     smoother = at(gains, Smoothing())
@@ -79,7 +76,6 @@ def test_a_turn_of_all_phases_is_no_change(seed: int, turn: float) -> None:
 
 
 @given(seed=seeds)
-@bounded
 def test_no_turn_of_the_gains_is_nearer_to_the_row_before(seed: int) -> None:
     last, gains = drawn(seed, N), drawn(seed + 1, N)
     out = followed(at(last), gains)[0]
@@ -89,7 +85,6 @@ def test_no_turn_of_the_gains_is_nearer_to_the_row_before(seed: int) -> None:
 
 
 @given(seed=seeds, top=st.floats(1e-3, 30.0), rate=st.floats(1.0, 5000.0), align=st.booleans())
-@bounded
 def test_no_ceiling_is_exceeded_and_no_gain_is_too_fast(
     seed: int, top: float, rate: float, align: bool
 ) -> None:
@@ -104,7 +99,6 @@ def test_no_ceiling_is_exceeded_and_no_gain_is_too_fast(
 
 
 @given(seed=seeds)
-@bounded
 def test_convex_limits_that_both_ends_keep_are_kept_on_the_way(seed: int) -> None:
     last, gains, B = drawn(seed, N), drawn(seed + 1, N), drawn(seed + 2, 6, N).astype(complex)
     smoother = at(last, Smoothing(rate=100.0))
@@ -125,7 +119,6 @@ def test_a_pressure_that_both_ends_make_stays() -> None:
 
 
 @given(seed=seeds, rate=st.floats(50.0, 2000.0))
-@bounded
 def test_the_output_goes_straight_and_settles_when_the_rate_allows(seed: int, rate: float) -> None:
     last, gains = drawn(seed, N), drawn(seed + 1, N)
     distance = np.abs(followed(at(last), gains)[0] - at(last).gains).max()

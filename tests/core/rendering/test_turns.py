@@ -12,7 +12,7 @@ from pacinian.rendering.turns import LONG, LONGEST, MANY, SEEN, SHORT, WAIT, Tur
 from pacinian.testing import ManualClock
 
 PERIOD = 1e-3  # [s]
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 ticks = st.lists(st.tuples(st.floats(0.0, 0.01), st.booleans()), max_size=400)
 
 

@@ -13,7 +13,7 @@ from pacinian.rendering.voices import Voices, contributions
 from pacinian.scene.time.technique import AM, LM, STM, Simultaneous
 from pacinian.scene.time.waves import Pulse
 
-bounded = settings(deadline=None, derandomize=True, max_examples=25)
+bounded = settings(max_examples=25)
 seeds = st.integers(0, 2**32 - 1)
 ARRAY = pc.autd()
 T = np.arange(40) / 2000.0  # [s]

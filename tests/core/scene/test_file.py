@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import ModuleType
 
-bounded = settings(deadline=None, derandomize=True, max_examples=150)
+bounded = settings(max_examples=150)
 
 OPEN = Hand.open("left").joints
 assert OPEN is not None
@@ -655,7 +655,7 @@ named = st.lists(any_object, max_size=5, unique_by=lambda item: item.name or id(
 
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
 @given(objects=named, rate=st.floats(1.0, 1e5))
-@settings(deadline=None, derandomize=True, max_examples=40)
+@settings(max_examples=40)
 def test_any_scene_comes_back_from_its_file(
     folder: Path, suffix: str, objects: Any, rate: float
 ) -> None:
@@ -1160,7 +1160,7 @@ def at(value: Any, place: tuple[Any, ...]) -> Any:
 
 
 @given(place=st.sampled_from(sorted(places(EXAMPLE), key=str)), value=json_like)
-@settings(deadline=None, derandomize=True, max_examples=60)
+@settings(max_examples=60)
 def test_what_the_schema_refuses_is_not_loaded(
     need: Callable[..., ModuleType], folder: Path, place: tuple[Any, ...], value: Any
 ) -> None:

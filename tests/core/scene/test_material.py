@@ -5,20 +5,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.material import DEPTH, Material
 
-bounded = settings(deadline=None, derandomize=True)
 stiffnesses = st.one_of(st.none(), st.floats(1.0, 1e6))
 mosts = st.floats(1e-3, 1e4)
 DEPTHS = np.linspace(-0.01, 0.05, 601)
 
 
 @given(stiffness=stiffnesses, most=mosts)
-@bounded
 def test_pressure_grows_with_depth_from_nothing_to_the_most(
     stiffness: float | None, most: float
 ) -> None:
@@ -29,7 +27,6 @@ def test_pressure_grows_with_depth_from_nothing_to_the_most(
 
 
 @given(stiffness=stiffnesses, most=mosts)
-@bounded
 def test_it_is_a_spring_until_it_saturates(stiffness: float | None, most: float) -> None:
     material = Material(stiffness)
     slope = most / DEPTH if stiffness is None else stiffness
@@ -39,7 +36,6 @@ def test_it_is_a_spring_until_it_saturates(stiffness: float | None, most: float)
 
 
 @given(stiffness=stiffnesses, most=mosts)
-@bounded
 def test_pressure_never_jumps(stiffness: float | None, most: float) -> None:
     slope = most / DEPTH if stiffness is None else stiffness
     steps = np.abs(np.diff(Material(stiffness).pressure(DEPTHS, most)))
@@ -47,7 +43,6 @@ def test_pressure_never_jumps(stiffness: float | None, most: float) -> None:
 
 
 @given(stiffness=stiffnesses, most=mosts, reach=st.floats(0.0, 0.01))
-@bounded
 def test_it_tells_how_deep_its_most_begins(
     stiffness: float | None, most: float, reach: float
 ) -> None:

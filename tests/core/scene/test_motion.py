@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
 from pacinian.scene.motion import LATEST, Motion
 
-bounded = settings(deadline=None, derandomize=True)
 vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 spins = st.tuples(*[st.floats(-30.0, 30.0)] * 3)
 seeds = st.integers(0, 2**31)
@@ -25,7 +24,6 @@ def pose(seed: int) -> pc.Pose:
 
 
 @given(velocity=vectors, spin=spins, seed=seeds, age=st.floats(0.0, LATEST))
-@bounded
 def test_it_goes_straight_on_at_a_constant_turn(
     velocity: Any, spin: Any, seed: int, age: float
 ) -> None:
@@ -37,7 +35,6 @@ def test_it_goes_straight_on_at_a_constant_turn(
 
 
 @given(velocity=vectors, spin=spins, seed=seeds)
-@bounded
 def test_its_velocities_are_the_rates_of_its_pose(velocity: Any, spin: Any, seed: int) -> None:
     motion, seen, h = Motion(velocity, spin), pose(seed), 1e-5
     before, after = motion.pose(seen, 0.03 - h), motion.pose(seen, 0.03 + h)
@@ -49,7 +46,6 @@ def test_its_velocities_are_the_rates_of_its_pose(velocity: Any, spin: Any, seed
 
 
 @given(velocity=vectors, spin=spins, seed=seeds, first=st.floats(0.0, 0.05))
-@bounded
 def test_seen_again_on_its_way_it_goes_the_same_way(
     velocity: Any, spin: Any, seed: int, first: float
 ) -> None:

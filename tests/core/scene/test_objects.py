@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
@@ -16,7 +16,6 @@ from pacinian.scene.shapes.curves import Circle, Line, Polyline
 from pacinian.scene.shapes.texture import Texture, grating
 from pacinian.scene.time.technique import AM
 
-bounded = settings(deadline=None, derandomize=True)
 lengths = st.floats(1e-3, 1.0)
 shells = st.one_of(
     st.builds(pc.Rectangle, lengths, lengths),
@@ -48,28 +47,24 @@ TRIANGLE = pc.Mesh(vertices=TETRAHEDRON.vertices, faces=((0, 1, 2),))
 
 
 @given(shape=shells, force=st.floats(0.0, 10.0))
-@bounded
 def test_pressure_times_area_of_a_surface_is_its_force(shape: Any, force: float) -> None:
     surface = pc.Surface(shape=shape, force=force)
     assert surface.pressure * shape.area == pytest.approx(force, rel=1e-12)
 
 
 @given(shape=solids, force=st.floats(0.0, 10.0))
-@bounded
 def test_pressure_times_area_of_a_shell_is_its_force(shape: Any, force: float) -> None:
     volume = pc.Volume(shape=shape, force=force)
     assert volume.pressure * shape.area == pytest.approx(force, rel=1e-12)
 
 
 @given(area=st.floats(1e-6, 1.0), force=st.floats(0.0, 10.0))
-@bounded
 def test_pressure_times_area_of_a_point_is_its_force(area: float, force: float) -> None:
     point = pc.Point(position=(0, 0, 0.2), force=force, area=area)
     assert point.pressure * area == pytest.approx(force, rel=1e-12)
 
 
 @given(length=st.floats(1e-3, 1.0), width=st.floats(1e-3, 0.1), force=st.floats(0.0, 10.0))
-@bounded
 def test_pressure_times_length_and_width_of_a_path_is_its_force(
     length: float, width: float, force: float
 ) -> None:
@@ -109,7 +104,6 @@ def test_a_point_presses_on_a_spot_one_wavelength_across() -> None:
 
 @each_maker
 @given(pressure=st.floats(0.0, 1e4))
-@bounded
 def test_a_pressure_given_is_the_pressure(make: Any, pressure: float) -> None:
     assert make(radiation_pressure=pressure).pressure == pressure
 
@@ -379,7 +373,6 @@ def test_a_texture_is_a_factor_on_the_pressure() -> None:
 
 
 @given(at=st.tuples(*[st.floats(-0.05, 0.05)] * 3))
-@bounded
 def test_a_surface_is_felt_down_to_its_thickness(at: Any) -> None:
     plate = pc.Surface(shape=pc.Rectangle(0.2, 0.2), radiation_pressure=1.0, thickness=0.01)
     d = plate.distance(np.array([at]), 0.0, 0.0)[0]
@@ -388,7 +381,6 @@ def test_a_surface_is_felt_down_to_its_thickness(at: Any) -> None:
 
 
 @given(r=st.floats(0.0, 0.1))
-@bounded
 def test_a_shell_is_felt_down_to_its_thickness_and_an_interior_everywhere(r: float) -> None:
     shell, inside = (
         pc.Volume(shape=pc.Sphere(0.05), felt=felt, radiation_pressure=1.0, thickness=0.01)
@@ -405,7 +397,6 @@ corner = st.tuples(*[st.floats(-1.0, 0.9)] * 3)
 
 
 @given(lower=corner, size=st.tuples(*[st.floats(0.01, 1.0)] * 3), seed=st.integers(0, 2**31))
-@bounded
 def test_a_workspace_holds_what_is_between_its_corners(lower: Any, size: Any, seed: int) -> None:
     upper = tuple(a + b for a, b in zip(lower, size, strict=True))
     share = np.random.default_rng(seed).uniform(-0.5, 1.5, (50, 3))

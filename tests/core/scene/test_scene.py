@@ -17,7 +17,7 @@ from pacinian.scene.motion import LATEST, Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.shapes.curves import Circle
 
-bounded = settings(deadline=None, derandomize=True, max_examples=80)
+bounded = settings(max_examples=80)
 names = st.sampled_from(["", "a", "b", "c", "d"])
 places = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
 motions = st.one_of(st.none(), st.builds(Motion, places, places, st.floats(0.0, 10.0)))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pacinian.serving.clocks import BACK, WINDOW, Allowance, ClientClock
 from pacinian.wire.protocol import LATEST
 
-bounded = settings(deadline=None, derandomize=True, max_examples=100)
+bounded = settings(max_examples=100)
 seconds = st.floats(-1e6, 1e6)
 ways = st.lists(st.tuples(st.floats(0.0, 0.2), st.floats(0.0, 0.1)), min_size=1, max_size=200)
 

@@ -110,7 +110,7 @@ def test_nothing_new_is_the_same_scene() -> None:
 STEPS = st.tuples(st.sampled_from("pmr"), st.sampled_from("abc"), st.integers(0, 9))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(STEPS, max_size=30), st.integers(1, 7))
 def test_batches_are_as_one_change_after_the_other(
     steps: list[tuple[str, str, int]], size: int

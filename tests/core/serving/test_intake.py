@@ -9,7 +9,7 @@ from pacinian.wire.replies import Error
 
 from .fake_renderer import client, move
 
-bounded = settings(deadline=None, derandomize=True, max_examples=100)
+bounded = settings(max_examples=100)
 
 
 @bounded

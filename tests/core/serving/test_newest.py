@@ -60,7 +60,7 @@ def felt(made: Desk) -> tuple[object, object, object]:
     return renderer.scene, there and set(there.hands), there and there.felt
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(max_examples=200)
 @given(commands)
 def test_all_at_once_or_one_by_one_makes_the_same_scene(
     given: list[tuple[bytes, AnyCommand]],

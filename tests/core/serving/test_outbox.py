@@ -37,7 +37,7 @@ from .fake_renderer import (
     wrap,
 )
 
-bounded = settings(deadline=None, derandomize=True, max_examples=200)
+bounded = settings(max_examples=200)
 NAMES = "abcdefgh"
 LONG = Wave(samples=pack(np.zeros(HEAVY)), rate=1000.0)
 SLOW = 80  # [Pa]; what is stronger has a long envelope

@@ -268,7 +268,7 @@ steps = st.lists(
 )
 
 
-@settings(deadline=None, derandomize=True, max_examples=300)
+@settings(max_examples=300)
 @given(steps)
 def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
     script: list[tuple[str, bytes, float]],

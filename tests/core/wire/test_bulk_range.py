@@ -11,7 +11,7 @@ from pacinian.wire.commands import Move
 numbers = st.floats(-11.0, 11.0, width=32) | st.just(float("nan")) | st.just(float("inf"))
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(max_examples=200)
 @given(st.lists(numbers, min_size=7, max_size=7), st.integers(1, 5))
 def test_few_numbers_and_many_are_checked_alike(pose: list[float], count: int) -> None:
     """Few are looked at one by one, many all at once."""

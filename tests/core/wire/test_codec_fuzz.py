@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-bounded = settings(deadline=None, derandomize=True, max_examples=400)
+bounded = settings(max_examples=400)
 
 PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in examples()]
 

@@ -46,7 +46,7 @@ from pacinian.wire.convert import (
 from pacinian.wire.convert_shapes import ALIKE
 from pacinian.wire.convert_time import ENVELOPES, TECHNIQUES
 
-bounded = settings(deadline=None, derandomize=True, max_examples=150)
+bounded = settings(max_examples=150)
 
 single = st.floats(-1.0, 1.0, width=32)
 length = st.floats(1e-3, 1.0)

@@ -160,7 +160,7 @@ def test_it_is_the_strongest(limits: set[str], seed: int) -> None:
     gain=st.booleans(),
     single=st.booleans(),
 )
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_promises_are_kept_whatever_is_asked(
     seed: int, M: int, K: int, columns: int, rank: int, level: float, power: float | None,
     exact: float, gain: bool, single: bool,

@@ -101,7 +101,7 @@ def test_the_skin_has_no_holes() -> None:
     assert KDTree(SKIN.surface.points).query(met)[0].max() < 1.5 * SPACINGS[0]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(hands())
 def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     placed = SKIN.place(hand)
@@ -117,7 +117,7 @@ def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     np.testing.assert_array_equal(SKIN.exposed(placed, some), SKIN.exposed(placed, ALL)[some])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(hands(), st.integers(0, 2**31))
 def test_the_skin_moves_with_the_hand(hand: Hand, seed: int) -> None:
     turn = Rotation.random(random_state=seed)
@@ -128,7 +128,7 @@ def test_the_skin_moves_with_the_hand(hand: Hand, seed: int) -> None:
     np.testing.assert_allclose(after.area, before.area, rtol=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(hands())
 def test_the_mirrored_hand_has_the_mirrored_skin(hand: Hand) -> None:
     mirror = np.array([-1.0, 1.0, 1.0])
@@ -277,7 +277,7 @@ def test_bones_own_their_points() -> None:
         assert (np.diff(on) > 0).all()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(hands())
 def test_bounds_hold_each_bones_points(hand: Hand) -> None:
     placed = SKIN.place(hand)
@@ -304,7 +304,7 @@ def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
     assert step[found.bone[0]] == pytest.approx(1e-5, abs=1e-9)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(hands(), st.integers(0, 2**31))
 def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, seed: int) -> None:
     flesh = capsules(hand)

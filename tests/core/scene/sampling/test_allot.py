@@ -17,7 +17,7 @@ from pacinian.scene.time.technique import STM
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 SPACING = 0.01
 
 

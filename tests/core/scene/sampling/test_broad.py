@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pacinian.scene.motion import LATEST
 from pacinian.scene.sampling import broad
 
-bounded = settings(deadline=None, derandomize=True, max_examples=100)
+bounded = settings(max_examples=100)
 seeds = st.integers(0, 2**31)
 
 

@@ -30,7 +30,7 @@ from pacinian.scene.time.technique import STM
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
 
-few = settings(deadline=None, derandomize=True, max_examples=12)
+few = settings(max_examples=12)
 seeds = st.integers(0, 2**31)
 FINEST = 0.0035  # [m] between the nodes of the finest level of a skin
 HAND = Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))

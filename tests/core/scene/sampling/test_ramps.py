@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian.scene.sampling.ramps import JUMP, LONGEST, Ramps
 from pacinian.scene.sampling.samples import Samples, nothing
 
-bounded = settings(deadline=None, derandomize=True, max_examples=100)
+bounded = settings(max_examples=100)
 RAMP, TICK = 0.005, 0.001
 ITEMS = tuple(
     pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=P, name=name)

@@ -20,7 +20,7 @@ from pacinian.scene.sampling.sources import Lone, Whole
 from pacinian.scene.shapes.curves import Circle, Line
 from pacinian.scene.time.technique import STM
 
-bounded = settings(deadline=None, derandomize=True, max_examples=40)
+bounded = settings(max_examples=40)
 lengths = st.floats(0.002, 0.12)
 coordinates = st.floats(-0.3, 0.3)
 positions = st.tuples(coordinates, coordinates, coordinates)

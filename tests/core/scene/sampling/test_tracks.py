@@ -15,7 +15,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import LATEST, Motion
 from pacinian.scene.sampling.tracks import BLEND, FADE, HOLD, JUMP, KEPT, HandTrack, Tracks
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 TICK = 0.001
 CORNERS = 0.05 * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
 NOWHERE = np.full((26, 3), np.nan)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Flags, Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=20)
+bounded = settings(max_examples=20)
 lengths = st.floats(0.01, 0.05)
 angles = st.floats(-180.0, 180.0)
 poses = st.builds(

@@ -16,7 +16,7 @@ from pacinian.scene.shapes.pieces import Pieces
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=60)
+bounded = settings(max_examples=60)
 sizes = st.floats(1e-3, 0.5)
 turns = st.integers(1, 6)
 places = st.tuples(*[st.floats(-0.2, 0.2)] * 3)

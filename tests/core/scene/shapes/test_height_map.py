@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=20)
+bounded = settings(max_examples=20)
 WIDTH, HEIGHT = 0.09, 0.06  # [m]
 
 

@@ -16,7 +16,7 @@ from pacinian.scene.shapes.mesh import Mesh
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=12)
+bounded = settings(max_examples=12)
 seeds = st.integers(0, 2**31)
 
 

@@ -185,7 +185,7 @@ KINDS = (
 each_kind = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 SOLIDS = tuple(kind for kind in KINDS if kind.name in ("sphere", "box", "capsule", "sdf"))
 each_solid = pytest.mark.parametrize("kind", SOLIDS, ids=lambda kind: kind.name)
-bounded = settings(deadline=None, derandomize=True, max_examples=6)
+bounded = settings(max_examples=6)
 
 
 @st.composite

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=30)
+bounded = settings(max_examples=30)
 WIDTH, HEIGHT = 0.03, 0.02  # [m]
 VALUES = np.random.default_rng(0).uniform(0.0, 1.0, (4, 6))
 

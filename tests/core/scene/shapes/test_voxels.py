@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=8)
+bounded = settings(max_examples=8)
 PITCH = 0.002  # [m]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
@@ -15,7 +15,6 @@ from pacinian.plugins.backend import Capability
 from pacinian.rendering.drive import Quantiser, modulate
 from pacinian.scene.time.envelope import Envelope, Noise, Preset, Pulse, Wave, resolve
 
-bounded = settings(deadline=None, derandomize=True)
 levels = st.floats(0.0, 1.0)
 frequencies = st.floats(0.0, 1e5)
 times = st.lists(st.floats(-1e6, 1e6) | st.floats(-1e300, 1e300), min_size=1, max_size=20).map(
@@ -63,7 +62,6 @@ any_envelope = st.one_of(
 
 
 @given(envelope=any_envelope, t=times)
-@bounded
 def test_every_envelope_stays_within_its_bounds(envelope: Any, t: Any) -> None:
     value = envelope.at(t)
     assert value.shape == t.shape
@@ -75,7 +73,6 @@ def test_every_envelope_stays_within_its_bounds(envelope: Any, t: Any) -> None:
 
 
 @given(level=levels, t=times)
-@bounded
 def test_a_constant_is_its_level_at_all_times(level: float, t: Any) -> None:
     assert (pc.Constant(level).at(t) == level).all()
 
@@ -85,7 +82,6 @@ def test_a_constant_is_full_unless_given() -> None:
 
 
 @given(frequency=st.floats(0.1, 1e4), span=spans(), cycle=st.integers(0, 1000))
-@bounded
 def test_a_sine_starts_low_and_is_high_half_a_period_later(
     frequency: float, span: tuple[float, float], cycle: int
 ) -> None:
@@ -106,7 +102,6 @@ def test_a_sine_has_its_frequency_and_no_other() -> None:
 
 
 @given(frequency=st.floats(0.1, 1e4), span=spans(), duty=levels)
-@bounded
 def test_a_square_is_high_for_its_duty_of_each_period_and_then_low(
     frequency: float, span: tuple[float, float], duty: float
 ) -> None:
@@ -131,7 +126,6 @@ def test_no_frequency_is_steady(kind: Any) -> None:
 @given(
     values=st.lists(st.floats(), min_size=1, max_size=20),
 )
-@bounded
 def test_a_function_is_clipped_and_its_nan_is_nothing(values: list[float]) -> None:
     t = np.zeros(len(values))
     value = pc.Function(lambda _: np.array(values)).at(t)
@@ -250,7 +244,6 @@ def test_the_paper_s_device_plays_an_envelope_to_within_a_level(envelope: Any) -
     cycle=st.integers(-100, 100),
     span=spans(),
 )
-@bounded
 def test_a_pulse_is_high_for_its_width_each_period(
     width: float, gap: float, start: float, cycle: int, span: tuple[float, float]
 ) -> None:
@@ -270,7 +263,6 @@ def test_a_pulse_without_a_period_comes_once() -> None:
 
 
 @given(rise=st.floats(1e-4, 0.05), single=st.booleans())
-@bounded
 def test_a_pulse_rises_and_falls_within_its_width_as_half_a_cosine(
     rise: float, single: bool
 ) -> None:
@@ -331,7 +323,6 @@ def test_noise_is_about_the_middle_and_clipped_hardly_ever() -> None:
 
 
 @given(t=times, seed=st.integers(0, 3))
-@bounded
 def test_noise_is_the_same_in_whatever_order_it_is_asked(t: Any, seed: int) -> None:
     noise = Noise(20.0, 200.0, seed=seed)
     one_by_one = [Noise(20.0, 200.0, seed=seed).at(np.array([s]))[0] for s in t[::-1]]

@@ -22,7 +22,7 @@ from pacinian.scene.time.technique import AM, LM, SIMULTANEOUS, STM, Simultaneou
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-bounded = settings(deadline=None, derandomize=True, max_examples=50)
+bounded = settings(max_examples=50)
 seeds = st.integers(0, 10_000)
 counts = st.integers(1, 24)
 MOVING = [
