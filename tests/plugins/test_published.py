@@ -61,9 +61,9 @@ def test_gs_is_the_classical_iteration(count: int, steps: int, seed: int) -> Non
 
     exact, noise = classical(B), np.random.default_rng(seed).normal(size=(8, 2, *B.shape))
     others = [
-        classical(B * (1.0 + 1e-6 * (x + 1j * y))) for x, y in noise
-    ]  # as near as single precision has B
-    near = 30.0 * max(float(np.abs(other - exact).max()) for other in others)
+        classical(B * (1.0 + 1e-5 * (x + 1j * y))) for x, y in noise
+    ]  # phases of 100 rad in single precision
+    near = 3.0 * max(float(np.abs(other - exact).max()) for other in others)
     np.testing.assert_allclose(solution.gains, exact, rtol=0.0, atol=near)
 
 

@@ -34,7 +34,7 @@ class CoincidentTransducers(UserWarning):
 class Array:
     """N transducers.
 
-    positions: [m], shape (N, 3). normals: where they point, shape (N, 3), normalised here.
+    positions: [m], shape (N, 3), within 1e7 m of the origin. normals: where they point, shape (N, 3), normalised here.
     transducer: their kind; ideal (omni, 1 Pa at 1 m) unless given.
     response: how each differs from its kind, complex, (N,): its strength, and by how much its sound leads
         [rad]; None where none differs. It is a factor of B's columns, so solvers make up for it.

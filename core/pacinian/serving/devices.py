@@ -180,7 +180,10 @@ class Devices:
         self._thread(work)
 
     def _close(self, backend: Backend) -> None:
-        _close(backend)
+        with suppress(
+            Exception
+        ):  # it was silenced before, or is faulty: a reset says what is wrong
+            backend.close()
         self._guard.closed(backend)
 
     def _tried(self, orders: tuple[str, ...], choice: Choice | Configured) -> Opened:
@@ -193,7 +196,7 @@ class Devices:
             backend.open(self._array)
         except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
             if backend is not None:
-                _close(backend)
+                self._close(backend)
             return Opened(orders, choice, problem=f"{choice.name}: {told(error)}")
         return Opened(orders, choice, (backend, can))
 
@@ -204,8 +207,3 @@ def _made(choice: Choice | Configured) -> Backend:
         with LOADING:
             plugins.find("backend", choice.name)
     return cast("Backend", plugins.make("backend", choice.name, dict(choice.options)))
-
-
-def _close(backend: Backend) -> None:
-    with suppress(Exception):  # it was silenced before, or is faulty: a reset says what is wrong
-        backend.close()

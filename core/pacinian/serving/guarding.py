@@ -55,6 +55,7 @@ class Guard:
         self.leaving: list[Backend] = []
         """To be closed."""
         self._stuck: list[Backend] = []  # left while loud, and not closed yet
+        self._why = ""  # the fault by which the last of them was
         self.loud = False
         """Something was sent since the last silence."""
         self.generation = self.next = 0
@@ -93,6 +94,7 @@ class Guard:
         backend, self.backend = self.backend, None
         if backend is not None and self.loud:
             self._stuck.append(backend)
+            self._why = self.fault
         self.loud = False
         self._ended("fault")
         return backend
@@ -105,11 +107,8 @@ class Guard:
 
     @property
     def problem(self) -> str:
-        """The fault, or why there is none and still no sound; "" if there may be."""
-        if self.fault or not self._stuck:
-            return self.fault
-        names = ", ".join(backend.name for backend in self._stuck)
-        return f"{names} refused to be silent and is not closed yet: unplug it if it goes on"
+        """The fault, also one that is mended as soon as the device that was left is closed."""
+        return self.fault or (self._why if self._stuck else "")
 
     def fail(self, problem: str) -> None:
         """Silence until `clear`."""
