@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
 import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,22 +12,17 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
+from .kernels import compile_stale
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import ModuleType
 
-ROOT = Path(__file__).parent
-PLAIN = (
-    *(ROOT / "core").glob("test_*.py"),
-    *(
-        ROOT / "core" / name
-        for name in (
-            "acoustics", "devices", "paper", "plot", "plugins", "rendering", "scene", "solving", "stress", "wire",
-        )
-    ),
-    ROOT / "plugins",
-    ROOT / "wire",
-)  # fmt: skip
+BENCHMARKS = Path(__file__).parent / "benchmarks"
+PATH = f"{os.environ.get('PATH', '')}{os.pathsep}/usr/sbin"  # where QEMU's helpers are
+
+# BLAS threads that share their cores with other tests wait for each other: ten times as long
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if (
     signal.getsignal(signal.SIGINT) is signal.SIG_IGN
@@ -34,17 +30,52 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
-settings.register_profile(
-    "random", deadline=None, max_examples=1000, database=None, print_blob=True
-)
-settings.load_profile("fixed")
+settings.register_profile("random", deadline=None, database=None, print_blob=True)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark those that need no servers, devices or browsers: they may run beside each other."""
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw random examples in the deep tests, the same ones each time in all others; compile kernels once."""
+    if not config.getoption("--hypothesis-profile"):
+        settings.load_profile("random" if is_deep(config) else "fixed")
+    if config.option.numprocesses and not config.option.collectonly:  # not in workers
+        compile_stale()
+
+
+def is_deep(config: pytest.Config) -> bool:
+    """Whether these are the deep tests, `-m deep`."""
+    return bool(config.option.markexpr == "deep")
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` is looked at
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Sort tests into tiers, and put files first whose tests share what takes long to start."""
     for item in items:
-        if any(item.path.is_relative_to(place) for place in PLAIN):
-            item.add_marker("plain")
+        if item.path.is_relative_to(BENCHMARKS):
+            item.add_marker("benchmark")
+        elif is_deep(config) and getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+            item.add_marker("deep")
+    first = {item.path for item in items if shares_fixtures(item)}
+    items.sort(key=lambda item: item.path not in first)
+
+
+def shares_fixtures(item: pytest.Item) -> bool:
+    """Whether a test uses a fixture, such as a running server, that it shares with others of its file."""
+    definitions = getattr(item, "_fixtureinfo").name2fixturedefs.values()  # noqa: B009
+    return any(
+        each.scope != "function" and each.baseid not in ("", "tests")
+        for several in definitions
+        for each in several
+    )
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip a test whose programs are missing; fail it where CI is set."""
+    for marker in item.iter_markers("deep"):
+        if missing := [name for name in marker.args if shutil.which(name, path=PATH) is None]:
+            reason = f"not installed: {', '.join(missing)}; `.ci/setup` installs it"
+            if os.environ.get("CI"):
+                pytest.fail(reason)
+            pytest.skip(reason)
 
 
 @pytest.fixture(scope="session")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pacinian.testing import serving
-from pacinian.wire.connection import VARIABLE
+from pacinian.rendering import renderer
+from pacinian.testing import ManualClock
 
 ROOT = Path(__file__).parents[1]
 SAYS = {
@@ -25,7 +25,7 @@ SAYS = {
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
-UNSEEN = {"touch", "client"}
+UNSEEN = {"touch", "client"}  # the client is run in test_readme.py, which has a server
 
 
 def test_all_are_run() -> None:
@@ -37,6 +37,7 @@ def test_it_says_and_draws(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     picture = tmp_path / "it.png"
+    monkeypatch.setattr(renderer, "SystemClock", ManualClock)  # no tick is missed
     monkeypatch.setattr("sys.argv", [name, str(picture)])
     runpy.run_path(str(ROOT / f"examples/{name}.py"))
     assert SAYS[name] in capsys.readouterr().out
@@ -50,11 +51,11 @@ def coarse(picture: Path) -> np.ndarray[Any, Any]:
         return np.asarray(found.convert("L").resize((60, 40), Image.Resampling.BOX), np.float64)
 
 
-@pytest.mark.parametrize("name", SAYS)
-def test_the_page_shows_it(name: str) -> None:
+def test_the_page_shows_them() -> None:
     page = (ROOT / "docs/examples.md").read_text()
-    assert f"../examples/{name}.py" in page
-    assert f"pictures/example-{name}.png" in page
+    for name in SAYS:
+        assert f"../examples/{name}.py" in page
+        assert f"pictures/example-{name}.png" in page
 
 
 def test_a_loop_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
@@ -65,10 +66,3 @@ def test_a_loop_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
     assert ticks + (int(missed[1]) if missed else 0) == 2000
     assert " 0 faults" in out
     assert "too faint to feel" in out
-
-
-def test_a_game(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    with serving() as running:
-        monkeypatch.setenv(VARIABLE, str(running.connection))
-        runpy.run_path(str(ROOT / "examples/client.py"))
-    assert re.search(r"\d+ samples", capsys.readouterr().out)

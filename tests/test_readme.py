@@ -1,15 +1,19 @@
-"""What the README and the pages it leads to show works as shown."""
+"""What the README and the pages it leads to show works as shown; all that needs a server to talk to."""
 
 import json
 import re
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import zmq
 
 import pacinian as pc
+from pacinian.client import link
+from pacinian.client.connected import Connected
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import serving
 from pacinian.wire.connection import VARIABLE
@@ -28,8 +32,12 @@ SHOWN = [
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    """For what talks to one; a machine that is late ends nothing."""
-    with serving(Settings(safety=Safety(lease=10.0))) as running:
+    """For what talks to one; a machine that stands still for a moment ends nothing."""
+    safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
+    with serving(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
+        patch.setitem(Connected.__init__.__kwdefaults__, "timeout", 60.0)
+        for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
+            patch.setitem(link.HEARTBEAT, limit, 60_000)
         yield str(running.connection)
 
 
@@ -50,6 +58,14 @@ def test_its_python_runs(
         assert capsys.readouterr().out
 
 
+def test_the_example_of_a_game_runs(
+    server: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(VARIABLE, server)
+    runpy.run_path(str(ROOT / "examples/client.py"))
+    assert re.search(r"\d+ samples", capsys.readouterr().out)
+
+
 def test_its_first_example_makes_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
     namespace: dict[str, object] = {}
     exec(compile(BLOCKS[0], "README.md", "exec"), namespace)
@@ -60,8 +76,8 @@ def test_its_first_example_makes_what_it_says(capsys: pytest.CaptureFixture[str]
 
 def test_its_links_lead_somewhere() -> None:
     for page in PAGES:
-        for link in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text()):
-            assert (page.parent / link).exists(), f"{page.name}: {link}"
+        for target in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text()):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
 def test_its_solver_is_short() -> None:
@@ -74,7 +90,7 @@ def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:
     subprocess.run(
         [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
          "--disable-pip-version-check", "--target", str(tmp_path), str(ROOT / "examples/plane_wave")],
-        check=True, capture_output=True, timeout=100,
+        check=True, capture_output=True, timeout=200,
     )  # fmt: skip
     code = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
@@ -85,7 +101,7 @@ def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:
     )
     done = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path)],
-        check=True, capture_output=True, text=True, timeout=100,
+        check=True, capture_output=True, text=True, timeout=200,
     )  # fmt: skip
     name, distribution, drive = json.loads(done.stdout)
     assert name == "plane-wave"

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from pacinian.bench.faults.server import Server
+
 from ..core.client.fake import Fake
 from . import tools
-from .game import Game, begin
+from .game import HELD, Game, begin, sound, wait_until_free
 from .slow import Slow
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ def csharp_core(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def csharp_driver(csharp_core: Path) -> Path:
     """A game in C# that does as its standard input says."""
-    sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json", "Spent")]
+    sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json")]
     sources.append(tools.CSHARP / "example" / "OpenHand.cs")
     return tools.csharp(csharp_core.with_name("ClientDriver.exe"), sources, csharp_core)
 
@@ -36,6 +38,15 @@ def csharp_driver(csharp_core: Path) -> Path:
 def start(csharp_driver: Path) -> Callable[..., Game]:
     """Starts such a game; a module for another language has its own."""
     return partial(begin, ["mono", "--debug", csharp_driver])
+
+
+@pytest.fixture
+def game(start: Callable[..., Game], file: Path) -> Iterator[Game]:
+    """One that is connected."""
+    with start(file) as made:
+        made.do("start")
+        made.event("connected")
+        yield made
 
 
 @pytest.fixture
@@ -56,3 +67,23 @@ def wire(server: Fake) -> Iterator[Slow]:
 def file(server: Fake, wire: Slow, tmp_path: Path) -> Path:
     """Its connection file."""
     return replace(server.connection, command=wire.address).write(tmp_path / "connection.json")
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """A server of real processes, whose device remembers when it sounded."""
+    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
+        yield made
+
+
+@pytest.fixture
+def player(
+    real: Server, start: Callable[..., Game], request: pytest.FixtureRequest
+) -> Iterator[Game]:
+    """A game whose ball sounds. Its parameter: the lease that it asks for [s]."""
+    wait_until_free(real)
+    with start(real.file, getattr(request, "param", 0.0)) as made:
+        made.do("start")
+        made.event("connected")
+        sound(made)
+        yield made

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import queue
+import signal
 import subprocess
 import threading
 import time
@@ -14,17 +15,23 @@ from typing import TYPE_CHECKING, Any
 import pacinian as pc
 from pacinian.wire import commands, control
 
+from ..waiting import PATIENCE, eventually
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
     from types import TracebackType
 
+    from pacinian.bench.faults.device import Log
+    from pacinian.bench.faults.server import Server
+    from pacinian.wire.state import State
+
     from ..core.client.fake import Fake
     from .slow import Slow
 
-PATIENCE = 20.0  # [s]
+HEAVY = 120  # objects that are more than the sockets take
 LEASE = 0.25  # [s], what a game asks for where its lease is to end
-# of a server: else whatever ends, the lease alone would soon end the sound, too, and so would a late frame
+# of a server: the longest that it may have, so that neither a busy machine nor what ends a session lets a lease end
 HELD = "[safety]\nlease = 10.0\nstale = 1.0\n"
 
 
@@ -78,10 +85,13 @@ class Game:
 
     def until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         """How it stands, when that is as wanted."""
-        end = time.monotonic() + PATIENCE
-        while not wanted(status := self.status()):
-            assert time.monotonic() < end, status
-            time.sleep(0.01)  # until it has ticked
+        status: dict[str, Any] = {}
+
+        def stands() -> bool:
+            status.update(self.status())
+            return wanted(status)
+
+        eventually(stands)
         return status
 
     def sounding(self, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
@@ -108,6 +118,10 @@ class Game:
         code = self.process.wait(PATIENCE)
         self._close()
         return code
+
+    def stand_still(self) -> None:
+        """Let its thread stand still until it is told the next thing."""
+        self.say("freeze")
 
     def kill(self) -> None:
         """End it in the middle of what it does."""
@@ -151,20 +165,61 @@ def begin(
     program: list[str | Path],
     file: Path | str = "-",
     lease: float = 0.0,
-    life: float = 1.0,
+    life: float = 60.0,
+    timeout: float = 600.0,
     **more: str,
 ) -> Game:
-    """A game of a connection file. lease: 0: the server's [s]. life: of its commands [s]. more: its environment."""
-    return Game([*program, file, str(lease), str(life)], {**os.environ, **more})
+    """A game of a connection file. Times in [s]: the lease it asks for, 0: the server's; the life of its commands;
+    how long an answer may take. more: its environment.
+    """
+    words = [*program, file, str(lease), str(life), str(timeout)]
+    return Game(words, {**os.environ, **more})
 
 
-def free(file: Path) -> None:
-    """Wait until nobody owns the output of this server: not even a game that was killed just now."""
-    with pc.Client(file, timeout=PATIENCE) as client:
-        end = time.monotonic() + PATIENCE
-        while owner := client.status().owner:
-            assert time.monotonic() < end, owner
-            time.sleep(0.01)
+def look(server: Server) -> State:
+    """What a server says of itself. Each look is a session of its own, which nothing has to renew."""
+    with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as client:
+        return client.status()
+
+
+def sound(game: Game) -> None:
+    """Put a ball and arm, until it sounds."""
+    game.do("put ball 0 0.01 0.2 20")
+    game.do("arm")
+    game.sounding(lambda s: s["objects"] == 1)
+
+
+def wait_until_free(server: Server) -> None:
+    """Wait until nobody owns the output: the session that did has ended, not only its lease."""
+    eventually(lambda: not look(server).owner)
+
+
+def wait_for_silence(server: Server, since: float, log: Log | None = None) -> None:
+    """Wait until the device was silent after `since` [s], of `time.perf_counter`. log: of its other device."""
+    log = log or server.log
+
+    def is_silent() -> bool:
+        events = log.read(max(0, log.count - 10_000))
+        return bool(((events["time"] > since) & (events["sounds"] == 0)).any())
+
+    eventually(is_silent)
+
+
+def wait_for_expiry(server: Server, since: float) -> None:
+    """Wait until the device was silent after `since` [s], and control, too, finds the lease over."""
+    wait_for_silence(server, since)
+    eventually(lambda: not look(server).armed)
+
+
+def sounded_since(server: Server, mark: int) -> bool:
+    """Whether the device has sounded since it had told so much."""
+    return bool(server.log.read(mark)["sounds"].any())
+
+
+def kill(server: Server) -> None:
+    """End the server's parent, and wait until all of it has ended."""
+    server.signal("control", signal.SIGKILL)
+    eventually(lambda: not server.left())
 
 
 def fill(server: Fake, game: Game, wire: Slow) -> None:
@@ -176,7 +231,7 @@ def fill(server: Fake, game: Game, wire: Slow) -> None:
         lambda: bool(game.do("clear") and server.of(commands.Clear))
     )  # commands are connected
     wire.goes.clear()
-    for _ in range(120):
+    for _ in range(HEAVY):
         before = len(server.of(control.Reset))
         game.do("heavy rain 5000")
         game.do("reset")

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
+
 KNOWN = vectors()
 TESTS = "vectors", "vectors_hostile", "vectors_allocations", "space"
 ANSWERS = "vectors_answers", "space_answers"
@@ -31,7 +33,6 @@ def programs() -> Path:
     return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON", tools.JOINED)
 
 
-@pytest.mark.timeout(tools.LIMIT)
 @pytest.mark.parametrize("name", TESTS)
 def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
     tools.run(programs / name, WIRE)
@@ -41,7 +42,7 @@ def answers(program: Path, lines: Iterable[str]) -> list[str]:
     """What a program answers to each line."""
     done = subprocess.run(
         program, input="".join(f"{line}\n" for line in lines), capture_output=True, text=True,
-        timeout=60, check=False,
+        check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-4000:]
     return [line.rstrip() for line in done.stdout.splitlines()]
@@ -57,8 +58,7 @@ def compare(programs: Path, cases: Iterable[tuple[str, bytes]]) -> list[str]:
     return told
 
 
-@pytest.mark.timeout(tools.LIMIT)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_python_refuses_is_refused_at_the_same_path(programs: Path, seed: int) -> None:
     choose = random.Random(seed)
     cases = (mutated(KNOWN, choose) for _ in range(5000))
@@ -71,7 +71,6 @@ def test_all_lengths_of_heads_and_numbers(programs: Path) -> None:
     assert all(line.startswith("valid") for line in told)
 
 
-@pytest.mark.timeout(tools.LIMIT)
 def test_flat_json_is_read_as_msgspec_reads_it(programs: Path) -> None:
     cases = list(jsons.cases(4000))
     lines = (f"json {text.encode().hex()} {name.encode().hex()}" for text, name in cases)

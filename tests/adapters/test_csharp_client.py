@@ -12,28 +12,16 @@ from pacinian.wire.bulk import unpack
 from pacinian.wire.protocol import MAJOR, MINOR
 
 from ..core.client.fake import Fake, state, usual
-from .game import fill
+from .game import HEAVY, fill
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
     from .game import Game
     from .slow import Slow
 
-    Start = Callable[..., Game]
-
-TICK = 0.1  # [s] a call may take where two processors are shared by many; one that waits takes far longer
-END = 0.5  # [s] that the end may take
-
-
-@pytest.fixture
-def game(start: Start, file: Path) -> Iterator[Game]:
-    """One that is connected."""
-    with start(file) as made:
-        made.do("start")
-        made.event("connected")
-        yield made
+pytestmark = pytest.mark.deep("mono", "mcs")
 
 
 def subscribed(server: Fake, game: Game) -> None:
@@ -43,7 +31,7 @@ def subscribed(server: Fake, game: Game) -> None:
     server.stream = None
 
 
-def heard(server: Fake) -> int:
+def count_messages(server: Fake) -> int:
     """How many messages have come that are no renewals."""
     return len(server.seen) - len(server.of(control.Renew))
 
@@ -59,9 +47,9 @@ def test_hello_and_all_commands(server: Fake, game: Game) -> None:
         "solver gs", "backend probe", "intensity 0.5", "arm take", "disarm", "reset", "clear",
     ]  # fmt: skip
     for line in said:
-        before = heard(server)
+        before = count_messages(server)
         assert game.do(line)["done"], line
-        server.until(lambda n=before: heard(server) > n)  # type: ignore[misc]
+        server.until(lambda n=before: count_messages(server) > n)  # type: ignore[misc]
     game.do("field at 0 0.01 0.2")
     assert game.wait(lambda told: "field" in told)["field"] == 1
     put = server.of(commands.Put)[0].objects["ball"]
@@ -114,61 +102,80 @@ def test_what_cannot_be_read_is_told_once_and_skipped(server: Fake, game: Game, 
 
 def test_renewals_come_from_the_games_own_tick(server: Fake, game: Game) -> None:
     server.until(lambda: len(server.of(control.Renew)) > 3)
-    game.do("tick off")
-    last = server.of(control.Renew)[-1].time
-    game.do("put ball 0 0 0.2 5")  # the worker is alive
+    stopped = game.do("tick off")["time"]
+    game.do("put ball 0 0 0.2 5")  # the client's own thread lives
     server.until(lambda: bool(server.of(commands.Put)))
-    said = game.do("freeze 0.5")["time"]
     renewals = [r.time for r in server.of(control.Renew)]
     assert renewals == sorted(renewals)
-    assert max(renewals[-1], last) < said - 0.5  # none bears a later time than that of a tick
-    count = len(renewals)
+    assert renewals[-1] <= stopped  # none bears a later time than that of a tick
     game.do("tick on")
-    server.until(lambda: len(server.of(control.Renew)) > count + 3)
+    server.until(lambda: len(server.of(control.Renew)) > len(renewals) + 3)
+
+
+CALLS = (
+    "put ball 0 0 0.2 5", "move ball 0 0 0.2", "envelope ball 100", "remove ball", "quiet 0 0 0 0.4 100", "wave on",
+    "field at 0 0 0", "solver gs", "backend probe", "intensity 0.5", "arm", "disarm", "reset", "stop", "clear",
+)  # fmt: skip
+
+
+def test_no_call_waits_for_the_clients_own_thread_which_alone_waits_for_the_server(
+    server: Fake, game: Game
+) -> None:
+    game.do("hold")
+    for line in CALLS:
+        assert game.do(line)["done"], line
+    assert game.status()["status"] == "Connected"
+    server.until(lambda: bool(server.of(control.Stop)))  # has a way of its own
+    assert not server.of(commands.Put) + server.of(commands.Clear) + server.of(control.Arm)
+    game.do("release")
+    server.until(lambda: bool(server.of(commands.Clear) and server.of(control.Reset)))
 
 
 @pytest.mark.parametrize("how", ["deaf", "dumb"])
-def test_a_server_that_hangs_is_lost_in_time_and_nothing_waits_for_it(
-    server: Fake, game: Game, how: str
+def test_a_server_that_hangs_is_lost(
+    server: Fake, file: Path, start: Callable[..., Game], how: str
 ) -> None:
-    game.do("warm")
-    server.deaf = how == "deaf"
-    server.answers[control.Renew] = lambda _: None
-    for i in range(20):
-        game.do(f"put ball{i} 0 0 0.2 5")
-    says = "has gone" if how == "deaf" else "no answer to `renew` within 2 s: the server hangs"
-    assert says in game.event("lost")["message"]
-    assert not game.do("put ball 0 0 0.2 5")["done"]
-    assert game.status()["longest"] < TICK
-
-
-def test_the_newest_wins_while_there_is_no_room(
-    server: Fake, wire: Slow, file: Path, start: Start
-) -> None:
-    with start(file, life=60.0) as game:
+    with start(file, timeout=2.0) as game:
         game.do("start")
         game.event("connected")
-        game.do("warm")
-        fill(server, game, wire)
-        for i in range(50):
-            game.do(f"move rain 0 0 {i / 100}")
-        assert game.status()["longest"] < TICK
-        assert server.of(commands.Move) == []
-        wire.goes.set()
-        server.until(lambda: bool(server.of(commands.Move)))
-        (move,) = server.of(commands.Move)
-        assert unpack(move.poses, 7)[0, 2] == pytest.approx(0.49)
-        assert len(server.of(commands.Put)) < 120
+        server.deaf = how == "deaf"
+        server.answers[control.Renew] = lambda _: None
+        says = "has gone" if how == "deaf" else "no answer to `renew` within 2 s: the server hangs"
+        game.wait(lambda told: told.get("event") == "lost" and says in told["message"])
+        assert not game.do("put ball 0 0 0.2 5")["done"]
 
 
-def test_what_waits_too_long_is_not_sent(server: Fake, wire: Slow, game: Game) -> None:
+def height(move: commands.Move) -> float:
+    """[m] Of the first of its objects."""
+    return float(unpack(move.poses, 7)[0, 2])
+
+
+def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: Game) -> None:
     fill(server, game, wire)
-    game.do("move rain 0 0 0.2")
-    game.do("freeze 1.1")
-    wire.goes.set()
-    game.do("wave on")  # hands are sent after all else that waits
-    server.until(lambda: bool(server.of(commands.Hands)))
+    for i in range(50):
+        game.do(f"move rain 0 0 {i / 100}")
     assert server.of(commands.Move) == []
+    wire.goes.set()
+    server.until(lambda: any(height(m) == pytest.approx(0.49) for m in server.of(commands.Move)))
+    assert (
+        len(server.of(commands.Move)) < 25
+    )  # one or two: the sockets may still take one before they are full
+    assert len(server.of(commands.Put)) < HEAVY
+
+
+def test_what_waits_too_long_is_not_sent(
+    server: Fake, wire: Slow, file: Path, start: Callable[..., Game]
+) -> None:
+    with start(file, life=1.0) as game:
+        game.do("start")
+        game.event("connected")
+        fill(server, game, wire)
+        asked = game.do("move rain 0 0 0.2")["time"]
+        game.until(lambda s: s["time"] > asked + 1.0)
+        wire.goes.set()
+        game.do("wave on")  # hands are sent after all else that waits
+        server.until(lambda: bool(server.of(commands.Hands)))
+        assert server.of(commands.Move) == []
 
 
 def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
@@ -178,6 +185,8 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
     game.do("arm")
     game.until(lambda s: s["armed"])
     fill(server, game, wire)
+    for i in range(20):
+        game.do(f"heavy rain{i} 5000")
     server.close()
     told = game.event("lost")
     assert "has gone" in told["message"]
@@ -194,24 +203,6 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
         assert kinds == {control.Hello, control.Capabilities, control.Renew}
         assert game.do("put ball 0 0 0.2 5")["done"]
         again.until(lambda: bool(again.of(commands.Put)))
-
-
-def test_what_could_wait_long_does_not_reach_a_new_server(
-    server: Fake, wire: Slow, file: Path, start: Start
-) -> None:
-    with start(file, life=60.0) as game:
-        game.do("start")
-        game.event("connected")
-        fill(server, game, wire)
-        for i in range(20):
-            game.do(f"heavy rain{i} 5000")
-        server.close()
-        game.event("lost")
-        wire.goes.set()
-        with Fake(server.ports) as again:
-            game.event("connected")
-            again.until(lambda: len(again.of(control.Renew)) > 3)
-            assert not any(isinstance(m, commands.Command) for m in again.seen)
 
 
 def test_a_session_that_the_server_has_ended(server: Fake, game: Game) -> None:

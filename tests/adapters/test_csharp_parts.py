@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from . import tools
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+pytestmark = pytest.mark.deep("mono", "mcs")
 
 
 def test_the_pure_parts(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     Array = np.ndarray[Any, np.dtype[np.float64]]
     Ask = Callable[..., Array]
 
+pytestmark = pytest.mark.deep("mono", "mcs")
+
 UNITY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # its x, y, z in the world
 COUNT = 300
 random = np.random.default_rng(1)

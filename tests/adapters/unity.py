@@ -43,10 +43,7 @@ def build(folder: Path) -> Built:
     )  # fmt: skip
     player = tools.csharp(
         folder / "Player.exe",
-        [
-            *(STUBS / "Play").glob("*.cs"),
-            *(tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Json", "Spent")),
-        ],
+        [*(STUBS / "Play").glob("*.cs"), tools.CSHARP / "tests" / "ClientJson.cs"],
         core, engine, layer, editor,
     )  # fmt: skip
     return Built(player, runner, tests, of_editor)

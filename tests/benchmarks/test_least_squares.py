@@ -1,4 +1,4 @@
-"""Ratios within one run: `pytest tests/benchmarks --benchmark-enable --benchmark-only`.
+"""Ratios within one run: `pytest -m benchmark -n 0`.
 
 Each result's `extra_info` holds how many times faster than NumPy's least squares, or SciPy's QR
 decomposition, on the same B, and how far the answers are apart. Times are processor time, one thread.

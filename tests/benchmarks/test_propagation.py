@@ -1,4 +1,4 @@
-"""Ratios within one run: `pytest tests/benchmarks --benchmark-enable --benchmark-only`.
+"""Ratios within one run: `pytest -m benchmark -n 0`.
 
 Each result's `extra_info` holds the ratio to plain NumPy and the nanoseconds an element of B.
 """

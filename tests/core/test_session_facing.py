@@ -117,15 +117,6 @@ def test_a_session_keeps_what_has_not_changed() -> None:
     assert session.solve(q, t, facing=turned).status is pc.Status.unreachable
 
 
-def test_one_shot_solves_do_not_know_of_each_others_hands() -> None:
-    q, facing = skin(4)
-    t = np.full(4, 5.0)
-    free, pressed = pc.solve(ARRAY, q, t).gains, pc.solve(ARRAY, q, t, facing=facing).gains
-    assert np.abs(free - pressed).max() > 0.01
-    np.testing.assert_array_equal(pc.solve(ARRAY, q, t).gains, free)
-    np.testing.assert_array_equal(pc.solve(ARRAY, q, t, facing=facing).gains, pressed)
-
-
 def test_a_certificate_is_of_what_presses() -> None:
     q, facing = skin(4)
     session = pc.Session(ARRAY, solver="lagrange")

@@ -10,17 +10,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 
-ARRAY = pc.lattice(0.09, 0.09)  # 100 ideal transducers
-
-
-def points(count: int, seed: int = 0) -> Any:
-    rng = np.random.default_rng(seed)
-    return np.c_[rng.uniform(-0.06, 0.06, (count, 2)), np.full(count, 0.15)]
-
-
-def reachable(q: Any, level: float) -> Any:
-    t = np.random.default_rng(1).uniform(0.3, 1.0, len(q))
-    return t / np.linalg.norm(t) * level * np.abs(pc.matrix(ARRAY, q)).sum(axis=1).mean()
+from ..plugins.problems import ARRAY, points, reachable
 
 
 @pytest.mark.parametrize("solver", ["auto", "lagrange", "pseudo-inverse", "gs-pat"])
@@ -106,17 +96,6 @@ def test_a_session_that_forgets_solves_anew() -> None:
     assert session.last is None
     np.testing.assert_array_equal(session.solve(q, t).gains, first.gains)
     assert session.propagator.work.rows_built == 8
-
-
-def test_one_shot_solves_do_not_know_each_other() -> None:
-    q = points(6)
-    t = reachable(q, 0.6)
-    first = pc.solve(ARRAY, q, t)
-    pc.solve(ARRAY, points(6, 5), t[::-1].copy(), limits=pc.Limits(gain=0.3))
-    with pytest.raises(pc.ArgumentError):
-        pc.solve(ARRAY, q, t, scale="most")
-    np.testing.assert_array_equal(pc.solve(ARRAY, q, t).gains, first.gains)
-    assert first.gains is not pc.solve(ARRAY, q, t).gains
 
 
 @pytest.mark.parametrize("phases", [None, 0.0])

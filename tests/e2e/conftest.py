@@ -7,22 +7,24 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pacinian.bench.faults.server import Server
-from pacinian.bench.faults.stage import Stage
+
+from ..core.client.patience import wait_long
+from .game import Game
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+PATIENT = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 60.0\n"
+"""Leases and watchdogs that do not end where the machine stands still."""
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    wait_long(monkeypatch)
+
 
 @pytest.fixture(scope="module")
-def settings() -> str:
-    """TOML that is added to the server's: a lease that does not end where the machine is late."""
-    return "[safety]\nlease = 10.0\n"
-
-
-@pytest.fixture(scope="module")
-def servers(
-    settings: str, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[[], Server]]:
+def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Server]]:
     """Gives the running server; starts one if there is none, or it is not whole."""
     running: list[Server] = []
 
@@ -30,9 +32,8 @@ def servers(
         if running and (running[-1].process.poll() is not None or len(running[-1].parts()) < 3):
             running.pop().close()
         if not running:
-            server = Server(tmp_path_factory.mktemp("server"), settings)
-            running.append(server)
-            server.start()
+            running.append(Server(tmp_path_factory.mktemp("server"), PATIENT))
+            running[-1].start()
         return running[-1]
 
     yield one
@@ -41,7 +42,12 @@ def servers(
 
 
 @pytest.fixture
-def stage(servers: Callable[[], Server]) -> Iterator[Stage]:
-    """A server with a game to come."""
-    with Stage(servers()) as made:
+def server(servers: Callable[[], Server]) -> Server:
+    return servers()
+
+
+@pytest.fixture
+def game(server: Server) -> Iterator[Game]:
+    """It sounds."""
+    with Game(server) as made:
         yield made

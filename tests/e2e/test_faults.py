@@ -1,58 +1,59 @@
-"""Each fault once, on real processes: silent within the stated bound and some slack, and well again.
-
-How long it really takes is measured by `pacinian bench faults`; here the machine may be busy with other things.
-"""
+"""What is broken falls silent and sounds again, with real processes; tests/benchmarks/test_faults.py measures it."""
 
 from __future__ import annotations
 
-import math
+import signal
 from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.bench.faults import parts
-from pacinian.bench.faults.run import FAULTS, STALE, Fault
+import pacinian as pc
+from pacinian.bench.faults.device import UNPLUGGED
+
+from .game import LEASE, Game
 
 if TYPE_CHECKING:
-    from pacinian.bench.faults.stage import Stage
-
-TIMES, SLACK = 3.0, 1.0  # of a bound; [s]
-LONG = 60.0  # [s]
-LATER = (  # other tests show the same, here, in tests/core/serving or test_client.py; and these take long
-    "state is never read",
-    "thousands of topics",
-    "solver never returns",
-    "renderer killed -9",
-    "renderer stopped",
-    "guard stopped",
-    "control killed -9",
-    "server killed and restarted",
-    "SIGTERM of the server",
-)
-WRONG = "stale", "heard", "lives", "left: ", "replaced"  # what a note must not tell
+    from pacinian.bench.faults.server import Server
 
 
-@pytest.fixture(scope="module")
-def settings() -> str:
-    """The usual lease: it is what bounds some faults."""
-    return ""
+@pytest.mark.parametrize("part", ["render", "bus", "guard"])
+def test_a_process_that_is_killed_is_replaced_and_the_game_is_told(game: Game, part: str) -> None:
+    before = game.client.status().restarts[part]
+    game.told.clear()
+    mark = game.log.count
+    game.server.signal(part, signal.SIGKILL)
+    game.play(lambda: not game.log.read(mark)["sounds"].all())
+    game.play(lambda: game.client.status().restarts[part] > before)
+    game.sound()
+    told = f"the process '{part}' was killed by signal 9"
+    gone = pc.ConnectionLost if part == "bus" else ()  # the game may see that its link to it ends
+    assert any(told in str(error) or isinstance(error, gone) for error in game.told)
+    assert len(game.server.parts()) == 3
 
 
-@pytest.mark.parametrize(
-    "fault", [f for f in FAULTS if f.name not in LATER], ids=lambda fault: fault.name
-)
-def test_silence_and_recovery(stage: Stage, fault: Fault) -> None:
-    times = fault.do(stage)
-    bound = LONG if math.isnan(fault.bound) else TIMES * fault.bound + SLACK
-    for seconds in (times.silence, times.gap):
-        assert math.isnan(seconds) or 0.0 <= seconds < bound
-    assert not any(word in times.note for word in WRONG if not times.note.startswith("nothing"))
-    stage.sounding()
+def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> None:
+    with Game(server, LEASE) as game:
+        mark = game.log.count
+        server.signal("control", signal.SIGSTOP)
+        try:
+            game.fall_silent(mark)
+        finally:
+            server.signal("control", signal.SIGCONT)
+        game.sound()
 
 
-def test_a_killed_renderer_is_replaced_and_the_game_is_told(stage: Stage) -> None:
-    times = parts.render_killed(stage)
-    assert 0.0 <= times.silence < TIMES * STALE + SLACK
-    assert 0.0 < times.recovery < LONG
-    assert times.note == "told: fault"
-    assert stage.onlooker.ask("status")["restarts"]["render"] > 0
+def test_a_device_that_is_unplugged_is_a_fault_until_it_is_back_and_reset(game: Game) -> None:
+    file = game.server.folder / UNPLUGGED
+    mark = game.log.count
+    file.touch()
+    try:
+        game.play(lambda: game.client.status().output == "faulted")
+        game.fall_silent(mark)
+    finally:
+        file.unlink()
+    mark = game.log.count
+    game.told.clear()
+    game.play(lambda: "stopped" in {getattr(error, "code", "") for error in game.told})
+    assert not game.log.read(mark)["sounds"].any(), "it is back, and not reset"
+    game.client.reset()
+    game.sound()

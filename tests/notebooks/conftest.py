@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-PATIENCE = 100.0  # [s]
+from ..waiting import PATIENCE
 
 
 @dataclass

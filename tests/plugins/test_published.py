@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import cvxpy as cp
@@ -15,10 +14,11 @@ import pacinian as pc
 from pacinian.solving.propagator import Propagator
 from pacinian_plugins.solvers import greedy, lbfgs
 
+from .problems import ARRAY, optimum
+
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-ARRAY = pc.lattice(0.09, 0.09)  # 100 ideal transducers
 PUBLISHED = ["gs", "weighted-gs", "gs-pat", "greedy", "lbfgs"]
 published = pytest.mark.parametrize("solver", PUBLISHED)
 
@@ -82,13 +82,13 @@ def test_gs_climbs_to_a_fixed_point() -> None:
 
 
 def test_gs_with_amplitudes_is_nearer_and_as_strong_as_asked() -> None:
-    errors = []
-    for seed in range(8):
+    shares = []
+    for seed in range(40):
         q, t, _ = problem(4, 0.5, seed)
         both = [pc.solve(ARRAY, q, t, solver=pc.solver("gs", amplitudes=a)) for a in (True, False)]
-        errors.append([s.shape_error for s in both])
+        shares.append(both[0].shape_error / both[1].shape_error)
         assert nearest(both[0].sound_pressure, t) == pytest.approx(1.0, abs=1e-3)
-    assert np.median(errors, axis=0)[0] < 0.7 * np.median(errors, axis=0)[1]
+    assert np.median(shares) < 0.8
 
 
 @given(count=st.integers(1, 9), steps=st.integers(1, 30), seed=st.integers(0, 99))
@@ -200,10 +200,7 @@ def test_lbfgs_is_the_optimum_where_phases_are_fixed(level: float, seed: int) ->
     p = t * np.exp(1j * phases)
     g = cp.Variable(100, complex=True)
     cost = cp.norm(B @ g - p)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        cp.Problem(cp.Minimize(cost), [cp.abs(g) <= 1.0]).solve(solver=cp.CLARABEL)
-    best = float(cost.value) / np.linalg.norm(t)
+    best = optimum(cost, [cp.abs(g) <= 1.0]) / np.linalg.norm(t)
     solution = pc.solve(ARRAY, q, t, phases, solver="lbfgs")
     assert best - 1e-6 <= solution.error <= best * 1.002 + 2e-5
 
@@ -288,15 +285,6 @@ def test_the_time_is_kept_and_the_answer_is_usable(solver: str) -> None:
     assert solution.status is pc.Status.deadline
     assert solution.iterations <= 10
     assert solution.error < 1.0
-
-
-@published
-def test_coincident_points_of_opposite_phase_cancel_quietly(solver: str) -> None:
-    q, t, _ = problem(2, 0.5)
-    q[1], t[1] = q[0], t[0]
-    solution = pc.solve(ARRAY, q, t, [0.0, np.pi], solver=solver)
-    assert solution.status in (pc.Status.approximate, pc.Status.limited)
-    assert solution.error < 1.5
 
 
 @published

@@ -116,15 +116,3 @@ def test_a_refused_silence_goes_on_sounding() -> None:
         assert device.gains.any()
     device.silence()
     assert not device.gains.any()
-
-
-def test_it_sounds_only_while_it_is_open() -> None:
-    device = Simulated()
-    with pytest.raises(pc.BackendError, match="not open"):
-        device.send(frame())
-    device.open(ARRAY)
-    device.send(frame())
-    device.close()
-    with pytest.raises(pc.BackendError, match="not open"):
-        device.send(frame())
-    assert device.silent

@@ -1,7 +1,6 @@
 """Properties of every solver that is installed, stated once."""
 
 import math
-import warnings
 from typing import Any
 
 import cvxpy as cp
@@ -13,6 +12,8 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.plugins.registry import installed
 
+from .problems import ARRAY, optimum, points, reachable
+
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
 SEVERAL = ["auto", "gs", "gs-pat", "lagrange", "lbfgs", "pseudo-inverse", "weighted-gs"]
 EXACT = ["auto", "lagrange", "lbfgs", "pseudo-inverse"]
@@ -20,21 +21,9 @@ solvers = pytest.mark.parametrize("solver", SOLVERS)
 """What every installed solver must do, also those of others."""
 ours = pytest.mark.parametrize("solver", [*SEVERAL, "single-focus"])
 """How well ours do."""
-ARRAY = pc.lattice(0.09, 0.09)  # 100 ideal transducers
 
 
-def points(count: int, seed: int = 0, width: float = 0.12, height: float = 0.15) -> Any:
-    rng = np.random.default_rng(seed)
-    return np.c_[rng.uniform(-width / 2, width / 2, (count, 2)), np.full(count, height)]
-
-
-def reachable(array: pc.Array, q: Any, level: float, seed: int = 0) -> Any:
-    """Amplitudes whose 2-norm is `level` times what one focus could reach."""
-    t = np.random.default_rng(seed).uniform(0.3, 1.0, len(q))
-    return t / np.linalg.norm(t) * level * np.abs(pc.matrix(array, q)).sum(axis=1).mean()
-
-
-def test_the_solvers_of_the_issue_are_installed() -> None:
+def test_our_solvers_are_installed() -> None:
     assert set(SEVERAL) | {"single-focus"} <= set(SOLVERS)
 
 
@@ -62,12 +51,13 @@ def test_gains_are_finite_and_within_the_limit(
     if not t.any():
         assert solution.status is pc.Status.silent
         assert not solution.gains.any()
+        assert solution.error == 0.0
 
 
 @solvers
 def test_the_evidence_is_that_of_the_gains(solver: str) -> None:
     q = points(6)
-    solution = pc.solve(ARRAY, q, reachable(ARRAY, q, 0.6), solver=solver)
+    solution = pc.solve(ARRAY, q, reachable(q, 0.6), solver=solver)
     p = pc.matrix(ARRAY, q) @ solution.gains
     np.testing.assert_allclose(solution.sound_pressure, p, atol=1e-4 * np.abs(p).max())
     np.testing.assert_allclose(
@@ -83,7 +73,7 @@ def test_the_evidence_is_that_of_the_gains(solver: str) -> None:
 @ours
 def test_one_point_is_a_focus(solver: str) -> None:
     q = points(1)
-    t = reachable(ARRAY, q, 0.7)
+    t = reachable(q, 0.7)
     solution = pc.solve(ARRAY, q, t, [1.0], solver=solver)
     assert solution.status is pc.Status.ok
     assert solution.sound_pressure[0] == pytest.approx(t[0] * np.exp(1j), rel=1e-3)
@@ -106,7 +96,7 @@ def test_a_single_focus_at_full_drive_is_the_strongest() -> None:
 @pytest.mark.parametrize("phases", [None, 0.0])
 def test_reachable_targets_are_met(solver: str, phases: float | None) -> None:
     q = points(8)
-    t = reachable(ARRAY, q, 0.15)
+    t = reachable(q, 0.15)
     solution = pc.solve(ARRAY, q, t, phases, solver=solver)
     assert solution.status is pc.Status.ok
     assert solution.error < 1e-3
@@ -116,19 +106,12 @@ def test_reachable_targets_are_met(solver: str, phases: float | None) -> None:
         np.testing.assert_allclose(np.angle(p), phases, atol=2e-3)
 
 
-def test_gs_pat_is_near() -> None:
-    q = points(6, width=0.2)
-    solution = pc.solve(ARRAY, q, reachable(ARRAY, q, 0.2), solver="gs-pat")
-    assert solution.shape_error < 0.1
-
-
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("level", [0.3, 0.6, 0.9, 1.5])
-def test_lagrange_is_the_constrained_optimum(seed: int, level: float) -> None:
+@pytest.mark.parametrize("level", [0.3, 0.9, 1.5])
+def test_lagrange_is_the_constrained_optimum(level: float) -> None:
     """Against CVXPY with Clarabel, for fixed phases."""
-    q = points(5, seed)
-    t = reachable(ARRAY, q, level, seed)
-    phases = np.random.default_rng(seed).uniform(-math.pi, math.pi, 5)
+    q = points(5, 1)
+    t = reachable(q, level, 1)
+    phases = np.random.default_rng(1).uniform(-math.pi, math.pi, 5)
     solver = pc.solver("lagrange", mu=1e-4)
     solution = pc.solve(ARRAY, q, t, phases, solver=solver, precision="double")
     B = pc.matrix(ARRAY, q)
@@ -136,10 +119,7 @@ def test_lagrange_is_the_constrained_optimum(seed: int, level: float) -> None:
     mu = 1e-4 * float(np.trace(B @ B.conj().T).real) / 5
     g = cp.Variable(100, complex=True)
     cost = 0.5 * cp.sum_squares(B @ g - p) + mu / 2 * cp.sum_squares(g)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        cp.Problem(cp.Minimize(cost), [cp.abs(g) <= 1.0]).solve(solver=cp.CLARABEL)
-    best = float(cost.value)
+    best = optimum(cost, [cp.abs(g) <= 1.0])
     assert solution.objective == pytest.approx(best, rel=2e-5, abs=1e-9)
     assert solution.bound <= solution.objective * (1 + 1e-9)
     assert solution.bound == pytest.approx(best, rel=2e-5, abs=1e-9)
@@ -149,7 +129,7 @@ def test_lagrange_is_the_constrained_optimum(seed: int, level: float) -> None:
 @pytest.mark.parametrize("count", [3, 40, 150])
 def test_lagrange_certifies_its_answer(count: int, phases: float | None) -> None:
     q = points(count, width=0.3)
-    t = reachable(ARRAY, q, 0.8)
+    t = reachable(q, 0.8)
     solution = pc.solve(ARRAY, q, t, phases, solver="lagrange")
     # more samples than transducers: phases are chosen in rounds, and the last has moved them on a little
     close = 0.05 if count > 100 and phases is None else 1e-4
@@ -165,37 +145,9 @@ def test_lagrange_certifies_its_answer(count: int, phases: float | None) -> None
     assert cost <= solution.objective * (1 + 1e-3)
 
 
-def test_lagrange_is_the_pseudo_inverse_where_no_limit_is_reached() -> None:
-    q = points(5)
-    t = reachable(ARRAY, q, 0.05)
-    a = pc.solve(ARRAY, q, t, 0.0, solver=pc.solver("lagrange", mu=1e-9), precision="double")
-    b = pc.solve(ARRAY, q, t, 0.0, solver="pseudo-inverse", precision="double")
-    np.testing.assert_allclose(a.gains, b.gains, atol=1e-5 * np.abs(b.gains).max())
-
-
-@pytest.mark.parametrize("precision", ["single", "double"])
-@pytest.mark.parametrize("count", [1, 7, 99, 100, 101, 160])
-def test_the_pseudo_inverse_is_least_squares_of_least_norm(count: int, precision: Any) -> None:
-    q = points(count, width=0.5)
-    rng = np.random.default_rng(count)
-    p = rng.normal(size=count) + 1j * rng.normal(size=count)
-    solution = pc.solve(
-        ARRAY, q, np.abs(p), np.angle(p),
-        solver="pseudo-inverse", limits=pc.Limits(gain=None), precision=precision,
-    )  # fmt: skip
-    B = pc.matrix(ARRAY, q)
-    g = np.linalg.pinv(B, rcond=1e-12) @ p
-    best = np.linalg.norm(p - B @ g)
-    rounding = 3e-7 * np.linalg.norm(B) * np.linalg.norm(g)  # of gains in single precision
-    worst = rounding if precision == "double" else 3e-3 * np.linalg.norm(p)
-    assert np.linalg.norm(p - B @ solution.gains) <= best + worst
-    if precision == "double":
-        assert np.linalg.norm(solution.gains) <= np.linalg.norm(g) * (1 + 1e-4)
-
-
 def test_over_the_limit_the_pseudo_inverse_is_scaled_and_says_so() -> None:
     q = points(4)
-    t = reachable(ARRAY, q, 2.0)
+    t = reachable(q, 2.0)
     solution = pc.solve(ARRAY, q, t, 0.0, solver="pseudo-inverse")
     assert solution.status is pc.Status.scaled
     assert np.abs(solution.gains).max() == pytest.approx(1.0, abs=1e-5)
@@ -213,22 +165,10 @@ def test_as_strong_as_possible_keeps_proportions(solver: str) -> None:
     np.testing.assert_allclose(ratio, ratio.mean(), rtol=5e-3)
 
 
-def test_lagrange_is_stronger_than_scaling() -> None:
-    q = points(4)
-    t = np.ones(4)
-    strong, scaled = (
-        np.abs(pc.solve(ARRAY, q, t, solver=name, scale="max").sound_pressure).mean()
-        for name in ("lagrange", "pseudo-inverse")
-    )
-    assert strong > 1.1 * scaled
-
-
 @ours
 def test_a_power_limit_is_kept(solver: str) -> None:
     q = points(1)
-    solution = pc.solve(
-        ARRAY, q, reachable(ARRAY, q, 0.9), solver=solver, limits=pc.Limits(power=10.0)
-    )
+    solution = pc.solve(ARRAY, q, reachable(q, 0.9), solver=solver, limits=pc.Limits(power=10.0))
     assert np.linalg.norm(solution.gains) ** 2 <= 10.0 * (1 + 1e-5)
     assert solution.status in (pc.Status.scaled, pc.Status.limited)
 
@@ -269,7 +209,7 @@ def test_duplicate_transducers_share_the_work(solver: str) -> None:
     with pytest.warns(pc.CoincidentTransducers):
         twice = ARRAY + ARRAY
     q = points(1)
-    t = reachable(ARRAY, q, 0.5)
+    t = reachable(q, 0.5)
     solution = pc.solve(twice, q, t, solver=solver)
     assert solution.status is pc.Status.ok
     np.testing.assert_allclose(solution.gains[:100], solution.gains[100:], atol=1e-5)
@@ -287,38 +227,9 @@ def test_a_point_that_no_sound_reaches_is_said(solver: str) -> None:
 
 
 @solvers
-def test_nothing_asked_is_silence(solver: str) -> None:
-    for q, t in ((np.empty((0, 3)), []), ([[0, 0, 0.2]], [0.0])):
-        solution = pc.solve(ARRAY, q, t, solver=solver)
-        assert solution.status is pc.Status.silent
-        assert not solution.gains.any()
-        assert solution.error == 0.0
-
-
-@solvers
 def test_a_deadline_of_no_time_still_gives_gains_within_the_limit(solver: str) -> None:
     q = points(8)
-    solution = pc.solve(ARRAY, q, reachable(ARRAY, q, 2.0), solver=solver, deadline=0.0)
+    solution = pc.solve(ARRAY, q, reachable(q, 2.0), solver=solver, deadline=0.0)
     assert np.isfinite(solution.gains).all()
     assert np.abs(solution.gains).max() <= 1.0
     assert solution.gains.any()
-
-
-def test_the_papers_singular_case_is_solved_by_every_solver_for_several_points() -> None:
-    """Case 2a: the array is mirror-symmetric about the region's plane, so B has rank 451 of 861."""
-    array = pc.lattice(0.2, 0.4)
-    air = pc.Air(attenuation="none")
-    y, z = np.meshgrid(np.linspace(-0.2, 0.2, 21), np.linspace(0.01, 0.4, 21))
-    q = np.stack([np.zeros_like(y), y, z], axis=-1).reshape(-1, 3)
-    t = (np.hypot(y, z - 0.2) < 0.06).astype(float).reshape(-1) * 100
-    for solver in SEVERAL:
-        solution = pc.solve(array, q, t, 0.0, solver=solver, medium=air)
-        assert np.isfinite(solution.gains).all(), solver
-        assert solution.error < 1.0, solver
-    mirror = array.positions * [-1, 1, 1]
-    order = [int(np.argmin(((array.positions - m) ** 2).sum(axis=1))) for m in mirror]
-    g = pc.solve(
-        array, q, t, 0.0, solver="pseudo-inverse", medium=air, limits=pc.Limits(gain=None),
-        precision="double",
-    ).gains  # fmt: skip
-    np.testing.assert_allclose(g, g[order], atol=1e-4 * np.abs(g).max())

@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING
 import pytest
 
 from .guest.run import names
-from .machine import LONGEST, Machine, need
+from .machine import LONGEST, Machine, need_kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+pytestmark = pytest.mark.deep("qemu-system-x86_64", "busybox", "cpio", "udevadm", "setpriv")
 
 
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
     """It is started once, and goes on while the first results are looked at."""
-    need()
+    need_kernel()
     with Machine(tmp_path_factory.mktemp("machine")) as made:
         yield made
 

@@ -1,4 +1,4 @@
-"""One server for all tests of a file that need one, and a game."""
+"""One server and one viewer for all tests of a file that need them, and a game."""
 
 from __future__ import annotations
 
@@ -6,27 +6,39 @@ import threading
 from typing import TYPE_CHECKING, Any, Self
 
 import pytest
+import zmq
 
 import pacinian as pc
+from pacinian.client import link
+from pacinian.client.connected import Connected
+from pacinian.client.emergency import emergency_stop
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, serving
-from pacinian.viewing import slices
+from pacinian.viewing import slices, states
 
-from .watching import viewer
+from .browser import chromium
+from .watching import LIMIT, viewer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from playwright.sync_api import Browser
+
 SETTINGS = Settings(
-    array=Units(1, 1), log=Log(level="warning"), safety=Safety(lease=10.0, stale=1.0)
+    array=Units(1, 1),
+    log=Log(level="warning"),
+    safety=Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0),
 )
-"""A machine that is late ends nothing: leases are `test_letting_go`'s."""
+"""A machine that stands still for a moment ends nothing."""
 
 
 class Game:
-    """Lets a ball be felt, in a thread of its own, until it is left. move: whether a plate moves."""
+    """Lets a ball, a plate and a point be felt, in a thread of its own, until it is left.
+
+    moves: whether the plate does. refused: codes of what the server refused.
+    """
 
     def __init__(self, connection: Path, scene: str = "room") -> None:
         self._connection, self._scene = connection, scene
@@ -44,8 +56,9 @@ class Game:
             name="plate", shape=pc.Disc(0.01), pose=pc.Pose((0.03, 0.03, 0.15)),
             radiation_pressure=5.0,
         )  # fmt: skip
+        spark = pc.Point(name="spark", position=(-0.03, -0.03, 0.15), radiation_pressure=5.0)
         with pc.Client(self._connection, name="game", scene=self._scene) as client:
-            client.put(ball, plate)
+            client.put(ball, plate, spark)
             client.arm(take=True)
             step = 0
             while not self._ended.is_set():
@@ -63,36 +76,50 @@ class Game:
 
     def __enter__(self) -> Self:
         self._thread.start()
-        assert self._sounds.wait(30.0)
+        assert self._sounds.wait(LIMIT)
         return self
 
     def __exit__(self, *_: Any) -> None:
         self._ended.set()
-        self._thread.join(30.0)
+        self._thread.join(LIMIT)
         assert not self._thread.is_alive()
 
 
 @pytest.fixture(scope="module")
-def settings() -> Settings:
-    """Of the server; for the tests of a file that has its own."""
-    return SETTINGS
-
-
-@pytest.fixture(scope="module")
-def server(settings: Settings) -> Iterator[Running]:
+def server() -> Iterator[Running]:
     """A real one, of a single unit."""
-    with serving(settings) as running:
+    with serving(SETTINGS) as running:
         yield running
 
 
-@pytest.fixture
-def url(server: Running, tmp_path: Path) -> Iterator[str]:
-    """The address of a viewer of that server."""
-    with viewer(server.connection, folder=tmp_path) as address:
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Chromium."""
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the viewer writes its recordings."""
+    return tmp_path_factory.mktemp("recordings")
+
+
+@pytest.fixture(scope="module")
+def url(server: Running, folder: Path, patient: None) -> Iterator[str]:
+    """The address of a viewer of that server, the same one for all tests of a file."""
+    with viewer(server.connection, folder=folder) as address:
         yield address
 
 
-@pytest.fixture(autouse=True)
-def eager(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fields are computed as soon as anything else, so that no test waits for an idle machine."""
-    monkeypatch.setattr(slices, "CALM", 0)
+@pytest.fixture(scope="module")
+def patient() -> Iterator[None]:
+    """Compute fields as soon as anything else; take no server for lost that stands still for a moment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(slices, "CALM", 0)
+        patch.setattr(states, "SILENT", LIMIT)
+        for call in (Connected.__init__, emergency_stop):
+            patch.setitem(call.__kwdefaults__, "timeout", LIMIT)
+        for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
+            patch.setitem(link.HEARTBEAT, limit, int(1e3 * LIMIT))
+        yield

@@ -2,61 +2,85 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
+import itertools
+import socket
 import threading
 import time
-from pathlib import Path
+from functools import partial
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 import pytest
+from msgspec.structs import replace
 
-from pacinian.viewing import bridge
+import pacinian as pc
+from pacinian.client.emergency import emergency_stop
+from pacinian.testing import ManualClock
+from pacinian.viewing import bridge, states
+from pacinian.viewing.hub import Hub
 from pacinian.wire import commands, control, replies
 from pacinian.wire.bulk import pack
 
-from .watching import Page, viewer
+from ..core.client.fake import Fake, state, usual
+from .watching import LIMIT, Page, viewer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import ModuleType
+    from pathlib import Path
+
+pytestmark = pytest.mark.usefixtures("patient")
 
 EMPTY: dict[str, Any] = {"scene": "", "version": 0, "names": (), "poses": b"", "objects": {}}
-THERE = {**EMPTY, "scene": "hall", "names": ("ball",), "poses": bytes(28)}
-FAKE = Path(__file__).parents[1] / "core" / "client" / "fake.py"
 
 
-@pytest.fixture(scope="module")
-def fakes() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("fake_server", FAKE)
-    assert spec is not None
-    assert spec.loader is not None
-    made = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = made
-    spec.loader.exec_module(made)
-    return made
+def make_shown(message: Any, **fields: Any) -> replies.Shown:
+    return replies.Shown(id=message.id, **{**EMPTY, **fields})
 
 
 @pytest.fixture
-def fake(fakes: ModuleType) -> Iterator[Any]:
-    with fakes.Fake() as server:
-        server.stream = fakes.state
-        server.answers[commands.Show] = lambda m: replies.Shown(id=m.id, **EMPTY)
+def fake() -> Iterator[Fake]:
+    """A server that publishes, has an empty scene, and says truly whether it is armed."""
+
+    def renewed(message: Any) -> replies.Renewed:
+        orders = [m for m in server.seen if isinstance(m, control.Arm | control.Disarm)]
+        armed = bool(orders) and isinstance(orders[-1], control.Arm)
+        return replace(usual(message), armed=armed)
+
+    with Fake() as server:
+        server.answers[control.Renew] = renewed
+        server.stream = state
+        server.answers[commands.Show] = make_shown
         yield server
 
 
 @pytest.fixture
-def connection(fake: Any, tmp_path: Path) -> Path:
-    return Path(fake.connection.write(tmp_path / "connection.json"))
+def connection(fake: Fake, tmp_path: Path) -> Path:
+    return fake.connection.write(tmp_path / "connection.json")
 
 
-def test_an_older_server_has_neither_objects_nor_fields(fake: Any, connection: Path) -> None:
+@pytest.fixture
+def url(connection: Path) -> Iterator[str]:
+    with viewer(connection) as address:
+        yield address
+
+
+def armed(page: Page) -> None:
+    page.say("arm")
+    page.until(lambda: page.newest.get("session", {}).get("mine"))
+
+
+def renewed(fake: Fake) -> bool:
+    """Whether the renewal has come that the viewer sends when it has armed."""
+    (begin,) = fake.of(control.Arm)
+    return any(isinstance(m, control.Renew) for m in fake.seen[fake.seen.index(begin) :])
+
+
+def test_an_older_server_has_neither_objects_nor_fields(fake: Fake, url: str) -> None:
     problem = "Invalid value 'show'"
     fake.answers[commands.Show] = lambda m: replies.Error(
         id=m.id, code="malformed", message=problem
     )
-    with viewer(connection) as url, Page(url) as page:
+    with Page(url) as page:
         page.until(lambda: page.counts["state"] > 10)
         assert page.newest["array"]["fields"] is False
         assert not page.counts["lost"]
@@ -64,27 +88,46 @@ def test_an_older_server_has_neither_objects_nor_fields(fake: Any, connection: P
     assert len(fake.of(commands.Show)) == 1
 
 
-def test_a_server_that_is_busy_is_asked_again(fake: Any, connection: Path) -> None:
-    told = iter([replies.Error(id=0, code="busy", message="slow down")] * 3)
+def test_a_server_that_is_busy_is_asked_again(fake: Fake, url: str) -> None:
+    asked = itertools.count()
 
     def answer(message: Any) -> Any:
-        error = next(told, None)
-        if error is None:
-            return replies.Shown(id=message.id, **{**EMPTY, "scene": "hall"})
-        return msgspec.structs.replace(error, id=message.id)
+        if next(asked) < 3:
+            return replies.Error(id=message.id, code="busy", message="slow down")
+        return make_shown(message, scene="hall")
 
     fake.answers[commands.Show] = answer
-    with viewer(connection) as url, Page(url) as page:
+    with Page(url) as page:
         page.until(lambda: page.newest.get("scenery", {}).get("scene") == "hall")
         assert not page.counts["lost"]
 
 
+def test_a_server_that_goes_is_lost_and_another_one_is_found(tmp_path: Path) -> None:
+    connection = tmp_path / "connection.json"
+    with viewer(connection) as url, Page(url) as page:
+        assert "no connection file" in page.next("lost")["reason"]
+        page.say("stop")
+        refused = page.next("refused")
+        assert (refused["action"], refused["advice"]) == ("stop", "switch the array off")
+        for _ in range(2):
+            with Fake() as server:
+                server.stream = state
+                server.answers[commands.Show] = make_shown
+                server.connection.write(connection)
+                page.next("array")
+                page.next("state")
+                assert page.newest["session"]["armed"] is False
+            page.next("lost")
+
+
 def test_a_server_that_is_dead_under_an_open_page_is_lost_and_stop_says_so(
-    fake: Any, connection: Path
+    fake: Fake, connection: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(bridge, "Client", partial(pc.Client, timeout=1.0))
+    monkeypatch.setattr(bridge, "emergency_stop", partial(emergency_stop, timeout=0.1))
     with viewer(connection) as url, Page(url) as page:
         page.next("state")
-        fake.deaf = True  # nothing is published, nothing answered
+        fake.deaf = True
         page.next("lost")
         page.say("stop")
         assert page.next("refused")["advice"] == "switch the array off"
@@ -92,96 +135,160 @@ def test_a_server_that_is_dead_under_an_open_page_is_lost_and_stop_says_so(
         page.next("array")
 
 
-def test_a_stop_does_not_wait_for_what_else_goes_on(fake: Any, connection: Path) -> None:
-    fake.answers[control.Arm] = lambda _: None  # never answered: the bridge waits for it
-    with viewer(connection) as url, Page(url) as page:
+def test_a_server_that_publishes_nothing_any_more_is_lost(
+    fake: Fake, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Page(url) as page:
+        page.next("state")
+        monkeypatch.setattr(states, "SILENT", 0.1)
+        fake.stream = None
+        assert "has published no state" in page.next("lost")["reason"]
+        monkeypatch.setattr(states, "SILENT", LIMIT)
+        fake.stream = state
+        page.next("array")
+        page.next("state")
+
+
+def test_a_stop_does_not_wait_for_what_else_goes_on(fake: Fake, url: str) -> None:
+    fake.answers[control.Arm] = lambda _: None  # the bridge waits for the answer
+    with Page(url) as page:
         page.next("state")
         page.say("arm")
         fake.until(lambda: bool(fake.of(control.Arm)))
         page.say("stop")
-        page.until(lambda: page.counts["lost"] or fake.of(control.Stop))
-        assert not page.counts["lost"]
+        fake.until(lambda: bool(fake.of(control.Stop)))
+        (waiting,) = fake.of(control.Arm)
+        fake.say(replies.Ok(id=waiting.id))
 
 
-def test_no_lease_goes_on_for_an_alive_that_is_old(fake: Any, connection: Path) -> None:
-    def slowly(message: Any) -> Any:
-        time.sleep(0.1)  # a server that is busy
-        return replies.Shown(id=message.id, **THERE)
+def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
+    fake: Fake, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = partial(make_shown, scene="hall", names=("ball",), poses=bytes(28))
+    held, free = threading.Event(), threading.Event()
 
-    with viewer(connection) as url, Page(url) as page:
-        page.next("state")
-        page.say("arm")
-        page.until(lambda: page.newest.get("session", {}).get("mine"))
-        before = len(fake.of(control.Renew))
+    def held_up(message: Any) -> Any:
+        held.set()
+        assert free.wait(LIMIT)
+        return there(message)
 
-        def renewed() -> bool:
-            page.say("alive")
-            return len(fake.of(control.Renew)) > before
+    def renewals() -> int:
+        return len(fake.of(control.Renew))
 
-        fake.until(renewed)
-        fake.answers[commands.Show] = slowly
-        shown = len(fake.of(commands.Show))
-        fake.until(lambda: len(fake.of(commands.Show)) > shown + 1)
-        for _ in range(60):
-            page.say("alive")
-        said, shown = time.perf_counter(), len(fake.of(commands.Show))
-        fake.until(lambda: len(fake.of(commands.Show)) > shown + 10)
-        assert fake.of(control.Renew)[-1].time < said + page.newest["session"]["lease"]
+    with Page(url) as page, Page(url) as other:
+        fake.answers[commands.Show] = there  # poses are asked for at each look
+        page.until(lambda: page.newest.get("scenery", {}).get("scene") == "hall")
+        armed(page)
+        fake.until(lambda: renewed(fake))
+        clock = ManualClock(time.perf_counter())
+        monkeypatch.setattr(bridge, "time", SimpleNamespace(perf_counter=clock.now))
+
+        def look() -> None:
+            """Let the bridge see to its lease, and look at the server after that."""
+            for _ in range(2):
+                before = len(fake.of(commands.Show))
+                clock.advance(bridge.EVERY)
+                fake.until(lambda before=before: len(fake.of(commands.Show)) > before)
+
+        clock.advance(0.01)
+        count = renewals()
+        page.say("alive")
+        fake.until(lambda: renewals() == count + 1)
+        clock.advance(0.01)
+        other.say("alive")
+        other.catch_up()
+        look()
+        fake.answers[commands.Show] = held_up
+        clock.advance(bridge.EVERY)
+        assert held.wait(LIMIT)
+        page.say("alive")
+        page.catch_up()
+        clock.advance(bridge.FRESH * page.newest["session"]["lease"])
+        fake.answers[commands.Show] = there
+        free.set()
+        look()
+        assert renewals() == count + 1
+        page.say("alive")
+        fake.until(lambda: renewals() == count + 2)
 
 
-def test_a_page_that_goes_while_it_arms_does_not_arm(fake: Any, connection: Path) -> None:
+@pytest.mark.parametrize("how", ["closed", "killed"])
+def test_a_page_that_goes_lets_go_of_the_output(fake: Fake, url: str, how: str) -> None:
+    with Page(url) as other, Page(url) as page:
+        armed(page)
+        if how == "killed":
+            page.socket.socket.shutdown(socket.SHUT_RDWR)
+        else:
+            page.close()
+        fake.until(lambda: bool(fake.of(control.Disarm)))
+        other.until(lambda: not other.newest.get("session", {"armed": True})["armed"])
+        assert not other.refusals
+
+
+def test_a_page_that_goes_while_it_arms_does_not_arm(fake: Fake, url: str) -> None:
     gone = threading.Event()
 
     def slowly(message: Any) -> Any:
-        gone.wait(10.0)
+        assert gone.wait(LIMIT)
         return replies.Ok(id=message.id)
 
     fake.answers[control.Arm] = slowly
-    with viewer(connection) as url, Page(url) as other:
+    with Page(url) as other:
         with Page(url) as page:
             page.next("state")
             page.say("arm")
             fake.until(lambda: bool(fake.of(control.Arm)))
-        page.close()
         gone.set()
         fake.until(lambda: bool(fake.of(control.Disarm)))
         other.until(lambda: not other.newest.get("session", {"armed": True})["armed"])
 
 
-def test_only_the_page_that_asked_is_told_that_it_is_refused(fake: Any, connection: Path) -> None:
+def test_a_page_that_took_over_from_another_keeps_the_output_when_that_goes(
+    fake: Fake, url: str
+) -> None:
+    with Page(url) as page:
+        with Page(url) as before:
+            armed(before)
+            armed(page)
+            before.until(lambda: not before.newest["session"]["mine"])
+        page.catch_up()
+        renewed = len(fake.of(control.Renew))
+
+        def goes_on() -> bool:
+            page.say("alive")
+            return len(fake.of(control.Renew)) > renewed
+
+        fake.until(goes_on)
+        assert not fake.of(control.Disarm)
+
+
+def test_only_the_page_that_asked_is_told_that_it_is_refused(fake: Fake, url: str) -> None:
     fake.answers[control.Select] = lambda _: None
-    with viewer(connection) as url, Page(url) as one, Page(url) as other:
+    with Page(url) as one, Page(url) as other:
         for page, name in ((one, "first"), (other, "second")):
             page.next("state")
             page.say("select", solver={"name": name})
             fake.until(lambda name=name: name in [m.solver.name for m in fake.of(control.Select)])
-        first, second = fake.of(control.Select)
-        fake.say(replies.Error(id=second.id, code="fault", message="second"))
-        fake.say(replies.Error(id=first.id, code="fault", message="first"))
-        for page, message in ((one, "first"), (other, "second")):
-            refused = page.next("refused")
-            assert (refused["action"], refused["message"]) == ("select", message)
-            page.next("state")
-            assert page.counts["refused"] == 1
+        for request in fake.of(control.Select)[::-1]:
+            name = request.solver.name
+            fake.say(replies.Error(id=request.id, code="fault", message=name))
+        for page in (one, other):
+            page.until(lambda page=page: page.refusals)
+        for page, name in ((one, "first"), (other, "second")):
+            page.catch_up()
+            assert [(r["action"], r["message"]) for r in page.refusals] == [("select", name)]
 
 
-def test_the_page_that_armed_is_told_at_once_why_that_has_ended(
-    fake: Any, connection: Path
-) -> None:
-    with viewer(connection) as url, Page(url) as one, Page(url) as other:
+def test_the_page_that_armed_is_told_at_once_why_that_has_ended(fake: Fake, url: str) -> None:
+    with Page(url) as one, Page(url) as other:
         one.next("state")
-        other.say("arm")
-        other.until(lambda: other.newest.get("session", {}).get("mine"))
-        (armed,) = fake.of(control.Arm)
-        fake.until(
-            lambda: any(isinstance(m, control.Renew) for m in fake.seen[fake.seen.index(armed) :])
-        )
+        armed(other)
+        fake.until(lambda: renewed(fake))
         fake.say(replies.Error(id=0, code="owner", message="game has taken the output"))
-        assert other.next("refused")["message"] == "game has taken the output"
-        assert other.newest["refused"]["action"] == "arm"
-        one.listen(0.2)
-        assert one.counts["state"]
-        assert not one.counts["refused"]
+        refused = other.next("refused")
+        assert (refused["action"], refused["message"]) == ("arm", "game has taken the output")
+        one.catch_up()
+        assert not one.refusals
 
 
 def test_what_is_asked_while_there_is_no_server_is_refused(tmp_path: Path) -> None:
@@ -192,69 +299,29 @@ def test_what_is_asked_while_there_is_no_server_is_refused(tmp_path: Path) -> No
         assert "no connection file" in page.newest["refused"]["message"]
         page.say("reset")
         page.until(lambda: page.newest["refused"]["action"] == "reset")
-        other.next("lost")
-        other.listen(0.2)
-        assert not other.counts["refused"]
+        other.catch_up()
+        assert not other.refusals
 
 
-def test_a_stop_that_fails_in_an_odd_way_is_told(
-    connection: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stop_that_fails_in_an_odd_way_is_told(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise OSError("too many open files")
 
     monkeypatch.setattr(bridge, "emergency_stop", fail)
-    with viewer(connection) as url, Page(url) as page:
+    with Page(url) as page:
         page.say("stop")
         refused = page.next("refused")
         assert (refused["action"], refused["message"]) == ("stop", "too many open files")
 
 
-def test_a_state_that_is_not_whole_is_passed_over(fake: Any, fakes: Any, connection: Path) -> None:
-    fake.stream = lambda: fakes.state(tick_counts=b"abc")
-    with viewer(connection) as url, Page(url) as page:
+def test_a_state_that_is_not_whole_is_passed_over(fake: Fake, url: str) -> None:
+    fake.stream = lambda: state(tick_counts=b"abc")
+    with Page(url) as page:
         page.until(lambda: page.counts["state"] > 10)
         assert not page.counts["histogram"]
-        fake.stream = lambda: fakes.state(tick_counts=bytes(256))
+        fake.stream = lambda: state(tick_counts=bytes(256))
         page.next("histogram")
         assert not page.counts["lost"]
-
-
-def test_an_answer_that_cannot_be_is_a_loss_until_it_can(fake: Any, connection: Path) -> None:
-    fake.answers[control.Capabilities] = lambda m: abilities(m, positions=bytes(7))
-    with viewer(connection) as url, Page(url) as page:
-        page.next("lost")
-        fake.answers[control.Capabilities] = abilities
-        page.next("array")
-        page.next("state")
-
-
-def test_plugins_that_are_listed_late_are_told(fake: Any, connection: Path) -> None:
-    solvers = iter([(), (), (replies.Plugin(name="gs"),)])
-    fake.answers[control.Capabilities] = lambda m: abilities(
-        m, solvers=next(solvers), backends=(replies.Plugin(name="simulated"),)
-    )
-    with viewer(connection) as url, Page(url) as page:
-        page.until(lambda: page.newest.get("array", {}).get("solvers"))
-        assert page.counts["array"] == 2  # what is not new is not told again
-        page.next("state")
-        assert len(fake.of(control.Capabilities)) == 3
-
-
-def test_who_comes_later_is_not_told_what_was(fake: Any, fakes: Any, connection: Path) -> None:
-    fake.answers[control.Renew] = lambda m: msgspec.structs.replace(fakes.usual(m), armed=False)
-    with viewer(connection) as url:
-        with Page(url) as page:
-            page.next("state")
-        renewed = len(fake.of(control.Renew))
-        # in the first of these rounds the page may not yet have gone; in the next nobody looks
-        fake.until(lambda: len(fake.of(control.Renew)) > renewed + 1)
-        fake.stream = None
-        with Page(url) as page:
-            page.next("session")
-            page.listen(0.1)
-            assert page.counts["array"]
-            assert not page.counts["state"]
 
 
 def abilities(message: Any, **fields: Any) -> replies.Abilities:
@@ -270,24 +337,66 @@ def abilities(message: Any, **fields: Any) -> replies.Abilities:
     return replies.Abilities(id=message.id, sound=sound, **{**given, **fields})
 
 
-def test_nobody_is_asked_for_anything_while_no_page_is_open(fake: Any, connection: Path) -> None:
+def test_an_answer_that_cannot_be_is_a_loss_until_it_can(fake: Fake, connection: Path) -> None:
+    fake.answers[control.Capabilities] = lambda m: abilities(m, positions=bytes(7))
+    with viewer(connection) as url, Page(url) as page:
+        page.next("lost")
+        fake.answers[control.Capabilities] = abilities
+        page.next("array")
+        page.next("state")
+
+
+def test_plugins_that_are_listed_late_are_told(fake: Fake, connection: Path) -> None:
+    solvers = iter([(), (), (replies.Plugin(name="gs"),)])
+    fake.answers[control.Capabilities] = lambda m: abilities(
+        m, solvers=next(solvers), backends=(replies.Plugin(name="simulated"),)
+    )
+    with viewer(connection) as url, Page(url) as page:
+        page.until(lambda: page.newest.get("array", {}).get("solvers"))
+        assert page.counts["array"] == 2  # what is not new is not told again
+        page.next("state")
+        assert len(fake.of(control.Capabilities)) == 3
+
+
+def test_who_comes_later_is_not_told_what_was(
+    fake: Fake, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rest, rests = Hub.rest, threading.Event()
+    monkeypatch.setattr(Hub, "rest", lambda hub: (rest(hub), rests.set()))
+    with Page(url) as page:
+        page.next("state")
+    assert rests.wait(LIMIT)
+    fake.stream = None
+    with Page(url) as page:
+        page.next("session")
+        page.catch_up()
+        assert page.counts["array"]
+        assert not page.counts["state"]
+
+
+def test_nobody_is_asked_for_anything_while_no_page_is_open(
+    fake: Fake, connection: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bridge, "IDLE", 0.0)
     with viewer(connection) as url:
-        fake.until(lambda: len(fake.of(control.Renew)) >= 1)
+        fake.until(lambda: len(fake.of(control.Renew)) >= 3)  # between them it might look
         assert not fake.of(commands.Show)
         with Page(url) as page:
             page.next("state")
             fake.until(lambda: bool(fake.of(commands.Show)))
 
 
-def test_too_much_at_once_is_refused_and_alive_never_is(fake: Any, connection: Path) -> None:
-    fake.answers[control.Reset] = lambda _: None
-    with viewer(connection) as url, Page(url) as page:
+def test_too_much_at_once_is_refused_and_alive_never_is(fake: Fake, url: str) -> None:
+    fake.answers[control.Reset] = lambda _: None  # the bridge waits for the answer
+    with Page(url) as page:
         page.next("state")
-        for _ in range(200):
-            page.say("reset")
-        for _ in range(200):
-            page.say("alive")
-        refused = page.next("refused")
-        assert (refused["action"], refused["message"]) == ("reset", "too much is asked at once")
-        page.listen(0.2)
-        assert page.newest["refused"]["action"] == "reset"
+        for kind in ("reset", "alive"):
+            for _ in range(200):
+                page.say(kind)
+        page.catch_up()
+        assert page.refusals
+        told = {(refused["action"], refused["message"]) for refused in page.refusals}
+        assert told == {("reset", "too much is asked at once")}
+        fake.until(lambda: bool(fake.of(control.Reset)))
+        del fake.answers[control.Reset]
+        fake.say(replies.Ok(id=fake.of(control.Reset)[0].id))

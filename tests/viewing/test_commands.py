@@ -10,6 +10,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+import msgspec
 import psutil
 import pytest
 from click.testing import CliRunner
@@ -17,14 +18,14 @@ from click.testing import CliRunner
 from pacinian.cli.view import view
 from pacinian.viewing import browser
 
-from .watching import Page
+from .conftest import SETTINGS
+from .watching import LIMIT, Page
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
 PACINIAN = sys.executable, "-m", "pacinian"
-LIMIT = 60.0  # [s]
 
 
 def said(log: Path, what: str) -> str:
@@ -56,8 +57,9 @@ def test_it_prints_its_address_and_ends_when_it_is_told_to(tmp_path: Path, numbe
 
 def test_beside_a_server_it_begins_and_ends_with_it(tmp_path: Path) -> None:
     log, file = tmp_path / "log", tmp_path / "c.json"
-    config = tmp_path / "server.toml"
-    config.write_text('[array]\ntype = "autd"\ncolumns = 1\nrows = 1\n', encoding="utf-8")
+    config = tmp_path / "server.json"
+    made = msgspec.structs.replace(SETTINGS, connection=str(file))
+    config.write_bytes(msgspec.json.encode(made))
     command = [*PACINIAN, "serve", "--view", "--connection", str(file), str(config)]
     environment = {k: v for k, v in os.environ.items() if "DISPLAY" not in k}
     with log.open("wb") as out:
@@ -71,7 +73,7 @@ def test_beside_a_server_it_begins_and_ends_with_it(tmp_path: Path) -> None:
         assert any("view" in child.cmdline() for child in children)
         process.terminate()
         assert process.wait(LIMIT) == (0 if os.name == "posix" else 1)
-        assert not psutil.wait_procs(children, 10.0)[1]
+        assert not psutil.wait_procs(children, LIMIT)[1]
     finally:
         process.kill()
         process.wait()

@@ -8,15 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import msgpack
 import numpy as np
+import pytest
+from websockets.asyncio.client import connect
 
 import pacinian as pc
 from pacinian.errors import ArgumentError
+from pacinian.viewing import feed, run
+from pacinian.viewing.app import app
 from pacinian.viewing.feed import Page
 from pacinian.viewing.hub import Drive, Hub
 from pacinian.viewing.model import Model
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
+
+    from websockets.asyncio.client import ClientConnection
 
     from pacinian.viewing.messages import Slice, Volume
 
@@ -28,6 +34,12 @@ SLICE: dict[str, Any] = {
 VOLUME: dict[str, Any] = {
     "type": "volume", "origin": [0.0, 0.0, 0.1], "spacing": 0.01, "shape": [2, 2, 2],
 }  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def unpaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slice may follow another one at once."""
+    monkeypatch.setattr(feed, "SHORTEST", 0.0)
 
 
 def drive(gain: float) -> Drive:
@@ -108,7 +120,7 @@ def test_the_next_slice_comes_only_after_the_last_was_seen() -> None:
                 stage.say(id=i, **SLICE)
                 stage.say(type="seen", id=i)  # of what never came
             stage.fields.go.release()
-            await asyncio.sleep(0.05)
+            await settle()
             assert stage.fields.begun == [1]
             stage.say(type="seen", id=1)
             await settle()
@@ -144,7 +156,7 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
             stage.fields.go.release()
             await settle()
             stage.say(type="seen", id=1)
-            await asyncio.sleep(0.05)
+            await settle()
             stage.hub.put("state", msgpack.packb({"type": "state"}) or b"")
             await settle()
             assert stage.fields.begun == [1]
@@ -155,8 +167,26 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
             stage.say(type="seen", id=1)
             stage.say(type="hide", what="slice")
             stage.hub.drive_by(drive(3.0))
-            await asyncio.sleep(0.05)
+            await settle()
             assert stage.fields.begun == [1, 1]
+
+    asyncio.run(run())
+
+
+def test_a_slice_goes_on_when_a_server_that_was_lost_is_back() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.hub.drive_by(drive(1.0))
+            stage.say(id=1, **SLICE)
+            stage.fields.go.release()
+            await settle()
+            stage.say(type="seen", id=1)
+            stage.hub.lose("it has gone")
+            await settle()
+            stage.hub.drive_by(drive(2.0))
+            stage.fields.go.release()
+            await settle()
+            assert [s["time"] for s in stage.of("slice")] == [1.0, 2.0]
 
     asyncio.run(run())
 
@@ -171,7 +201,7 @@ def test_what_was_hidden_is_shown_when_it_is_asked_for_again() -> None:
                 await settle()
                 stage.say(type="seen", id=1)
                 stage.say(type="hide", what="slice")
-                await asyncio.sleep(0.05)
+                await settle()
                 assert len(stage.of("slice")) == times
 
     asyncio.run(run())
@@ -225,7 +255,7 @@ def test_a_page_that_goes_in_the_middle_of_a_slice_leaves_nothing() -> None:
 
 
 def test_nothing_piles_up_for_a_page_that_is_slow() -> None:
-    async def run() -> None:
+    async def main() -> None:
         async with staged() as slow:
             other = slow.hub.join(lambda: None)
             slow.room.clear()
@@ -239,4 +269,41 @@ def test_nothing_piles_up_for_a_page_that_is_slow() -> None:
             assert told[-1] == 4999
             assert len(told) <= 2
 
-    asyncio.run(run())
+    asyncio.run(main())
+
+
+def test_a_socket_that_is_not_read_holds_up_no_other_and_keeps_little() -> None:
+    count, size = 1000, 1 << 16
+
+    async def heard(page: ClientConnection) -> int:
+        """States until the last one."""
+        for number in range(1, count + 1):
+            message = msgpack.unpackb(await page.recv())
+            while message["type"] != "state":
+                message = msgpack.unpackb(await page.recv())
+            if message["sequence"] == count - 1:
+                return number
+        raise AssertionError("the last one did not come")
+
+    async def main() -> None:
+        hub, ended = Hub(), asyncio.Event()
+        with run.bound("127.0.0.1", 0) as listening:
+            host = f"127.0.0.1:{listening.getsockname()[1]}"
+            fields: Any = Slow()
+            serving = asyncio.create_task(run._serve(app(hub, fields, "key"), listening, ended))
+            opening = {"origin": f"http://{host}", "max_queue": 1, "compression": None}
+            url = f"ws://{host}/feed?token=key"
+            async with connect(url, **opening) as slow, connect(url, **opening) as page:
+                while len(hub.views) < 2:
+                    await asyncio.sleep(0)
+                hearing = asyncio.create_task(heard(page))
+                for i in range(count):
+                    state = {"type": "state", "sequence": i, "bulk": bytes(size)}
+                    hub.put("state", msgpack.packb(state) or b"")
+                    await settle()
+                await hearing
+                assert await heard(slow) < count / 2
+            ended.set()
+            await serving
+
+    asyncio.run(main())

@@ -17,13 +17,12 @@ from PIL import Image
 import pacinian as pc
 from pacinian.testing.server import serving
 
-from .browser import Game, chromium, seen
-from .conftest import SETTINGS
+from .browser import seen
+from .conftest import SETTINGS, Game
 from .test_live import gains
 from .watching import Page, viewer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from playwright.sync_api import Browser, WebSocketRoute
@@ -32,24 +31,11 @@ if TYPE_CHECKING:
 
     from .browser import Seen
 
+pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("patient")]
+
 ARRAY = pc.autd(1, 1)
 AIR = pc.Air()
 TINY = 480, 400  # [px]
-
-
-pytestmark = pytest.mark.timeout(300)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[Running]:
-    with serving(SETTINGS) as running:
-        yield running
 
 
 def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Running) -> None:

@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, Any
 import msgpack
 import pytest
 
-from pacinian.testing.server import serving
-
-from .browser import LIMIT, Game, chromium, seen, status
-from .conftest import SETTINGS
-from .watching import viewer
+from .browser import seen, status
+from .conftest import Game
+from .watching import LIMIT, viewer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from playwright.sync_api import Browser, WebSocketRoute
@@ -25,7 +22,8 @@ if TYPE_CHECKING:
 
     from .browser import Seen
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("patient")]
+
 REACHED = {
     "record", "arm", "stop", "solver", "backend", "technique", "intensity", "slice-on", "axis", "slice-at",
     "slice-mm", "slice-size", "scale", "surface-on", "level", "home", "help", "canvas",
@@ -60,18 +58,6 @@ CONTRAST = """() => {
     }
     return poor;
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[Running]:
-    with serving(SETTINGS) as running:
-        yield running
 
 
 def test_a_solver_is_switched_and_the_server_follows(
@@ -151,6 +137,7 @@ def test_who_closes_an_armed_page_lets_go(browser: Browser, url: str, server: Ru
     while now().armed:
         assert time.monotonic() < end
         time.sleep(0.05)
+    assert now().owner == ""  # it let go: its lease has not run out
 
 
 def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
@@ -186,7 +173,7 @@ def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
 
 
 def test_a_recording_is_made_and_gone_through(
-    browser: Browser, url: str, server: Running, tmp_path: Path
+    browser: Browser, url: str, server: Running, folder: Path
 ) -> None:
     with seen(browser, url) as shown:
         with Game(server.connection):
@@ -196,7 +183,7 @@ def test_a_recording_is_made_and_gone_through(
             shown.page.wait_for_timeout(500)
         shown.page.click("#record")
         shown.until(lambda: shown.text("#record") == "Record")
-    (file,) = tmp_path.glob("*.feed")
+    (file,) = folder.glob("*.feed")
     with viewer(recording=file) as replayed, seen(browser, replayed) as shown:
         page = shown.page
         assert page.is_visible("#replay")

@@ -333,14 +333,18 @@ def test_a_file_that_cannot_be_read_any_more_does_not_end_the_player(feed: Path)
 
 
 def test_a_player_waits_while_it_is_paused(feed: Path) -> None:
+    async def settle() -> None:
+        for _ in range(20):
+            await asyncio.sleep(0)
+
     async def run() -> None:
         shown = Shown(feed)
         shown.player.playing = False
         playing = asyncio.create_task(shown.player.run())
-        await asyncio.sleep(0.05)
+        await settle()
         assert shown.player.time == 0.0
         shown.hub.ask(0, Replay(time=3.0))
-        await asyncio.sleep(0.05)
+        await settle()
         told = {kind: msgpack.unpackb(data) for kind, data in shown.view.take()}
         assert told["state"]["sequence"] == 30
         playing.cancel()

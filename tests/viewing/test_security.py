@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-@pytest.fixture
-def url(tmp_path: Path) -> Iterator[str]:
-    with viewer(tmp_path / "no server") as address:
+@pytest.fixture(scope="module")
+def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with viewer(tmp_path_factory.mktemp("none") / "no server") as address:
         yield address
 
 

@@ -23,6 +23,8 @@ from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
 from pacinian.viewing.slices import Fields, grid, interpolated, pressure
 
+from .watching import LIMIT
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -74,20 +76,22 @@ def test_pressures_are_those_of_the_reference_and_nan_on_a_transducer() -> None:
     assert np.isnan(found[len(found) // 2])
 
 
-def test_a_fine_slice_is_interpolated(fields: Fields) -> None:
-    fine = msgspec.structs.replace(HERE, shape=(120, 160))
-    (found,) = computed(fields, fine)
-    assert found == interpolated(DRIVE.model.packed, DRIVE.gains, grid(fine))
-    wanted = np.frombuffer(exactly(fine), "<f4")
-    assert np.abs(np.frombuffer(found or b"", "<f4") - wanted).max() < 2e-3 * wanted.max()
+def workers() -> list[psutil.Process]:
+    found = list[psutil.Process]()
+    for child in psutil.Process().children():
+        with contextlib.suppress(psutil.Error):  # it has just ended
+            if "spawn_main" in " ".join(child.cmdline()):
+                found.append(child)
+    return found
 
 
 @pytest.fixture
-def fields() -> Iterator[Fields]:
+def fields(monkeypatch: pytest.MonkeyPatch) -> Iterator[Fields]:
+    monkeypatch.setattr(slices, "CALM", 1)  # no test waits for an idle machine
     made = Fields()
     yield made
     made.close()
-    assert not psutil.wait_procs(workers(), 30.0)[1]
+    assert not psutil.wait_procs(workers(), LIMIT)[1]
 
 
 def computed(fields: Fields, *asked: Any, wanted: Any = lambda: True) -> list[bytes | None]:
@@ -98,16 +102,7 @@ def computed(fields: Fields, *asked: Any, wanted: Any = lambda: True) -> list[by
     return asyncio.run(run())
 
 
-def workers() -> list[psutil.Process]:
-    found = list[psutil.Process]()
-    for child in psutil.Process().children():
-        with contextlib.suppress(psutil.Error):  # it has just ended
-            if "spawn_main" in " ".join(child.cmdline()):
-                found.append(child)
-    return found
-
-
-def test_another_process_computes_it_by_parts(
+def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
     fields: Fields, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = exactly(HERE)
@@ -122,7 +117,10 @@ def test_another_process_computes_it_by_parts(
 
     assert computed(fields, HERE, wanted=twice) == [None]
     assert len(asked) == 3  # of four parts
-    assert len(workers()) == 1
+    (worker,) = workers()
+    if os.name == "posix":
+        assert worker.nice() == psutil.Process().nice() + 1
+        assert os.getsid(worker.pid) == worker.pid
 
 
 def test_silence_takes_no_process(fields: Fields) -> None:
@@ -132,21 +130,18 @@ def test_silence_takes_no_process(fields: Fields) -> None:
     assert not workers()
 
 
-def test_a_process_that_is_killed_is_replaced_and_ends_with_the_rest(fields: Fields) -> None:
-    (whole,) = computed(fields, HERE)
+def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
+    fields: Fields,
+) -> None:
+    fine = msgspec.structs.replace(HERE, shape=(120, 160))
+    (found,) = computed(fields, fine)
+    assert found == interpolated(DRIVE.model.packed, DRIVE.gains, grid(fine))
+    wanted = np.frombuffer(exactly(fine), "<f4")
+    assert np.abs(np.frombuffer(found or b"", "<f4") - wanted).max() < 2e-3 * wanted.max()
     (worker,) = workers()
     os.kill(worker.pid, signal.SIGKILL)
-    assert computed(fields, HERE) == [whole]
+    assert computed(fields, fine) == [found]
     (other,) = workers()
     assert other.pid != worker.pid
     fields.close()
-    other.wait(30.0)
-
-
-@pytest.mark.skipif(os.name != "posix", reason="priorities are of POSIX")
-def test_it_gives_way_to_all_others(fields: Fields, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slices, "CALM", 7)
-    computed(fields, HERE)
-    (worker,) = workers()
-    assert worker.nice() == psutil.Process().nice() + 7
-    assert os.getsid(worker.pid) == worker.pid
+    other.wait(LIMIT)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-LIMIT = 30.0  # [s]
+LIMIT = 60.0  # [s] ends a test that hangs
 
 
 @contextlib.contextmanager
@@ -59,7 +59,7 @@ def viewer(
 
 
 class Page:
-    """What a page hears. newest: of each type. counts: by type. All that came last is in `heard`."""
+    """What a page hears. newest: of each type. counts: by type. refusals: but those of `catch_up`."""
 
     def __init__(self, url: str, **options: Any) -> None:
         parts = urlsplit(url)
@@ -69,6 +69,7 @@ class Page:
             max_size=None,
             compression=None,
             ping_interval=None,
+            open_timeout=LIMIT,
             close_timeout=0.2,  # one that does not read on waits for the answer so long
             **options,
         )
@@ -78,7 +79,8 @@ class Page:
         self.newest: dict[str, Any] = {}
         self.counts: Counter[str] = Counter()
         self.objects: dict[str, Any] = {}
-        self.acknowledges = True
+        self.refusals: list[dict[str, Any]] = []
+        self._answers = 0
 
     def say(self, kind: str, **fields: Any) -> None:
         self.socket.send(msgpack.packb({"type": kind, **fields}) or b"")
@@ -95,27 +97,37 @@ class Page:
         if kind == "scenery":
             self.objects |= message["objects"]
             self.objects = {n: o for n, o in self.objects.items() if n in message["poses"]}
-        if kind in ("slice", "volume") and self.acknowledges:
+        if kind in ("slice", "volume"):
             self.say("seen", id=message["id"])
+        if kind == "refused" and message["action"] == "replay":
+            self._answers += 1
+        elif kind == "refused":
+            self.refusals.append(message)
         return message
 
-    def until(self, what: Callable[[], object], limit: float = LIMIT) -> None:
+    def until(self, what: Callable[[], object]) -> None:
         """Listen until something is so."""
-        end = time.monotonic() + limit
+        end = time.monotonic() + LIMIT
         while not what():
             assert time.monotonic() < end, (self.counts, self.newest.get("state"))
             self.hear(0.1)
 
-    def next(self, kind: str, limit: float = LIMIT) -> dict[str, Any]:
+    def next(self, kind: str) -> dict[str, Any]:
         """The next message of a type."""
         before = self.counts[kind]
-        self.until(lambda: self.counts[kind] > before, limit)
+        self.until(lambda: self.counts[kind] > before)
         return dict(self.newest[kind])
 
-    def listen(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            self.hear(min(left, 0.1))
+    @property
+    def output(self) -> str:
+        """What the newest state says of it; "" before the first."""
+        return str(self.newest.get("state", {}).get("output", ""))
+
+    def catch_up(self) -> None:
+        """Listen until the viewer has taken all that was said: what it had to tell this page has come, too."""
+        before = self._answers
+        self.say("replay")  # which a viewer of a server refuses at once
+        self.until(lambda: self._answers > before)
 
     def __enter__(self) -> Self:
         return self

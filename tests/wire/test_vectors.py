@@ -23,19 +23,14 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 MADE = vectors()
 FILES = {name: json.loads((HERE / f"{name}.json").read_text(encoding="utf-8")) for name in MADE}
-VALID = [v for name in FILES if name != "malformed" for v in FILES[name]]
 
 
-def named(made: list[dict[str, Any]]) -> list[Any]:
-    return [pytest.param(vector, id=vector["name"]) for vector in made]
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_the_files_are_what_is_written(name: str, tmp_path: Path) -> None:
+def test_the_files_are_what_is_written(tmp_path: Path) -> None:
     main(tmp_path)
-    published = (HERE / f"{name}.json").read_bytes()
-    assert published == (tmp_path / f"{name}.json").read_bytes()
-    assert published.decode() == text(MADE[name])
+    for name, made in MADE.items():
+        published = (HERE / f"{name}.json").read_bytes()
+        assert published == (tmp_path / f"{name}.json").read_bytes()
+        assert published.decode() == text(made)
 
 
 def held(value: object) -> set[type]:
@@ -94,14 +89,6 @@ def test_every_field_is_in_them_with_something_in_it() -> None:
         assert any(name == found for _, found in seen), name
 
 
-@pytest.mark.parametrize("vector", named(VALID))
-def test_an_independent_reader_reads_the_same(vector: dict[str, Any]) -> None:
-    value = msgpack.unpackb(bytes.fromhex(vector["hex"]), strict_map_key=True)
-    assert list(lines(value)) == vector["value"]
-    message = DECODE[vector["socket"]](bytes.fromhex(vector["hex"]))
-    assert encode(message).hex() == vector.get("meant", vector["hex"])
-
-
 def write(value: list[str]) -> bytes:
     """Bytes from lines alone, by the rules of the README: a writer in another language, as it were."""
     out = bytearray()
@@ -148,25 +135,30 @@ def integer(value: int) -> bytes:
     return bytes([0xCC + "BHIQ".index(form)]) + struct.pack(f">{form}", value)
 
 
-@pytest.mark.parametrize(
-    "vector", named([v for n in ("command", "control", "reply", "state") for v in FILES[n]])
-)
-def test_the_lines_alone_make_the_bytes(vector: dict[str, Any]) -> None:
-    assert write(vector["value"]).hex() == vector["hex"]
+@pytest.mark.parametrize("name", [name for name in FILES if name != "malformed"])
+def test_an_independent_reader_and_writer_agree_with_ours(name: str) -> None:
+    for vector in FILES[name]:
+        data = bytes.fromhex(vector["hex"])
+        value = msgpack.unpackb(data, strict_map_key=True)
+        assert list(lines(value)) == vector["value"], vector["name"]
+        message = DECODE[vector["socket"]](data)
+        assert encode(message).hex() == vector.get("meant", vector["hex"]), vector["name"]
+        if name != "tolerated":
+            assert write(vector["value"]) == data, vector["name"]
 
 
-@pytest.mark.parametrize("vector", named(FILES["malformed"]))
+@pytest.mark.parametrize("vector", FILES["malformed"], ids=lambda vector: vector["name"])
 def test_what_is_malformed_is_refused_with_its_path(vector: dict[str, Any]) -> None:
     with pytest.raises(WireError) as caught:
         DECODE[vector["socket"]](bytes.fromhex(vector["hex"]))
     assert caught.value.path == vector["path"]
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_the_files_are_flat(name: str) -> None:
-    for vector in FILES[name]:
-        for value in vector.values():
-            assert isinstance(value, str) or all(isinstance(line, str) for line in value)
-            assert "\n" not in "".join(value)
-    names = [(vector["socket"], vector["name"]) for vector in FILES[name]]
-    assert len(set(names)) == len(names)
+def test_the_files_are_flat() -> None:
+    for file in FILES.values():
+        for vector in file:
+            for value in vector.values():
+                assert isinstance(value, str) or all(isinstance(line, str) for line in value)
+                assert "\n" not in "".join(value)
+        names = [(vector["socket"], vector["name"]) for vector in file]
+        assert len(set(names)) == len(names)

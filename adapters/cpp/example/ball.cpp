@@ -1,5 +1,5 @@
-// A ball, and a hand that moves through it: connects, plays for a while, tells in a line of JSON how that went, and
-// plays on until it is killed. Arguments, each optional: connection file, seconds, solver and backend to change to.
+// A ball, and a hand that moves through it: connects, plays for a while, and tells in a line of JSON how that went; then
+// plays on until it is killed, and tells of each stretch. Arguments, each optional: connection file, seconds, solver and backend to change to.
 
 #include <algorithm>
 #include <chrono>
@@ -17,7 +17,7 @@ namespace {
 namespace wire = pacinian::wire;
 
 constexpr double rate = 90.0;    // [Hz]
-constexpr double patience = 30;  // [s] until it is felt
+constexpr double patience = 60;  // [s] until it is felt
 constexpr double height = 0.2;   // [m] of the ball above the array
 
 wire::Volume ball() {
@@ -172,8 +172,9 @@ int main(int count, char** arguments) {
   play.frames(0.3 * seconds);
   play.change();
   play.frames(0.3 * seconds);
-  play.count();
-  play.frames(0.4 * seconds);
-  play.tell();
-  play.frames(1e9);
+  for (;;) {
+    play.count();
+    play.frames(0.4 * seconds);
+    play.tell();
+  }
 }

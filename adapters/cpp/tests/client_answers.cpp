@@ -1,18 +1,19 @@
 // A game that does what its standard input says, a command a line, and tells what happens in lines of JSON.
-// Arguments: connection file (-: the default), lease [s] (0: the server's), scene.
+// Arguments, all but the first optional: connection file (-: the default), lease [s] (0: the server's), life of a command
+// [s], timeout of an answer [s].
 
 #include <poll.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdlib>
+#include <mutex>
 #include <sstream>
 #include <thread>
 
 #include "client_driver.h"
 #include "client_scene.h"
-#include "client_spent.h"
 
 namespace {
 
@@ -29,6 +30,46 @@ void event(const char* what, const Refusal& why) {
        {"path", why.path}});
 }
 
+/// A clock at which the client's own thread stands still for as long as the game wants.
+class Clock {
+ public:
+  double now() {
+    if (std::this_thread::get_id() != game_) {
+      std::unique_lock<std::mutex> guard(lock_);
+      if (worker_ == std::thread::id()) worker_ = std::this_thread::get_id();  // the first that asks
+      if (worker_ == std::this_thread::get_id() && held_) {
+        stands_ = true;
+        changed_.notify_all();
+        changed_.wait(guard, [this] { return !held_; });
+        stands_ = false;
+      }
+    }
+    return pacinian::steady_clock();
+  }
+
+  /// Back when that thread stands still.
+  void hold() {
+    std::unique_lock<std::mutex> guard(lock_);
+    held_ = true;
+    changed_.wait(guard, [this] { return stands_; });
+  }
+
+  void release() {
+    const std::lock_guard<std::mutex> guard(lock_);
+    held_ = false;
+    changed_.notify_all();
+  }
+
+ private:
+  const std::thread::id game_ = std::this_thread::get_id();
+  std::thread::id worker_;
+  std::mutex lock_;
+  std::condition_variable changed_;
+  bool held_ = false, stands_ = false;
+};
+
+Clock clock_of_both;
+
 class Game {
  public:
   explicit Game(pacinian::Options options) : client_(std::move(options)) {
@@ -41,12 +82,12 @@ class Game {
   /// One frame.
   void step() {
     if (!ticks_) return;
-    timed([this] { client_.tick(); });
+    client_.tick();
     if (!waves_) return;
     hands_.resize(1);
     const double phase = 3.14159265358979 * client_.now();
     scene::place_hand(hands_[0], static_cast<float>(0.02 * std::sin(phase)), 0.0F, 0.2F);
-    timed([this] { client_.hands(hands_); });
+    client_.hands(hands_);
   }
 
   /// Does what a line says. False at the end.
@@ -61,36 +102,33 @@ class Game {
     if (what == "end") return false;
     bool done = true;
     if (what == "put") {
-      timed([&] { done = client_.put(name, scene::point(n[0], n[1], n[2], n[3])); });
+      done = client_.put(name, scene::point(n[0], n[1], n[2], n[3]));
     } else if (what == "heavy") {
       wire::Object object = scene::rain(static_cast<int>(n[0]));
-      timed([&] { done = client_.put(name, std::move(object)); });
+      done = client_.put(name, std::move(object));
     } else if (what == "move") {
-      timed([&] { done = client_.move(name, scene::pose(n[0], n[1], n[2])); });
+      done = client_.move(name, scene::pose(n[0], n[1], n[2]));
     } else if (what == "envelope") {
       wire::Sine sine;
       sine.frequency = n[0];
-      timed([&] { done = client_.envelope(name, sine); });
+      done = client_.envelope(name, sine);
     } else if (what == "quiet") {
       wire::Zone zone;
       zone.position = {n[0], n[1], n[2]};
       zone.pressure = n[3];
-      timed([&] { done = client_.quiet({zone}); });
+      done = client_.quiet({zone});
     } else if (what == "field") {
       const auto point = scene::floats(n);
-      timed([&] { done = client_.field({point}, felt); });
+      done = client_.field({point}, felt);
     } else if (what == "solver" || what == "backend" || what == "intensity") {
       wire::Select choice;
       if (what == "solver") choice.solver.emplace().name = name;
       if (what == "backend") choice.backend.emplace().name = name;
       if (what == "intensity") choice.intensity = number;
-      timed([&] { done = client_.select(std::move(choice)); });
-    } else if (what == "freeze") {
-      std::this_thread::sleep_for(std::chrono::duration<double>(number));
+      done = client_.select(std::move(choice));
     } else {
-      timed([&] { done = simple(what, name); });
+      done = simple(what, name);
     }
-    if (what == "warm") longest_ = 0.0;
     say({{"did", what}, {"done", done}, {"time", client_.now()}});
     return true;
   }
@@ -100,7 +138,11 @@ class Game {
     if (what == "start") client_.start();
     if (what == "stop") client_.stop();
     if (what == "dispose") client_.close();
+    if (what == "hold") clock_of_both.hold();
+    if (what == "release") clock_of_both.release();
     if (what == "wave") waves_ = name == "on";
+    if (what == "lose") waves_ = false, hands_.clear();
+    if (what == "lose") return client_.hands(hands_);
     if (what == "tick") ticks_ = name == "on";
     if (what == "remove") return client_.remove(name);
     if (what == "clear") return client_.clear();
@@ -113,13 +155,6 @@ class Game {
     say({{"field", pressures.empty() ? std::int64_t{-1} : static_cast<std::int64_t>(pressures.size())}});
   }
 
-  template <class Act>
-  void timed(Act act) {
-    const driver::Spent spent;
-    act();
-    longest_ = std::max(longest_, spent.seconds());
-  }
-
   void tell() {
     static const wire::State none;
     const bool some = client_.state() != nullptr;
@@ -130,18 +165,18 @@ class Game {
     say({{"status", statuses[static_cast<int>(client_.status())]},
          {"problem", client_.problem()}, {"armed", client_.armed()}, {"owner", client_.owner()},
          {"lease", client_.lease()}, {"latency", client_.latency()}, {"scene", client_.scene()},
-         {"server", client_.server()}, {"offset", client_.offset()}, {"longest", longest_},
+         {"server", client_.server()}, {"offset", client_.offset()},
          {"time", client_.now()}, {"solvers", count(abilities, abilities ? abilities->solvers.size() : 0)},
          {"output", some ? std::string(output) : ""}, {"objects", count(some, state.objects.size())},
          {"solver", state.solver}, {"backend", state.backend}, {"intensity", some ? state.intensity : -1.0},
-         {"points", count(some, state.points.size() / 12)}, {"sequence", some ? state.sequence : -1},
+         {"points", count(some, state.points.size() / 12)},
+         {"hands", count(some, state.hands.size() / 312)}, {"sequence", some ? state.sequence : -1},
          {"age", some ? client_.age(state) : -1.0}});
   }
 
   Client client_;
   std::vector<wire::HandFrame> hands_;
   bool ticks_ = true, waves_ = false;
-  double longest_ = 0.0;
 };
 
 /// Adds what has come on standard input within a time [s]; false at its end.
@@ -162,6 +197,8 @@ int main(int count, char** arguments) {
   if (count > 1 && std::string(arguments[1]) != "-") options.connection_path = arguments[1];
   if (count > 2 && std::atof(arguments[2]) > 0.0) options.lease = std::atof(arguments[2]);
   if (count > 3) options.life = std::atof(arguments[3]);
+  if (count > 4) options.timeout = std::atof(arguments[4]);
+  options.clock = [] { return clock_of_both.now(); };
   Game game(std::move(options));
   std::string waiting;
   for (double due = pacinian::steady_clock();;) {

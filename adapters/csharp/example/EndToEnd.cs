@@ -8,8 +8,8 @@ namespace Pacinian.Example
 {
     /// <summary>
     /// From nothing to a hand that feels a ball: connects, puts it, moves the hand at 90 Hz, swaps solver and backend, reads
-    /// back what is emitted, prints one line of JSON, and goes on until it is killed. Arguments: connection file
-    /// (-: the default), for how long the hand moves before that [s].
+    /// back what is emitted, and prints a line of JSON; then it goes on until it is killed, and prints one for each stretch.
+    /// Arguments: connection file (-: the default), for how long the hand moves before the first line [s].
     /// </summary>
     internal sealed class EndToEnd
     {
@@ -67,11 +67,17 @@ namespace Pacinian.Example
             }
             Until(() => _client.State.Solver == _solver && _client.State.Backend == _backend
                 && _client.State.Output == Output.Sounding && _client.State.Points.Count > 0);
-            Console.Out.WriteLine(Report());
-            Console.Out.Flush();
             while (true) // until it is killed
             {
-                Step(0.0);
+                Console.Out.WriteLine(Report());
+                Console.Out.Flush();
+                _steady = 0;
+                _bytes = _workerBytes = 0;
+                begin = _client.Now;
+                while (_client.Now - begin < (Swaps - Steady) * _seconds)
+                {
+                    Step(Steady);
+                }
             }
         }
 

@@ -10,7 +10,8 @@ namespace Pacinian.Tests
 {
     /// <summary>
     /// A game that does what its standard input says, a command a line, and tells what happens on its standard output,
-    /// a JSON object a line. Arguments: connection file (-: the default), lease [s] (0: the server's), scene.
+    /// a JSON object a line. Arguments: connection file (-: the default), lease [s] (0: the server's), life of a command [s],
+    /// timeout of an answer [s].
     /// </summary>
     internal sealed class ClientDriver
     {
@@ -20,11 +21,15 @@ namespace Pacinian.Tests
         private HapticClient _client;
         private readonly List<HandFrame> _hands = new List<HandFrame>();
         private readonly OpenHand _hand = new OpenHand();
-        private readonly ClientSpent _spent = new ClientSpent();
+        private readonly Func<double> _steady;
+        private readonly ManualResetEvent _held = new ManualResetEvent(true);
+        private readonly AutoResetEvent _stands = new AutoResetEvent(false);
         private bool _ends, _still, _waves;
 
         private ClientDriver(Options options)
         {
+            _steady = options.Clock;
+            options.Clock = Clock;
             _client = new HapticClient(options);
             _client.Connected += () => Event("connected", "", "", "");
             _client.Lost += why => Event("lost", "", why, "");
@@ -39,6 +44,7 @@ namespace Pacinian.Tests
                 ConnectionPath = arguments[0] == "-" ? "" : arguments[0],
                 Lease = Number(arguments[1]),
                 Life = Number(arguments[2]),
+                Timeout = Number(arguments[3]),
                 Name = "driver",
             }).Run();
             return 0;
@@ -66,13 +72,13 @@ namespace Pacinian.Tests
 
         private void Step()
         {
-            Timed(_client.Tick);
+            _client.Tick();
             if (_waves)
             {
                 double now = _client.Now;
                 _hands.Clear();
                 _hands.Add(_hand.At(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * now), 0.0, 0.2));
-                Timed(() => _client.Hands(_hands));
+                _client.Hands(_hands);
             }
         }
 
@@ -82,29 +88,30 @@ namespace Pacinian.Tests
             bool done = true;
             switch (words[0])
             {
-                case "start": Timed(_client.Start); break;
-                case "put": Timed(() => done = _client.Put(name, Point(words))); break;
-                case "heavy": Timed(() => done = _client.Put(name, Rain((int)Number(words[2])))); break;
-                case "move": Timed(() => done = _client.Move(name, To(words))); break;
-                case "remove": Timed(() => done = _client.Remove(name)); break;
-                case "clear": Timed(() => done = _client.Clear()); break;
-                case "envelope": Timed(() => done = _client.Envelope(name, new Sine { Frequency = Number(words[2]) })); break;
-                case "quiet": Timed(() => done = _client.Quiet(Zones(words))); break;
+                case "start": _client.Start(); break;
+                case "put": done = _client.Put(name, Point(words)); break;
+                case "heavy": done = _client.Put(name, Rain((int)Number(words[2]))); break;
+                case "move": done = _client.Move(name, To(words)); break;
+                case "remove": done = _client.Remove(name); break;
+                case "clear": done = _client.Clear(); break;
+                case "envelope": done = _client.Envelope(name, new Sine { Frequency = Number(words[2]) }); break;
+                case "quiet": done = _client.Quiet(Zones(words)); break;
                 case "wave": _waves = name == "on"; break;
-                case "lose": _waves = false; _hands.Clear(); Timed(() => done = _client.Hands(_hands)); break;
-                case "arm": Timed(() => done = _client.Arm(name == "take")); break;
-                case "disarm": Timed(() => done = _client.Disarm()); break;
-                case "stop": Timed(_client.Stop); break;
-                case "reset": Timed(() => done = _client.Reset()); break;
-                case "solver": Timed(() => done = _client.Select(new Choice { Name = name })); break;
-                case "backend": Timed(() => done = _client.Select(backend: new Choice { Name = name })); break;
-                case "intensity": Timed(() => done = _client.Select(intensity: Number(name))); break;
-                case "field": Timed(() => done = _client.Field(Points(words), Felt)); break;
+                case "lose": _waves = false; _hands.Clear(); done = _client.Hands(_hands); break;
+                case "arm": done = _client.Arm(name == "take"); break;
+                case "disarm": done = _client.Disarm(); break;
+                case "stop": _client.Stop(); break;
+                case "reset": done = _client.Reset(); break;
+                case "solver": done = _client.Select(new Choice { Name = name }); break;
+                case "backend": done = _client.Select(backend: new Choice { Name = name }); break;
+                case "intensity": done = _client.Select(intensity: Number(name)); break;
+                case "field": done = _client.Field(Points(words), Felt); break;
                 case "tick": _still = name == "off"; break;
-                case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
-                case "dispose": Timed(_client.Dispose); break;
+                case "freeze": Freeze(); break;
+                case "hold": _held.Reset(); _stands.WaitOne(); break;
+                case "release": _held.Set(); break;
+                case "dispose": _client.Dispose(); break;
                 case "status": Tell(); return;
-                case "warm": _spent.Longest = 0.0; break;
                 case "forget": Forget(); break;
                 case "end": _ends = true; break;
                 default: throw new ArgumentException(words[0]);
@@ -120,7 +127,7 @@ namespace Pacinian.Tests
             ClientJson.Say(
                 "status", _client.Status, "problem", _client.Problem, "armed", _client.Armed, "owner", _client.Owner,
                 "lease", _client.Lease, "latency", _client.Latency, "scene", _client.Scene, "server", _client.Server,
-                "offset", _client.Offset, "longest", _spent.Longest, "time", _client.Now,
+                "offset", _client.Offset, "time", _client.Now,
                 "solvers", abilities == null ? -1 : abilities.Solvers.Count, "age", seen ? _client.Age(state) : -1.0,
                 "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
                 "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
@@ -132,6 +139,26 @@ namespace Pacinian.Tests
             ClientJson.Say("field", answer == null ? -1 : answer.Values.Count / 8, "time", _client.Now);
         }
 
+        /// <summary>The game's thread stands still until it is told something.</summary>
+        private void Freeze()
+        {
+            while (_lines.IsEmpty)
+            {
+                Thread.Sleep(1);
+            }
+        }
+
+        /// <summary>At which the client's own thread stands still between "hold" and "release".</summary>
+        private double Clock()
+        {
+            if (Thread.CurrentThread.Name == "Pacinian" && !_held.WaitOne(0))
+            {
+                _stands.Set();
+                _held.WaitOne();
+            }
+            return _steady();
+        }
+
         private void Forget()
         {
             _still = true;
@@ -139,13 +166,6 @@ namespace Pacinian.Tests
             Thread.Sleep(20);
             GC.Collect();
             GC.WaitForPendingFinalizers();
-        }
-
-        private void Timed(Action call)
-        {
-            _spent.Begin();
-            call();
-            _spent.End();
         }
 
         private void Read()

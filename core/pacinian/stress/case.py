@@ -21,7 +21,7 @@ from pacinian.solving.problem import Limits, Targets
 from pacinian.stress.reference import Reference
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
@@ -40,6 +40,7 @@ class Case:
 
     name: "family: what is hard". history: points (M, 3) [m] and amplitudes (M,) [Pa] that the same
     session solved before. refused: the error that is the right answer. slow: left out of a quick run.
+    clock: of the session and of what is told of its time [s]; for tests.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Case:
     history: Sequence[tuple[Floats, ArrayLike]] = ()
     refused: type[PacinianError] | None = None
     slow: bool = False
+    clock: Callable[[], float] = time.perf_counter
 
     def __repr__(self) -> str:
         return f"<Case {self.name}>"
@@ -66,7 +68,9 @@ class Case:
 
     def solve(self, solver: str | Solver) -> Solution:
         """The last solution of a session that went through `history`. Raises what the session does."""
-        session = Session(self.array, self.medium, solver, precision=self.precision)
+        session = Session(
+            self.array, self.medium, solver, precision=self.precision, clock=self.clock
+        )
         for points, amplitudes in self.history:
             with suppress(PointOnTransducer):
                 session.solve(points, amplitudes, limits=self.limits, deadline=self.deadline)

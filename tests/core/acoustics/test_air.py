@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import contextlib
 import math
 from typing import Any
 
@@ -79,9 +78,22 @@ def test_absorption_is_1_32_decibels_a_metre_at_40_kilohertz() -> None:
     assert 20 * math.log10(math.exp(beta)) == pytest.approx(1.32, abs=5e-3)
 
 
-def test_absorption_follows_the_temperature_and_humidity_of_the_air() -> None:
+@given(st.floats(-20.0, 40.0), st.floats(0.05, 0.4), st.floats(1e3, 1e5), st.floats(0.5, 2.0))
+def test_absorption_grows_with_pressure_where_frequency_and_vapour_do_too(
+    temperature: float, humidity: float, frequency: float, k: float
+) -> None:
+    """Absorption over pressure depends only on frequency and vapour over pressure."""
+    here = iso_9613_1(frequency, temperature, humidity)
+    there = iso_9613_1(k * frequency, temperature, k * humidity, k * 101325.0)
+    assert there == pytest.approx(k * here, rel=1e-9)
+
+
+def test_absorption_follows_the_temperature_humidity_and_pressure_of_the_air() -> None:
     air = pc.Air(attenuation="absorbing", temperature=10.0, humidity=0.7)
     assert air.beta(3981.07) * 20 / math.log(10) == pytest.approx(32.8e-3, abs=5e-5)
+    high = pc.Air(attenuation="absorbing", temperature=5.0, humidity=0.3, ambient_pressure=7e4)
+    expected = iso_9613_1(40e3, 5.0, 0.3, 7e4)
+    assert high.beta(40e3) * 20 / math.log(10) == pytest.approx(expected)
 
 
 def test_in_thin_air_without_vapour_only_classical_and_nitrogen_absorption_remain() -> None:
@@ -117,37 +129,30 @@ def test_only_absorbing_air_absorbs_unless_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("argument", "value"),
-    [
-        (argument, value)
-        for argument, values in {
-            "temperature": (-80.1, 100.1, math.nan, "warm"),
-            "humidity": (-0.01, 1.01, 50.0, math.nan, None),
-            "ambient_pressure": (0.0, 1.0, 1e9, math.inf),
-            "speed_of_sound": (-1.0, math.nan, math.inf),
-            "density": (-1.0, math.nan, "light"),
-            "attenuation": ("spheric", -1.0, 9.0, math.nan, None),
-            "absorption": (-0.1, math.nan, math.inf, 1e4),
-        }.items()
-        for value in values
-    ],
+    ("argument", "values"),
+    {
+        "temperature": (-80.1, 100.1, math.nan),
+        "humidity": (-0.01, 1.01, None),
+        "ambient_pressure": (1.0, 1e9),
+        "speed_of_sound": (-1.0, math.inf),
+        "density": (-1.0, "light"),
+        "attenuation": ("spheric", -1.0, 9.0, math.nan, None),
+        "absorption": (-0.1, 1e4),
+    }.items(),
 )
-def test_a_bad_argument_is_refused_by_name(argument: str, value: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"`{argument}`") as caught:
-        pc.Air(**{argument: value})
-    assert caught.value.argument == argument
-    assert isinstance(caught.value, ValueError)
+def test_a_bad_argument_is_refused_by_name(argument: str, values: Any) -> None:
+    for value in values:
+        with pytest.raises(pc.ArgumentError, match=f"^`{argument}`") as caught:
+            pc.Air(**{argument: value})
+        assert caught.value.argument == argument
 
 
-@pytest.mark.parametrize("argument", ["temperature", "humidity", "speed_of_sound", "absorption"])
-def test_a_number_in_words_is_refused_or_understood(argument: str) -> None:
-    value = {"speed_of_sound": "343"}.get(argument, "0.5")
-    with contextlib.suppress(pc.ArgumentError):
-        air = pc.Air(**{argument: value}, attenuation="absorbing")
-        assert isinstance(air.beta(40e3), float)
-        assert isinstance(air.wavenumber(40e3), float)
+def test_a_number_given_as_text_is_kept_as_a_number() -> None:
+    given_as = {"temperature": "20", "humidity": "0.5", "speed_of_sound": "343", "absorption": "1"}
+    made: Any = pc.Air(**given_as)  # type: ignore[arg-type]
+    assert made == pc.Air(temperature=20.0, humidity=0.5, speed_of_sound=343.0, absorption=1.0)
 
 
 def test_vapour_of_more_than_the_ambient_pressure_is_refused() -> None:
-    with pytest.raises(pc.ArgumentError):
-        pc.Air(temperature=100.0, humidity=1.0, ambient_pressure=1e3)
+    with pytest.raises(pc.ArgumentError, match="boils"):
+        pc.Air(temperature=100.0, humidity=1.0, ambient_pressure=1e4)

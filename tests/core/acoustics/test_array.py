@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import contextlib
 import math
 from typing import Any
 
@@ -26,11 +25,6 @@ def test_an_autd_unit_has_249_transducers_on_a_grid_of_18_by_14_less_3() -> None
     np.testing.assert_allclose(r, grid, atol=1e-15)
 
 
-@pytest.mark.parametrize(("columns", "rows", "count"), [(1, 2, 498), (2, 3, 1494), (3, 3, 2241)])
-def test_units_are_counted(columns: int, rows: int, count: int) -> None:
-    assert len(pc.autd(columns, rows)) == count
-
-
 def test_units_are_192_0_by_151_4_millimetres_apart_along_x_then_y() -> None:
     units = pc.autd(3, 2).positions.reshape(6, 249, 3)
     one = pc.autd(1, 1).positions
@@ -39,22 +33,17 @@ def test_units_are_192_0_by_151_4_millimetres_apart_along_x_then_y() -> None:
         np.testing.assert_allclose(unit, one + shift, atol=1e-15)
 
 
-def test_nine_units_span_57_by_45_centimetres_of_board() -> None:
-    span = np.ptp(pc.autd(3, 3).positions, axis=0)
-    np.testing.assert_allclose(span[:2], [2 * 0.192 + 17 * PITCH, 2 * 0.1514 + 13 * PITCH])
-
-
 def test_autd_units_hold_t4010a1s_that_point_up() -> None:
     array = pc.autd()
     assert array.transducer == pc.T4010A1
     assert np.array_equal(array.normals, np.tile([0.0, 0.0, 1.0], (249, 1)))
 
 
-@pytest.mark.parametrize("value", [0, -1, 1.5, math.nan, math.inf, "two", None, True, 1001, [1]])
 @pytest.mark.parametrize("argument", ["columns", "rows"])
-def test_a_number_of_units_that_is_none_is_refused(argument: str, value: Any) -> None:
-    with pytest.raises(pc.ArgumentError):
-        pc.autd(**{argument: value})
+def test_a_number_of_units_that_is_none_is_refused(argument: str) -> None:
+    for value in (0, 1.5, "two", 1001):
+        with pytest.raises(pc.ArgumentError):
+            pc.autd(**{argument: value})
 
 
 def test_a_lattice_of_200_by_400_millimetres_has_861_transducers() -> None:
@@ -77,17 +66,17 @@ def test_a_lattice_is_symmetric_about_the_origin(columns: int, rows: int, pitch:
     )
 
 
-@pytest.mark.parametrize("value", [0.0, -0.1, math.nan, math.inf, 200.0, None, "wide"])
 @pytest.mark.parametrize("argument", ["width", "height", "pitch"])
-def test_a_lattice_of_no_size_or_in_millimetres_is_refused(argument: str, value: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
-        pc.lattice(**{"width": 0.1, "height": 0.1, argument: value})
+def test_a_lattice_of_no_size_or_in_millimetres_is_refused(argument: str) -> None:
+    for value in (0.0, 200.0):
+        with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
+            pc.lattice(**{"width": 0.1, "height": 0.1, argument: value})
 
 
-@pytest.mark.parametrize("pitch", [1e-5, 1e-300, 5e-324])
-def test_a_lattice_of_millions_is_refused(pitch: float) -> None:
+@pytest.mark.parametrize(("size", "pitch"), [(0.1, 1e-5), (0.1, 5e-324), (1.0, 5e-4)])
+def test_a_lattice_of_millions_is_refused(size: float, pitch: float) -> None:
     with pytest.raises(pc.ArgumentError, match="`pitch`"):
-        pc.lattice(0.1, 0.1, pitch)
+        pc.lattice(size, size, pitch)
 
 
 def test_folding_about_x_by_45_raises_each_half_by_45_degrees() -> None:
@@ -131,7 +120,7 @@ def test_the_normals_of_the_halves_point_to_each_other() -> None:
     np.testing.assert_allclose(normals[y < -1e-6], np.tile([0, s, s], (420, 1)), atol=1e-15)
 
 
-@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (0.3, 0.1, 0.7), (1e3, -1e3, 1e3)])
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (1e3, -1e3, 1e3)])
 def test_the_ridge_of_a_fold_points_straight_up_wherever_the_array_is(place: Any) -> None:
     flat = pc.lattice(0.2, 0.4)
     ridge = np.abs(flat.positions[:, 1]) < 1e-9
@@ -150,17 +139,13 @@ def test_folding_two_units_bends_them_between_the_boards() -> None:
     assert left.sum() == right.sum() == 249
 
 
-@pytest.mark.parametrize("hinge", ["z", "", None])
-def test_an_unknown_hinge_is_refused(hinge: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match="`hinge`"):
-        pc.lattice(0.1, 0.1).fold(hinge)
-
-
-@pytest.mark.parametrize("angle", [math.nan, math.inf, "half"])
-@pytest.mark.filterwarnings("ignore:invalid value")
-def test_a_fold_by_no_angle_is_refused(angle: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match="`angle`"):
-        pc.lattice(0.1, 0.1).fold("x", angle)
+@pytest.mark.parametrize(
+    ("argument", "given_as"),
+    [("hinge", ("z",)), ("hinge", (None,)), ("angle", ("x", math.nan)), ("angle", ("y", 181.0))],
+)
+def test_a_fold_that_cannot_be_is_refused(argument: str, given_as: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
+        pc.lattice(0.1, 0.1).fold(*given_as)
 
 
 def test_moved_places_positions_and_turns_normals() -> None:
@@ -209,31 +194,26 @@ def test_without_leaves_the_others_in_order(dead: Any) -> None:
     assert np.array_equal(array.without(dead).positions, expected)
 
 
-@pytest.mark.parametrize("dead", [[9], [-10], [1.5], [math.nan], "x", None, [2**70], [[0.0, 0.5]]])
+@pytest.mark.parametrize("dead", [[9], [-10], [1.5], "x", None, [2**70], [True] * 8, range(9)])
 def test_dead_transducers_that_are_no_indices_are_refused(dead: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="`dead`"):
         pc.lattice(0.02, 0.02).without(dead)
 
 
-def test_a_mask_of_dead_transducers_is_understood_or_refused() -> None:
+def test_dead_transducers_may_be_given_as_flags() -> None:
     array = pc.lattice(0.02, 0.02)
-    with contextlib.suppress(pc.ArgumentError):
-        rest = array.without(np.arange(9) == 4)
-        assert np.array_equal(rest.positions, np.delete(array.positions, 4, axis=0))
+    rest = array.without(np.arange(9) == 4)
+    assert np.array_equal(rest.positions, np.delete(array.positions, 4, axis=0))
 
 
-def test_an_array_without_any_transducer_is_refused() -> None:
-    with pytest.raises(pc.ArgumentError, match=r"`(dead|positions)`"):
-        pc.lattice(0.02, 0.02).without(range(9))
+def test_transducers_at_one_place_are_warned_of() -> None:
+    for second in ([0.0, 0.0, 0.0], [-0.0, 0.0, 0.0]):
+        with pytest.warns(pc.CoincidentTransducers, match="1 transducers share"):
+            pc.Array([[0.0, 0.0, 0.0], second])
+    pc.Array([[0.0, 0.0, 0.0], [1e-3, 0.0, 0.0]])  # a warning would be an error
 
 
-@pytest.mark.parametrize("second", [[0.0, 0.0, 0.0], [-0.0, 0.0, 0.0]])
-def test_transducers_at_one_place_are_warned_of(second: list[float]) -> None:
-    with pytest.warns(pc.CoincidentTransducers, match="1 transducers share"):
-        pc.Array([[0.0, 0.0, 0.0], second])
-
-
-@pytest.mark.parametrize("far", [2e7, 281474976710657.0, 1e308])
+@pytest.mark.parametrize("far", [2e7, 1e308])
 def test_an_array_so_far_from_the_origin_that_its_places_are_lost_is_refused(far: float) -> None:
     with pytest.raises(pc.ArgumentError, match=r"`positions` reach .* from the origin"):
         pc.lattice(0.1, 0.1).moved(pc.Pose((far, 0.0, 0.0)))
@@ -247,48 +227,18 @@ def test_an_array_in_a_game_s_far_corner_sounds_as_at_its_origin() -> None:
     np.testing.assert_allclose(moved.gains, solution.gains, atol=1e-5)
 
 
-def test_transducers_a_millimetre_apart_are_not_warned_of() -> None:
-    assert len(pc.Array([[0.0, 0, 0], [1e-3, 0, 0]])) == 2
-
-
 @pytest.mark.parametrize(
     "positions",
-    [
-        [],
-        np.empty((0, 3)),
-        [[0.0, 0.0]],
-        [0.0, 0.0, 0.0],
-        [[[0.0, 0.0, 0.0]]],
-        [[math.nan, 0, 0]],
-        [[0, 0, math.inf]],
-        [["a", "b", "c"]],
-        [[0, 0, 0], [0, 0]],
-        None,
-        [[0, 0, 0], [192.0, 0, 0]],  # in millimetres
-    ],
+    [[], [[0.0, 0.0]], [[math.nan, 0, 0]], [[0, 0, 1j]], [[0, 0, 0], [192.0, 0, 0]]],
+    ids=["none", "shape", "NaN", "complex", "millimetres"],
 )
 def test_bad_positions_are_refused(positions: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="`positions`"):
         pc.Array(positions)
 
 
-def test_complex_positions_are_refused() -> None:
-    with pytest.raises(pc.ArgumentError, match="`positions`"):
-        pc.Array(np.array([[0, 0, 1j]]))  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize(
-    "normals",
-    [
-        (0, 0, 0),
-        [[0, 0, 1], [0, 0, 0]],
-        (0, 0),
-        [[0, 0, 1]] * 3,
-        (0, 0, math.nan),
-        (math.inf, 0, 0),
-        "up",
-        None,
-    ],
+    "normals", [(0, 0, 0), [[0, 0, 1], [0, 0, 0]], [[0, 0, 1]] * 3, (0, 0, math.nan), None]
 )
 def test_bad_normals_are_refused(normals: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="`normals`"):
@@ -321,13 +271,4 @@ def test_one_transducer_is_an_array() -> None:
     array = pc.Array([[0.1, 0.2, 0.3]], (0, 1, 0))
     assert len(array) == 1
     assert array.centre.tolist() == [0.1, 0.2, 0.3]
-    np.testing.assert_allclose(
-        pc.field(array, [0.5], [[0.1, 0.7, 0.3]]),
-        [np.exp(-1j * 2 * np.pi * 0.5 / 8.5e-3)],
-        atol=1e-4,
-    )
     assert "1 transducers" in repr(array)
-
-
-def test_an_array_may_be_a_kilometre_away() -> None:
-    assert len(pc.lattice(0.1, 0.1).moved(pc.Pose(position=(1e3, 0, 0)))) == 121

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
-import pytest
 
 from pacinian.acoustics import compiled as compiling
 from pacinian.acoustics.compiled import compiled
+
+if TYPE_CHECKING:
+    import pytest
 
 SOURCE = """
 def kernel(x, y):
@@ -37,22 +39,14 @@ def assumed(kernel: Any) -> bool:
     return re.search(r"\b(fast|nnan|ninf)\b", code) is not None  # fast: all of LLVM's flags
 
 
-@pytest.mark.parametrize("order", [(True, False), (False, True)])
-def test_only_kernels_of_finite_numbers_assume_them_whatever_was_compiled_before(
-    order: tuple[bool, bool], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(compiling, "helpers", {True: {}, False: {}})
-    kernels = {finite: made(finite) for finite in order}
-    assert assumed(kernels[True])
-    assert not assumed(kernels[False])
-    assert [kernels[False](x, 0.0) for x in (0.0, 1.0, math.nan)] == [0.0, 1.0, math.inf]
-
-
-def test_functions_of_others_are_compiled_with_helpers_of_their_own(
+def test_only_kernels_of_finite_numbers_assume_them_though_one_was_compiled_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(compiling, "helpers", {True: {}, False: {}})
-    made(True)
+    assert assumed(made(True))
+    careful = made(False)
+    assert not assumed(careful)
+    assert [careful(x, 0.0) for x in (0.0, 1.0, math.nan)] == [0.0, 1.0, math.inf]
     names: dict[str, Any] = {"math": math}
     exec(SOURCE, names)
-    assert not assumed(numba.njit("f8(f8, f8)")(names["kernel"]))
+    assert not assumed(numba.njit("f8(f8, f8)")(names["kernel"]))  # functions of others

@@ -99,7 +99,7 @@ def test_a_process_of_its_own_answers_until_it_is_closed() -> None:
     with Apart("echo") as other:
         echo = other.hear(Echo)
         with socket(context, zmq.DEALER, echo.endpoint, echo.token) as one:
-            one.rcvtimeo = 10_000
+            one.rcvtimeo = 60_000
             one.send(b"hello")
             assert one.recv() == b"hello"
         with socket(context, zmq.DEALER, echo.endpoint, "guessed") as stranger:

@@ -21,6 +21,7 @@ from pacinian.bench.savings import Saving
 from pacinian.cli.main import cli
 
 FAKE = Path(__file__).parents[1] / "bench" / "fake.py"
+LIMIT = 200.0  # [s] ends a test that hangs
 TINY = ("--units", "1", "--points", "2,3", "--levels", "0.5", "--seeds", "1", "--seconds", "0")
 
 
@@ -46,13 +47,6 @@ def test_a_tiny_run_writes_and_tells_everything(tmp_path: Path) -> None:
     names = {"bench.csv", "bench.json", "pareto-0.5.png", "growth.png"}
     assert {Path(file).name for file in told["files"]} == names
     assert names == {file.name for file in tmp_path.iterdir()}
-
-
-def test_without_json_it_prints_tables(tmp_path: Path) -> None:
-    result = run(*TINY, "--quick", "--solvers", "auto", "--out", str(tmp_path / "new" / "folder"))
-    assert result.exit_code == 0, result.output
-    for word in ("Level 0.5", "N = 249", "roofline", "auto", "warm", "Targets", "wrote"):
-        assert word in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -93,15 +87,17 @@ def test_missing_peers_are_told_with_the_command_to_run(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands for Python")
-def test_a_peer_is_measured_beside_ours_and_its_faults_are_told(tmp_path: Path) -> None:
+def test_without_json_tables_tell_of_peers_beside_ours_and_of_their_faults(tmp_path: Path) -> None:
     for peer, how in (("autd3", "works"), ("levitate", "crashes"), ("acoustools", "dies at once")):
         python = tmp_path / peer / "bin" / "python"
         python.parent.mkdir(parents=True)
         python.write_text(f"#!/bin/sh\nexec {sys.executable} {FAKE} '{how}'\n")
         python.chmod(0o755)
-    out = tmp_path / "out"
+    out = tmp_path / "new" / "folder"
     result = run(*TINY, "--quick", "--solvers", "auto", "--out", str(out), "--peers", str(tmp_path))
     assert result.exit_code == 0, result.output
+    for word in ("Level 0.5", "N = 249", "roofline", "auto", "warm", "Targets", "wrote"):
+        assert word in result.stdout
     rows = read(out / "bench.csv")
     status = {row.family: row.status for row in rows}
     assert status == {
@@ -121,14 +117,12 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     ) as child:  # fmt: skip
         try:
-            table, limit = tmp_path / "bench.csv", time.monotonic() + 60
-            while (
-                not (table.exists() and table.read_text().count("\n") > 3)
-                and time.monotonic() < limit
-            ):
+            table, end = tmp_path / "bench.csv", time.monotonic() + LIMIT
+            while not (table.exists() and table.read_text().count("\n") > 3):
+                assert time.monotonic() < end
                 time.sleep(0.02)  # for another process, which has no clock of ours
             os.killpg(child.pid, signal.SIGINT)  # as a terminal does
-            out, _ = child.communicate(timeout=60)
+            out, _ = child.communicate(timeout=LIMIT)
         except BaseException:
             os.killpg(child.pid, signal.SIGKILL)
             raise
@@ -203,7 +197,7 @@ def test_pictures_of_scenes_are_drawn_into_a_folder(tmp_path: Path) -> None:
     )
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout) == [str(tmp_path / "new" / "scene-empty.png")]
-    assert (tmp_path / "new" / "scene-empty.png").exists()
+    assert (tmp_path / "new" / "scene-empty.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
@@ -224,10 +218,3 @@ def test_bad_arguments_of_scenes_are_told_before_the_work(
     result = run(*arguments)
     assert result.exit_code == 2
     assert says in result.stderr
-
-
-def test_the_command_of_its_own_explains_itself() -> None:
-    result = run("scenes", "--help")
-    assert result.exit_code == 0
-    assert "--pictures" in result.stdout
-    assert "scenes" in run("--help").stdout

@@ -36,7 +36,7 @@ FULL: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dialogue, "FAREWELL", 10.0)  # a server that is slow is told, too
+    monkeypatch.setattr(dialogue, "FAREWELL", 60.0)  # a server that is slow is told, too
 
 
 @pytest.fixture
@@ -119,4 +119,4 @@ def test_watch_tells_a_line_for_each_state(server: Fake, path: str) -> None:
     assert seen
     assert seen == sorted(set(seen))
     assert server.of(control.Renew)  # the session goes on
-    assert "sounding" in run(watch, "--connection", path, "--seconds", "0.2")
+    assert "sounding" in run(watch, "--connection", path, "--seconds", "0")

@@ -1,12 +1,12 @@
-"""Clients that wait for the answer to their goodbye, however busy the server is."""
+"""Clients that lose no server because the machine stands still."""
 
 from __future__ import annotations
 
 import pytest
 
-from pacinian.client import dialogue
+from .patience import wait_long
 
 
 @pytest.fixture(autouse=True)
-def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dialogue, "FAREWELL", 10.0)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    wait_long(monkeypatch)

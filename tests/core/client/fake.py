@@ -18,6 +18,7 @@ from pacinian.wire.codec import decode_command, decode_control, encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import STATE, State
 
+PATIENCE = 120.0  # [s] only ends a test that hangs; of its own, as this file is also a program
 KEY = b"k" * 16
 ABILITIES: dict[str, Any] = {
     "solvers": (), "backends": (), "techniques": (), "presets": (), "positions": b"", "normals": b"",
@@ -81,7 +82,6 @@ class Fake:
 
     @property
     def connection(self) -> Connection:
-
         at = [f"tcp://127.0.0.1:{port}" for port in self.ports]
         server_key = self.keys[0].decode() if self.keys else ""
         return Connection(
@@ -100,7 +100,7 @@ class Fake:
         """In the server's thread; waits until it is done."""
         done = threading.Event()
         self._todo.put((what, done))
-        assert done.wait(10.0)
+        assert done.wait(PATIENCE)
 
     def say(self, reply: Any, socket: int = 0) -> None:
         """To who spoke last on that socket, emergency stops aside: 0 for control, 1 for commands."""
@@ -110,7 +110,7 @@ class Fake:
         self.do(lambda: [self._sockets[2].send_multipart([STATE, encode(s)]) for s in states])
 
     def until(self, what: Callable[[], bool]) -> None:
-        end = time.monotonic() + 10.0
+        end = time.monotonic() + PATIENCE
         while not what():
             assert time.monotonic() < end, self.seen
             time.sleep(0.001)  # for the other thread
@@ -124,7 +124,7 @@ class Fake:
     def close(self) -> None:
         if not self._context.closed:
             self._ended = True
-            self._thread.join(10.0)
+            self._thread.join(PATIENCE)
             for socket in self._sockets:
                 socket.close(0)
             self._zap.stop()

@@ -69,7 +69,7 @@ def test_a_stop_is_of_any_thread_and_does_not_disturb_the_session(
 def test_a_stop_after_close_is_done_with_the_same_arguments(
     server: Fake, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pc.Client(server.connection.write(tmp_path / "connection.json"), timeout=3.0) as client:
+    with pc.Client(server.connection.write(tmp_path / "connection.json"), timeout=99.0) as client:
         pass
     client.stop()
     assert isinstance(server.seen[-1], control.Stop)
@@ -80,7 +80,7 @@ def test_a_stop_after_close_is_done_with_the_same_arguments(
 
     monkeypatch.setattr("pacinian.client.client.emergency_stop", instead)
     client.stop()
-    assert seen == [(tmp_path / "connection.json", 3.0, None)]
+    assert seen == [(tmp_path / "connection.json", 99.0, None)]
 
 
 def test_a_stop_that_the_session_is_refused_is_tried_without(

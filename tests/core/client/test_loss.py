@@ -4,6 +4,7 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,10 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.bulk import unpack
 from pacinian.wire.connection import Connection
 
+from ...waiting import PATIENCE
 from .fake import Fake, usual
 
+FOREVER = 1e4  # [s]: who waited for so long would hang
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
 HEAVY = pc.Particles(
     positions=tuple((0.0, 0.0, 1e-5 * i) for i in range(5000)), radiation_pressure=5.0, name="rain"
@@ -33,14 +36,29 @@ def server() -> Iterator[Fake]:
 
 
 def lost(client: pc.Client, call: Callable[[], object], says: str = "server") -> None:
-    """Within ten seconds the call raises ConnectionLost."""
-    end = time.monotonic() + 10.0
+    """Sooner or later the call raises ConnectionLost."""
+    end = time.monotonic() + PATIENCE
     with pytest.raises(pc.ConnectionLost, match=says):  # noqa: PT012
         while time.monotonic() < end:
             call()
             time.sleep(0.001)  # for the other thread
     assert not client.connected
     assert not client.armed
+
+
+@contextmanager
+def other_link(server: Fake) -> Iterator[tuple[socket.socket, pc.Client]]:
+    """A client whose commands go to a listener that never answers."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        with pc.Client(replace(server.connection, command=at)) as client:
+            yield listener, client
+
+
+def cut(listener: socket.socket, client: pc.Client) -> None:
+    """End the link for commands; the client can know."""
+    listener.accept()[0].close()
+    assert client._dialogue._command.monitor.poll(1e3 * PATIENCE)
 
 
 def nobody() -> Connection:
@@ -52,22 +70,15 @@ def nobody() -> Connection:
 
 
 def test_nobody_there_is_told_at_once() -> None:
-    begin = time.monotonic()
     with pytest.raises(pc.ConnectionLost, match="is `pacinian serve` running"):
-        pc.Client(nobody(), timeout=60.0)
+        pc.Client(nobody(), timeout=FOREVER)
     with pytest.raises(pc.ConnectionLost, match="is `pacinian serve` running"):
-        emergency_stop(nobody(), timeout=60.0)
-    assert time.monotonic() - begin < 30.0
+        emergency_stop(nobody(), timeout=FOREVER)
 
 
 def test_a_wrong_token_is_told(server: Fake) -> None:
-    token = "x" * 64
-    given = server.connection
-    wrong = Connection(
-        pid=given.pid, control=given.control, command=given.command, state=given.state, token=token
-    )
     with pytest.raises(pc.ConnectionLost, match="token or key"):
-        pc.Client(wrong)
+        pc.Client(replace(server.connection, token="x" * 64))
     assert server.seen == []
 
 
@@ -91,91 +102,67 @@ def test_a_connection_without_secrets_is_told(secrets: dict[str, str]) -> None:
 
 def test_a_server_that_goes_in_the_middle_of_a_call(server: Fake) -> None:
     server.answers[commands.Put] = lambda _: server.die()
-    begin = time.monotonic()
-    with pc.Client(server.connection, timeout=60.0) as client:
+    with pc.Client(server.connection, timeout=FOREVER) as client:
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             client.put(POINT)
         assert not client.connected
-        with pytest.raises(pc.ConnectionLost, match="has gone"):
-            client.put(POINT)
-    assert time.monotonic() - begin < 30.0
 
 
 @pytest.mark.parametrize("first", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n"])
 def test_a_server_has_gone_also_where_a_connection_was_still_in_its_handshake(
     server: Fake, first: bytes
 ) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
-        with pc.Client(replace(server.connection, command=at)) as client:
-            near, _ = listener.accept()
-            with near:
-                near.sendall(first)
-            lost(client, client.renew, "has gone; nothing of this session goes on")
+    with other_link(server) as (listener, client):
+        near, _ = listener.accept()
+        with near:
+            near.sendall(first)
+        lost(client, client.renew, "has gone; nothing of this session goes on")
 
 
 def test_an_end_is_told_however_much_comes_by_the_other_link(server: Fake) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
-        with pc.Client(replace(server.connection, command=at)) as client:
-            listener.accept()[0].close()
-            assert client._dialogue._command.monitor.poll(10_000)
+    with other_link(server) as (listener, client):
+        cut(listener, client)
 
-            def renew() -> None:
-                assert client._dialogue._control.socket.poll(10_000)  # the answer to the last
-                client.renew()
+        def renew() -> None:
+            assert client._dialogue._control.socket.poll(1e3 * PATIENCE)  # the answer to the last
+            client.renew()
 
-            client._dialogue._renew()
-            lost(client, renew, "has gone")
+        client._dialogue._renew()
+        lost(client, renew, "has gone")
         assert len(server.of(control.Renew)) == 1
 
 
 def test_an_end_that_came_beside_an_answer_is_told_after_it(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
-        with pc.Client(replace(server.connection, command=at)) as client:
-            dialogue = client._dialogue
-            sent = dialogue._sent
+    with other_link(server) as (listener, client):
+        dialogue = client._dialogue
+        sent = dialogue._sent
 
-            def heard(*given: Any) -> bool:
-                """Sent, and answered; and then the other link ends."""
-                done = sent(*given)
-                assert dialogue._control.socket.poll(10_000)
-                listener.accept()[0].close()
-                assert dialogue._command.monitor.poll(10_000)
-                return done
+        def heard(*given: Any) -> bool:
+            """Sent, and answered; and then the other link ends."""
+            done = sent(*given)
+            assert dialogue._control.socket.poll(1e3 * PATIENCE)
+            cut(listener, client)
+            return done
 
-            with monkeypatch.context() as patch:
-                patch.setattr(dialogue, "_sent", heard)
-                client.status()
-            with pytest.raises(pc.ConnectionLost, match="has gone"):
-                client.put(POINT)
+        with monkeypatch.context() as patch:
+            patch.setattr(dialogue, "_sent", heard)
+            client.status()
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            client.put(POINT)
 
 
 def test_why_it_fell_silent_is_told_before_its_loss(server: Fake) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
-        with pc.Client(replace(server.connection, command=at)) as client:
-            client.arm()
-            server.say(replies.Error(code="expired", message="not renewed in time"))
-            assert client._dialogue._control.socket.poll(10_000)
-            listener.accept()[0].close()
-            assert client._dialogue._command.monitor.poll(10_000)
-            with pytest.raises(pc.Refused, match="not renewed in time"):
-                client.renew()
-            with pytest.raises(pc.ConnectionLost, match="has gone"):
-                client.renew()
-
-
-def test_whatever_is_called_after_a_loss_tells_it_again(server: Fake) -> None:
-    with pc.Client(server.connection) as client:
-        server.close()
-        lost(client, client.renew, "has gone")
-        for call in (client.look, lambda: next(client.watch(5.0)), client.status, client.arm):
-            with pytest.raises(pc.ConnectionLost, match="has gone"):
-                call()
+    with other_link(server) as (listener, client):
+        client.arm()
+        server.say(replies.Error(code="expired", message="not renewed in time"))
+        assert client._dialogue._control.socket.poll(1e3 * PATIENCE)
+        cut(listener, client)
+        with pytest.raises(pc.Refused, match="not renewed in time"):
+            client.renew()
+        with pytest.raises(pc.ConnectionLost, match="has gone"):
+            client.renew()
 
 
 def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
@@ -210,7 +197,7 @@ def test_a_session_that_the_server_has_ended(server: Fake, asked: bool) -> None:
 
 
 @pytest.mark.parametrize("call", ["renew", "cast", "ask", "watch", "look", "hold"])
-def test_any_call_finds_out(server: Fake, call: str) -> None:
+def test_any_call_finds_out_and_all_after_it_tell_it_again(server: Fake, call: str) -> None:
     with pc.Client(server.connection) as client:
         client.arm()
         server.close()
@@ -218,11 +205,14 @@ def test_any_call_finds_out(server: Fake, call: str) -> None:
             "renew": client.renew,
             "cast": lambda: client.put(POINT, wait=False),
             "ask": client.status,
-            "watch": lambda: next(client.watch(5.0)),
+            "watch": lambda: next(client.watch(PATIENCE)),
             "look": client.look,
-            "hold": lambda: client.hold(5.0),
+            "hold": lambda: client.hold(PATIENCE),
         }
         lost(client, calls[call], "has gone")
+        for again in (*calls.values(), client.arm):
+            with pytest.raises(pc.ConnectionLost, match="has gone"):
+                again()
 
 
 def test_who_watches_finds_out_at_once(server: Fake) -> None:
@@ -231,14 +221,14 @@ def test_who_watches_finds_out_at_once(server: Fake) -> None:
     def watch() -> object:
         with pc.Client(server.connection) as client:
             watching.append(client)
-            return next(client.watch(60.0))
+            return next(client.watch(FOREVER))
 
     with ThreadPoolExecutor(1) as pool:
         seen = pool.submit(watch)
         server.until(lambda: bool(watching and watching[0]._dialogue._states is not None))
         server.close()
         with pytest.raises(pc.ConnectionLost, match="has gone"):
-            seen.result(timeout=30.0)
+            seen.result(timeout=PATIENCE)
 
 
 def test_nothing_resumes_after_a_restart(server: Fake, tmp_path: Path) -> None:
@@ -343,12 +333,10 @@ def test_closing_does_not_wait_for_a_server_that_hangs(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(dialogue, "FAREWELL", 0.2)  # as it is
-    client = pc.Client(server.connection, timeout=60.0)
+    client = pc.Client(server.connection, timeout=FOREVER)
     fill(server, client)
     server.deaf = True
-    begin = time.monotonic()
     client.close()
-    assert time.monotonic() - begin < 5.0
 
 
 def test_a_server_without_room_for_what_waits_is_lost(server: Fake) -> None:

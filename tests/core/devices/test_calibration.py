@@ -167,14 +167,3 @@ def test_a_response_stays_with_its_transducers() -> None:
 def test_a_response_that_cannot_be_is_refused(wrong: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="response"):
         replace(pc.autd(), response=wrong)
-
-
-def test_a_recording_of_an_uneven_array_is_rendered_anew_alike(tmp_path: Path) -> None:
-    s = np.random.default_rng(4).uniform(0.5, 1.5, 249) * np.exp(1j)
-    array, path = replace(pc.autd(), response=s), tmp_path / "run.pac"
-    scene = pc.Scene((pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=10.0),))
-    with pc.Renderer(
-        array, scene, recorder=pc.Recorder(path), governed=False, clock=ManualClock()
-    ) as renderer:
-        renderer.run(0.02)
-    assert pc.rerender(pc.Recording(path)) == (20, 0)

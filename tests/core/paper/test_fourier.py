@@ -28,7 +28,7 @@ def test_gains_are_the_inverse_transform_times_a_lens_phase():
     assert g[n] == pytest.approx(lens * (t * np.exp(-1j * k / 0.6 * (q @ r[n]))).sum())
 
 
-@pytest.mark.parametrize("name", ["ring", "disc", "cross", "square"])
+@pytest.mark.parametrize("name", ["disc", "cross"])
 def test_far_away_it_makes_the_image_as_well_as_the_pseudo_inverse(name):
     found = fourier.compare("1a far", name)
     assert found.correlation > 0.9

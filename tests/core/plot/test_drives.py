@@ -1,6 +1,5 @@
 """Drives: each disc has its transducer's place and value."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -67,25 +66,3 @@ def test_the_nearest_to_the_viewer_is_drawn_last() -> None:
 
 def test_one_transducer_can_be_drawn() -> None:
     plot.drive(pc.Array([[0.0, 0.0, 0.0]]), [1.0])
-
-
-def test_it_draws_into_given_axes(axes: Callable[..., Any]) -> None:
-    mine = axes(2)
-    assert plot.drive(ARRAY, GAINS, ax=mine) is mine[0].figure
-    assert all(panel.collections for panel in mine)
-    one = axes()
-    plot.drive(ARRAY, GAINS, "amplitude", ax=one)
-    assert one.collections
-    with pytest.raises(pc.ArgumentError, match="2 of them"):
-        plot.drive(ARRAY, GAINS, ax=one)
-
-
-@pytest.mark.parametrize("gains", [GAINS[:-1], np.full(249, np.inf), ["a"] * 249, None])
-def test_bad_gains_are_named(gains: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match="gains"):
-        plot.drive(ARRAY, gains)
-
-
-def test_what_is_shown_must_be_known() -> None:
-    with pytest.raises(pc.ArgumentError, match="show"):
-        plot.drive(ARRAY, GAINS, "power")  # type: ignore[arg-type]

@@ -50,14 +50,6 @@ def test_slices_show_the_focus_where_it_is() -> None:
     assert page.get_suptitle() == "a focus"
 
 
-def test_several_moments_are_shown_by_their_mean() -> None:
-    both = np.array([gains(), np.zeros(len(ARRAY))])
-    one, mean = (
-        np.asarray(images(plot.slices(ARRAY, g, FOCUS))[0].get_array()) for g in (both[0], both)
-    )
-    np.testing.assert_allclose(mean, one / 2.0, atol=1e-9)
-
-
 def test_silence_and_nothing_to_feel_can_be_drawn_too() -> None:
     none = np.zeros(len(ARRAY), dtype=np.complex64)
     page = plot.slices(ARRAY, none, np.empty((0, 3)))

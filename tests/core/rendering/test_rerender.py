@@ -60,7 +60,7 @@ def test_every_built_in_scene_comes_out_the_same(tmp_path: Path, name: str) -> N
     assert again(tmp_path / "run.pac") == (40, 0)
 
 
-@pytest.mark.parametrize("name", ["textured-plane", "palm", "crowd", "stm-circle", "rain"])
+@pytest.mark.parametrize("name", ["palm", "crowd", "stm-circle", "rain"])
 def test_it_comes_out_the_same_where_time_decides(tmp_path: Path, name: str) -> None:
     renderer = make(tmp_path / "run.pac", SCENES[name], Slow())
     with renderer:
@@ -73,12 +73,10 @@ def test_it_comes_out_the_same_where_time_decides(tmp_path: Path, name: str) -> 
     assert again(tmp_path / "run.pac") == (60, 0)
 
 
-@pytest.mark.parametrize("name", ["palm", "mesh"])
-def test_it_comes_out_the_same_by_the_systems_clock(tmp_path: Path, name: str) -> None:
-    report = make(tmp_path / "run.pac", SCENES[name], pc.SystemClock()).run(0.3)
+def test_it_comes_out_the_same_by_the_systems_clock(tmp_path: Path) -> None:
+    report = make(tmp_path / "run.pac", SCENES["palm"], pc.SystemClock()).run(0.3)
     assert not report.faults
-    ticks, different = again(tmp_path / "run.pac")
-    assert (ticks, different) == (report.frames_sent, 0)
+    assert again(tmp_path / "run.pac") == (report.frames_sent, 0)
 
 
 def test_it_comes_out_the_same_after_faults_and_resets(tmp_path: Path) -> None:

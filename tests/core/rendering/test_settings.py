@@ -3,7 +3,6 @@ from __future__ import annotations
 from typing import Any
 
 import msgpack
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -65,15 +64,6 @@ def test_a_renderer_comes_back_with_all_its_settings(options: dict[str, Any]) ->
 def test_the_period_comes_back_to_the_last_bit(rate: float) -> None:
     before = make(rate=max(rate, 200.0))
     assert again(before).period == before.period
-
-
-def test_the_array_comes_back_to_the_last_bit() -> None:
-    for angle in np.linspace(1.0, 89.0, 40).tolist():
-        before = make(pc.lattice(0.03, 0.03).moved(pc.Pose.turned("x", angle)))
-        after = again(before)
-        for name in ("positions", "normals"):
-            a, b = (getattr(r.session.array, name) for r in (before, after))
-            np.testing.assert_array_equal(a, b)
 
 
 def test_a_directivity_of_ones_own_cannot_come_back() -> None:

@@ -109,15 +109,6 @@ def test_convex_limits_that_both_ends_keep_are_kept_on_the_way(seed: int) -> Non
         assert (np.abs(B @ row) <= quiet + 1e-5).all()
 
 
-def test_a_pressure_that_both_ends_make_stays() -> None:
-    b = drawn(3, N).astype(complex)
-    ends = [g + (5.0 - b @ g) * b.conj() / np.vdot(b, b).real for g in drawn(4, 2, N)]
-    smoother = at(ends[0].astype(np.complex64), Smoothing(rate=100.0, align=False))
-    rows = followed(smoother, ends[1].astype(np.complex64), rows=60)
-    np.testing.assert_allclose(rows @ b, 5.0, atol=1e-4)
-    assert smoother.settled
-
-
 @given(seed=seeds, rate=st.floats(50.0, 2000.0))
 def test_the_output_goes_straight_and_settles_when_the_rate_allows(seed: int, rate: float) -> None:
     last, gains = drawn(seed, N), drawn(seed + 1, N)

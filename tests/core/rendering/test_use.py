@@ -165,12 +165,3 @@ def test_every_tick_is_done_or_counted_also_where_a_loop_ends_late(
             done, missed, last = done + 1, missed + lost, due
         assert done + missed == round(duration / 0.01)
         assert done == 0 or last == pytest.approx(duration - 0.01, abs=0.005)
-
-
-def test_recent_ticks() -> None:
-    report = pc.Report()
-    assert not len(report.recent(5))
-    for k in range(7):
-        report.tick(k, False)
-    np.testing.assert_array_equal(np.sort(report.recent(3)), [4, 5, 6])
-    np.testing.assert_array_equal(np.sort(report.recent(30)), range(7))

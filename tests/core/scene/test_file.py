@@ -17,11 +17,6 @@ from scipy.io import wavfile
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
 from pacinian.scene.file import (
-    Choice,
-    HandPose,
-    Lattice,
-    Medium,
-    Sampling,
     SceneFile,
     Units,
     schema,
@@ -29,21 +24,14 @@ from pacinian.scene.file import (
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
 from pacinian.scene.motion import Motion
-from pacinian.scene.objects import Particles
-from pacinian.scene.objects import Path as Trace
 from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
-from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
-from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.texture import Texture
-from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.envelope import Noise, Preset, Pulse, Wave
-from pacinian.scene.time.technique import AM, LM, STM
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.time.technique import STM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import ModuleType
 
-bounded = settings(max_examples=150)
 
 OPEN = Hand.open("left").joints
 assert OPEN is not None
@@ -336,140 +324,27 @@ def as_toml(file: SceneFile) -> str:
 # --------------------------------------------------------------------------------- what is read
 
 
-def mesh(folder: Path, scale: float = 0.001) -> pc.Mesh:
-    return pc.Mesh(file=str(folder / "hand.stl"), scale=scale)
-
-
 def test_every_key_is_read(read: Any, folder: Path) -> None:
-    file = read(FULL)
-    options = {"steps": 20, "tolerance": 1e-3, "warm": True, "mode": "x"}
-    assert file == SceneFile(
-        array=Lattice(0.2, 0.1, 0.02, "y", 20.0, Pose((0.0, 0.0, 0.1), (0.0, 0.0, 1.0, 0.0))),
-        medium=Medium(25.0, 0.4, 346.0, 1.18, 1.5, 0.2),
-        solver=Choice("lagrange", options),
-        backend=Choice("simulated"),
-        rate=500.0,
-        gain=0.8,
-        sampling=Sampling(128, 0.01),
-        workspace=pc.Workspace((-0.2, -0.2, 0.05), (0.2, 0.2, 0.5)),
-        hands=(
-            HandPose("left", Pose((0.0, 0.0, 0.2))),
-            HandPose(joints=tuple(map(tuple, JOINTS))),
-        ),
-        objects=(
-            pc.Point(
-                position=(0.01, 0.02, 0.2),
-                force=0.001,
-                area=1e-4,
-                envelope=pc.Constant(0.5),
-                technique=AM(120.0, 0.5),
-                material=Material(5000.0, 0.003),
-                motion=Motion((0.1, 0.0, 0.0), (0.0, 0.0, 1.0), 0.5),
-                priority=2,
-                name="tip",
-            ),
-            pc.Point(position=(0.0, 0.0, 1.0), radiation_pressure=12.0),
-            pc.Surface(
-                shape=pc.Rectangle(0.05, 0.04),
-                pose=Pose((0.0, 0.0, 0.2)),
-                radiation_pressure=10.0,
-                envelope=pc.Sine(200.0, 0.1, 0.9),
-                motion=Motion(),
-                texture=Texture(values=((0.0, 1.0), (1.0, 0.0)), size=(0.01, 0.02)),
-                thickness=0.01,
-                priority=1,
-                name="button",
-            ),
-            pc.Surface(
-                shape=pc.Disc(0.03), force=0.01, envelope=pc.Square(50.0, 0.2, 0.8, duty=0.25)
-            ),
-            Trace(
-                shape=Circle(0.02),
-                pose=Pose((0.0, 0.0, 0.2)),
-                width=0.005,
-                force=0.001,
-                envelope=Pulse(0.02, 0.25, 0.01, 0.005, 0.1, 0.9),
-                technique=STM(80.0, "outline", 0.0005),
-                motion=Motion(),
-                priority=3,
-                name="ring",
-            ),
-            Trace(
-                shape=Line(0.05),
-                radiation_pressure=8.0,
-                envelope=Noise(20.0, 300.0, 0.1, 0.9, 7),
-                technique=LM(30.0, 0.003, 45.0),
-            ),
-            Trace(
-                shape=Lissajous(0.04, 0.03, 2, 3, 90.0),
-                radiation_pressure=8.0,
-                envelope=Wave(str(folder / "tap.wav"), loop=False, mode="loudness"),
-            ),
-            Trace(
-                shape=Polyline(((0.0, 0.0, 0.0), (0.02, 0.0, 0.0), (0.0, 0.02, 0.01)), closed=True),
-                radiation_pressure=8.0,
-                envelope=Wave(samples=(0.0, 1.0, 0.0, -1.0), rate=800.0),
-            ),
-            Particles(
-                positions=((0.0, 0.0, 0.2), (0.01, 0.0, 0.21)),
-                pose=Pose((0.0, 0.0, 0.01)),
-                radius=0.003,
-                radiation_pressure=15.0,
-                envelope="buzzing",
-                technique=STM(80.0, Circle(0.01)),
-                motion=Motion(),
-                priority=-1,
-                name="rain",
-            ),
-            Particles(positions=(), force=0.001),
-            pc.Surface(
-                shape=HeightMap(
-                    heights=((0.0, 1.0), (1.0, 0.5)), width=0.05, height=0.04, depth=0.01
-                ),
-                radiation_pressure=10.0,
-                texture=Texture(file=str(folder / "stripes.npy"), size=(0.02, 0.02), repeat=False),
-                envelope=Preset("trembling"),
-            ),
-            pc.Surface(
-                shape=HeightMap(file=str(folder / "hills.npy"), width=0.05, height=0.04), force=0.01
-            ),
-            pc.Surface(shape=mesh(folder), force=0.01),
-            pc.Volume(
-                shape=pc.Sphere(0.03),
-                felt="interior",
-                pose=Pose((0.0, 0.0, 0.2)),
-                radiation_pressure=10.0,
-                motion=Motion(),
-                texture=Texture(values=((0.5,),), size=(0.01, 0.01)),
-                thickness=0.015,
-                priority=4,
-                name="ball",
-            ),
-            pc.Volume(shape=mesh(folder), force=0.01),
-            pc.Volume(
-                shape=Voxels(values=[[[1.0, 1.0]], [[0.0, 1.0]]], pitch=0.01, level=0.4), force=0.01
-            ),
-            pc.Volume(shape=Voxels(file=str(folder / "block.npy"), pitch=0.005), force=0.01),
-            pc.Volume(
-                shape=Union(
-                    (
-                        Placed(pc.Sphere(0.02), Pose((0.01, 0.0, 0.0))),
-                        Intersection((pc.Sphere(0.02), pc.Box((0.03, 0.03, 0.03)))),
-                        Difference(pc.Sphere(0.02), (mesh(folder, 0.0001),)),
-                    )
-                ),
-                radiation_pressure=10.0,
-            ),
-            pc.Volume(shape=pc.Box((0.03, 0.02, 0.01)), force=0.01),
-            pc.Volume(shape=pc.Capsule(0.01, 0.05), force=0.01),
-            pc.Surface(
-                shape=pc.Mesh(
-                    vertices=((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0)), faces=((0, 1, 2),)
-                ),
-                force=0.01,
-            ),
-        ),
-    )
+    """What is loaded holds each value of the file under its key; arrays' numbers have other tests."""
+    expect(msgspec.toml.decode(FULL), tree(read(FULL)), folder)
+
+
+def expect(given_as: Any, kept: Any, folder: Path, key: str = "") -> None:
+    if isinstance(given_as, dict):
+        for inner, value in given_as.items():
+            expect(value, kept[inner], folder, inner)
+    elif kept == {"type": "preset", "name": given_as}:
+        return  # a word for it
+    elif key in ("values", "heights"):  # packed
+        assert isinstance(kept, str)
+    elif key == "file":
+        assert kept == str(folder / given_as)
+    elif isinstance(given_as, list):
+        assert len(given_as) == len(kept)
+        for one, other in zip(given_as, kept, strict=True):
+            expect(one, other, folder)
+    else:
+        assert given_as == kept, key
 
 
 def keys(value: Any) -> Iterator[tuple[str, str]]:
@@ -552,30 +427,15 @@ def test_what_is_written_comes_back(read: Any, suffix: str) -> None:
 
 
 numbers = st.floats(-5.0, 5.0)
-sizes = st.floats(1e-3, 0.5)
 words = st.text(st.characters(exclude_categories=("C",)), max_size=20)
-strengths = st.one_of(
-    st.builds(lambda x: {"force": x}, st.floats(0, 10)),
-    st.builds(lambda x: {"radiation_pressure": x}, st.floats(0, 1e4)),
-)
-envelopes = st.one_of(
-    st.builds(pc.Constant, st.floats(0, 1)),
-    st.builds(pc.Sine, st.floats(0, 1e3), st.floats(0, 0.5), st.floats(0.5, 1)),
-    st.builds(pc.Square, st.floats(0, 1e3), st.floats(0, 0.5), st.floats(0.5, 1), st.floats(0, 1)),
-)
 poses = st.builds(
     lambda x, y, z, angle: Pose.turned("y", angle, (x, y, z)),
-    numbers,
-    numbers,
-    numbers,
-    st.floats(-180, 180),
+    *(numbers, numbers, numbers, st.floats(-180, 180)),
 )
 stills = st.sampled_from(
     [
         {},
-        {"technique": AM(90.0)},
         {"technique": STM(50.0, Circle(0.01), 0.001)},
-        {"technique": LM(20.0, 0.002)},
         {"material": Material(1e3, 0.01)},
         {"motion": Motion((0.1, 0.2, 0.3), (1.0, 0.0, 0.0), 2.0)},
         {"priority": -7},
@@ -598,63 +458,21 @@ solids = st.recursive(
 )
 any_object = st.one_of(
     st.builds(
-        lambda at, how, more, envelope, name: pc.Point(
-            position=at, envelope=envelope, name=name, **how, **more
-        ),
-        st.tuples(numbers, numbers, numbers),
-        strengths,
-        stills,
-        envelopes,
-        words,
+        lambda at, force, more, name: pc.Point(position=at, force=force, name=name, **more),
+        *(st.tuples(numbers, numbers, numbers), st.floats(0, 10), stills, words),
     ),
     st.builds(
-        lambda shape, how, more, pose, name: pc.Surface(
-            shape=shape, pose=pose, name=name, **how, **more
+        lambda shape, pose, pressure: pc.Volume(
+            shape=shape, pose=pose, radiation_pressure=pressure
         ),
-        st.one_of(
-            st.builds(pc.Disc, sizes),
-            st.builds(pc.Rectangle, sizes, sizes),
-            st.builds(
-                lambda h, w: HeightMap(heights=[[0.0, h], [h, h]], width=w, height=w), sizes, sizes
-            ),
-        ),
-        strengths,
-        stills,
-        poses,
-        words,
-    ),
-    st.builds(
-        lambda shape, pose: pc.Volume(
-            shape=shape,
-            pose=pose,
-            radiation_pressure=3.0,
-            texture=Texture(values=[[0.5, 1.0]], size=(0.1, 0.1)),
-        ),
-        solids,
-        poses,
-    ),
-    st.builds(
-        lambda shape, how, more, pose, name: Trace(
-            shape=shape, pose=pose, name=name, **how, **more
-        ),
-        st.one_of(st.builds(Line, sizes), st.builds(Circle, sizes)),
-        strengths,
-        stills,
-        poses,
-        words,
-    ),
-    st.builds(
-        lambda at, how, pose: Particles(positions=tuple(at), pose=pose, **how),
-        st.lists(st.tuples(numbers, numbers, numbers), max_size=3),
-        strengths,
-        poses,
+        *(solids, poses, st.floats(0, 1e4)),
     ),
 )
-named = st.lists(any_object, max_size=5, unique_by=lambda item: item.name or id(item)).map(tuple)
+objects = st.lists(any_object, max_size=5, unique_by=lambda item: item.name or id(item)).map(tuple)
 
 
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
-@given(objects=named, rate=st.floats(1.0, 1e5))
+@given(objects=objects, rate=st.floats(1.0, 1e5))
 @settings(max_examples=40)
 def test_any_scene_comes_back_from_its_file(
     folder: Path, suffix: str, objects: Any, rate: float
@@ -663,10 +481,11 @@ def test_any_scene_comes_back_from_its_file(
     content = as_toml(file) if suffix == ".toml" else msgspec.json.encode(file)
     back = pc.load(written(folder, content, suffix))
     for mine, theirs in zip(back.objects, objects, strict=True):
-        if not isinstance(mine, pc.Point):  # normalising again may move the last digit
+        if isinstance(theirs, pc.Point):
+            assert mine == theirs
+        else:  # normalising again may move the last digit
             assert mine.pose.rotation == pytest.approx(theirs.pose.rotation, abs=1e-15)
-            mine = replace(mine, pose=theirs.pose)  # noqa: PLW2901
-        assert mine == theirs
+            assert replace(mine, pose=theirs.pose) == theirs
     assert back.rate == rate
 
 
@@ -699,6 +518,15 @@ POINT = '[[objects]]\ntype = "point"\nposition = [0, 0, 0.2]\n'
 SURFACE = '[[objects]]\ntype = "surface"\nforce = 1\n'
 VOLUME = '[[objects]]\ntype = "volume"\nforce = 1\n'
 DISC = SURFACE + "shape = { type = 'disc', radius = 0.1 }\n"
+BUZZ = POINT + "force = 1\nenvelope = "
+FOLDED = "array = { type = 'lattice', width = 1, height = 1, hinge = 'q', angle = 9 }"
+NO_MESH = SURFACE + "shape = { type = 'mesh', file = 'no.obj' }"
+NO_VOXELS = VOLUME + "shape = { type = 'voxels', file = 'no.npy', pitch = 0.01 }"
+NO_HEIGHTS = SURFACE + "shape = { type = 'height-map', file = 'no.npy', width = 1, height = 1 }"
+UNION_OF_OPEN = (
+    VOLUME + "shape = { type = 'union', parts = [{ type = 'mesh', file = 'open.stl' }] }"
+)
+UNION_OF_DISC = VOLUME + "shape = { type = 'union', parts = [{ type = 'disc', radius = 0.1 }] }"
 HERE = "$.objects[0]"
 
 
@@ -708,165 +536,66 @@ HERE = "$.objects[0]"
         # unknown keys and types, with what was probably meant
         ("solvr = 'auto'", "", ["solvr", "did you mean `solver`?"]),
         ("zzzzqq = 1", "", ["zzzzqq", "pacinian schema"]),
+        ('"" = 1', "", ["unknown field ``"]),
+        ('"a - at b" = 1', "", ["a - at b"]),  # a key that reads like a place
         ("[sampling]\nspaceing = 1", "$.sampling", ["spaceing", "did you mean `spacing`?"]),
         ("[array]\ntype = 'autd'\ncolums = 3", "$.array", ["did you mean `columns`?"]),
         ("[array]\ntype = 'autd'\nwidth = 3", "$.array", ["unknown field `width`"]),
-        ("[medium]\nhumdity = 1", "$.medium", ["did you mean `humidity`?"]),
+        ("[array]\ntype = ''", "$.array.type", ["Invalid value ''"]),
         (POINT + "forc = 1", HERE, ["forc", "did you mean `force`?"]),
         (POINT.replace("point", "pont"), f"{HERE}.type", ["pont", "did you mean `point`?"]),
-        ("[array]\ntype = 'lattis'", "$.array.type", ["lattis", "did you mean `lattice`?"]),
-        (
-            SURFACE + "shape = { type = 'rectangel', width = 1, height = 1 }",
-            f"{HERE}.shape.type",
-            ["did you mean `rectangle`?"],
-        ),
+        (UNION_OF_DISC, f"{HERE}.shape.parts[0].type", ["disc"]),
         (SURFACE + "shape = { type = 'cube' }", f"{HERE}.shape.type", ["cube", "schema"]),
-        (
-            POINT + "force = 1\nenvelope = { type = 'sin', frequency = 1 }",
-            f"{HERE}.envelope.type",
-            ["sin", "did you mean `sine`?"],
-        ),
-        # what is missing
+        (BUZZ + "{ type = 'sin', frequency = 1 }", f"{HERE}.envelope.type", ["`sine`?"]),
+        (BUZZ + "'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
+        # what is missing or of another kind
         ("[[objects]]\nposition = [0, 0, 0]", HERE, ["missing required field `type`"]),
-        ("[[objects]]\ntype = 'point'\nforce = 1", HERE, ["missing", "`position`"]),
-        (SURFACE, HERE, ["missing", "`shape`"]),
         (SURFACE + "shape = { type = 'disc' }", f"{HERE}.shape", ["missing", "`radius`"]),
-        ("[array]\ncolumns = 1", "$.array", ["missing", "`type`"]),
-        ("[workspace]\nlower = [0, 0, 0]", "$.workspace", ["missing", "`upper`"]),
         ("solver = {}", "$.solver", ["missing", "`name`"]),
-        # wrong lengths and kinds
+        ("solver = 1", "$.solver", ["int"]),
         (POINT.replace(", 0.2", ""), f"{HERE}.position", ["length 3", "got 2"]),
-        (POINT.replace("0.2", "0, 0.2"), f"{HERE}.position", ["length 3", "got 4"]),
         (POINT.replace("0.2", "'a'"), f"{HERE}.position[2]", ["float", "str"]),
-        (POINT + "force = '1'", f"{HERE}.force", ["float", "str"]),
         (POINT + "force = true", f"{HERE}.force", ["float", "bool"]),
-        (POINT + "force = 1\nname = 3", f"{HERE}.name", ["str", "int"]),
-        ("objects = 1", "$.objects", ["array", "int"]),
         ("objects = [1]", HERE, ["object", "int"]),
         ("rate = 2020-01-01", "$.rate", ["float", "date"]),
         ("sampling = { budget = 1.5 }", "$.sampling.budget", ["int", "float"]),
-        ("solver = 1", "$.solver", ["int"]),
-        (
-            SURFACE + "pose = { rotation = [0, 0, 1] }\nshape = { type = 'disc', radius = 0.1 }",
-            f"{HERE}.pose.rotation",
-            ["length 4"],
-        ),
         # numbers that cannot be meant
         ("rate = nan", "", ["`rate`", "finite"]),
         ("rate = 0", "", ["`rate`", "1 or more"]),
         ("gain = 0", "", ["`gain`", "more than 0"]),
         ("gain = 1.5", "", ["`gain`", "at most 1"]),
         ("sampling = { budget = 0 }", "$.sampling", ["`budget`", "at least 1"]),
-        ("sampling = { spacing = 8.5 }\nrate = inf", "", ["finite"]),
         ("sampling = { spacing = 85 }", "$.sampling", ["`spacing`", "millimetres"]),
-        (POINT.replace("0.2", "nan") + "force = 1", HERE, ["`position`", "finite"]),
-        (POINT + "radiation_pressure = inf", HERE, ["`radiation_pressure`", "finite"]),
-        (POINT + "force = -1", HERE, ["`force`", "0 or more"]),
-        (POINT + "force = 1\nradiation_pressure = 1", HERE, ["`force`", "not both"]),
+        ("workspace = { lower = [0, 0, 0], upper = [1, 1, 0] }", "$.workspace", ["`lower` below"]),
+        ("medium = { humidity = 7 }", "$.medium", ["`humidity`"]),
+        ("medium = { attenuation = 'cubic' }", "$.medium", ["`attenuation`"]),
+        ("array = { type = 'autd', columns = 0 }", "$.array", ["`columns`"]),
+        ("array = { type = 'lattice', width = -1, height = 1 }", "$.array", ["`width`"]),
+        (FOLDED, "$.array", ["`hinge`"]),
         (POINT, HERE, ["`force`", "must be given"]),
+        (SURFACE + "shape = { type = 'disc', radius = 30 }", f"{HERE}.shape", ["millimetres"]),
         (
-            SURFACE + "shape = { type = 'disc', radius = 30 }",
-            f"{HERE}.shape",
-            ["`radius`", "metres", "millimetres"],
-        ),
-        (
-            VOLUME + "shape = { type = 'box', size = [1, nan, 1] }",
-            f"{HERE}.shape",
-            ["`size`", "finite"],
-        ),
-        (
-            SURFACE + "shape = { type = 'disc', radius = 0.1 }\npose = { rotation = [1, 1, 1, 1] }",
-            f"{HERE}.pose",
-            ["`rotation`", "unit quaternion"],
-        ),
-        (
-            VOLUME + "shape = { type = 'sphere', radius = 0.1 }\nfelt = 'interior'",
-            HERE,
-            ["`force`", "radiation_pressure"],
-        ),
-        (
-            VOLUME + "shape = { type = 'sphere', radius = 0.1 }\nfelt = 'inside'",
-            f"{HERE}.felt",
-            ["inside"],
-        ),
-        (
-            POINT + "force = 1\nenvelope = { type = 'sine', frequency = 1, low = 0.5, high = 0.2 }",
+            BUZZ + "{ type = 'sine', frequency = 1, low = 1, high = 0 }",
             f"{HERE}.envelope",
-            ["`high`", "0.5 or more"],
+            ["`high`"],
         ),
-        (
-            "[workspace]\nlower = [0, 0, 0]\nupper = [1, 1, 0]",
-            "$.workspace",
-            ["`lower` below that of `upper`"],
-        ),
-        # meshes
+        ("hands = [{ side = 'both' }]", "$.hands[0].side", ["both"]),
+        # files, each named with the key of what wants it
         (SURFACE + "shape = { type = 'mesh' }", f"{HERE}.shape", ["file", "vertices"]),
-        (SURFACE + "shape = { type = 'mesh', file = 'no.obj' }", f"{HERE}.shape", ["no.obj"]),
-        (SURFACE + "shape = { type = 'mesh', file = '.' }", f"{HERE}.shape", ["mesh"]),
         (SURFACE + "shape = { type = 'mesh', file = 'a\\u0000' }", f"{HERE}.shape", ["mesh"]),
         (SURFACE + "shape = { type = 'mesh', file = 'hand.stl' }", f"{HERE}.shape", ["metres"]),
         (VOLUME + "shape = { type = 'mesh', file = 'no.obj' }", f"{HERE}.shape", ["no.obj"]),
         (VOLUME + "shape = { type = 'mesh', file = 'open.stl' }", f"{HERE}.shape", ["no volume"]),
-        (
-            VOLUME + "shape = { type = 'union', parts = [{ type = 'mesh', file = 'open.stl' }] }",
-            f"{HERE}.shape",
-            ["no volume"],
-        ),
-        # files of other kinds
+        (UNION_OF_OPEN, f"{HERE}.shape", ["no volume"]),
+        (POINT + "force = 1\n" + NO_MESH, "$.objects[1].shape", ["no.obj"]),
+        (NO_VOXELS, f"{HERE}.shape", ["no.npy"]),
+        (NO_HEIGHTS, f"{HERE}.shape", ["no.npy"]),
         (DISC + "texture = { file = 'no.png', size = [1, 1] }", f"{HERE}.texture", ["no.png"]),
-        (DISC + "texture = { file = 'hand.stl', size = [1, 1] }", f"{HERE}.texture", ["hand.stl"]),
-        (DISC + "envelope = { type = 'wave', file = 'no.wav' }", f"{HERE}.envelope", ["no.wav"]),
         (DISC + "envelope = { type = 'wave', file = 'hand.stl' }", f"{HERE}.envelope", ["WAV"]),
-        (
-            VOLUME + "shape = { type = 'voxels', file = 'no.npy', pitch = 0.01 }",
-            f"{HERE}.shape",
-            ["no.npy"],
-        ),
-        (
-            SURFACE + "shape = { type = 'height-map', file = 'no.npy', width = 1, height = 1 }",
-            f"{HERE}.shape",
-            ["no.npy"],
-        ),
-        # of objects, hands and how they are felt
+        # what several share
         (POINT + "force = 1\nname = 'a'\n" + POINT + "force = 1\nname = 'a'", "$", ["'a'"]),
         ("hands = [{ side = 'right' }, { side = 'right' }]", "$", ["`hands`", "'right'"]),
-        ("hands = [{ side = 'both' }]", "$.hands[0].side", ["both"]),
         ("hands = [{ joints = [[0, 0, 0]] }]", "$", ["`joints`", "(26, 3)"]),
-        (POINT + "force = 1\nenvelope = 'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
-        (
-            POINT + "force = 1\ntechnique = { type = 'stn', frequency = 1 }",
-            f"{HERE}.technique.type",
-            ["did you mean `stm`?"],
-        ),
-        (
-            POINT + "force = 1\ntechnique = { type = 'stm', frequency = 0 }",
-            f"{HERE}.technique",
-            ["`frequency`", "more than 0"],
-        ),
-        (POINT + "force = 1\nmaterial = { stiffness = 0 }", f"{HERE}.material", ["`stiffness`"]),
-        (
-            POINT + "force = 1\nmotion = { velocity = [500, 0, 0] }",
-            f"{HERE}.motion",
-            ["`velocity`", "metres"],
-        ),
-        (POINT + "force = 1\npriority = 1.5", f"{HERE}.priority", ["int"]),
-        (
-            "[[objects]]\ntype = 'path'\nforce = 1\nshape = { type = 'polyline', points = [] }",
-            f"{HERE}.shape",
-            ["`points`"],
-        ),
-        (
-            "[[objects]]\ntype = 'particles'\nforce = 1\npositions = [[0, 0, 200]]",
-            HERE,
-            ["`positions`", "metres"],
-        ),
-        (DISC + "thickness = 0", HERE, ["`thickness`"]),
-        (DISC + "texture = { values = [[2]], size = [1, 1] }", f"{HERE}.texture", ["`values`"]),
-        (
-            POINT + "force = 1\n" + SURFACE + "shape = { type = 'mesh', file = 'no.obj' }",
-            "$.objects[1].shape",
-            ["no.obj"],
-        ),
     ],
 )
 def test_what_cannot_be_meant_is_refused_by_file_and_key_and_with_advice(
@@ -880,24 +609,15 @@ def test_what_cannot_be_meant_is_refused_by_file_and_key_and_with_advice(
     [
         ("rate 100", ".toml"),
         ("rate = 100\nrate = 200", ".toml"),
-        ("[unclosed", ".toml"),
-        ("{}", ".toml"),
-        ("rate = 2020-13-45", ".toml"),
         (b"\xff\xfe\x00", ".toml"),
-        (b"\x00" * 100, ".toml"),
-        (b"\x89PNG\r\n\x1a\n\x00\x00", ".toml"),
         ("a = " + "[" * 100_000, ".toml"),
-        ("a = " + "{ a = " * 100_000, ".toml"),
         ("", ".json"),
         ("{", ".json"),
-        ("{'rate': 1}", ".json"),
-        ("rate = 1", ".json"),
         ('{"rate": NaN}', ".json"),
         ('{"solver": "\\ud800"}', ".json"),
-        (b"\xff\xfe\x00", ".json"),
-        (b"\x00" * 100, ".json"),
         (b"\x89PNG\r\n\x1a\n\x00\x00", ".json"),
     ],
+    ids=range(9),
 )
 def test_what_is_not_toml_or_json_is_refused_with_the_file_s_name(
     refused: Any, content: str | bytes, suffix: str
@@ -906,25 +626,25 @@ def test_what_is_not_toml_or_json_is_refused_with_the_file_s_name(
 
 
 @pytest.mark.parametrize(
-    "content",
-    ["[" * 100_000, '{"a":' * 100_000, '{"objects":' + "[" * 100_000, '{"x": {"a":' * 100_000],
+    "content", ['{"a":' * 100_000, '{"objects":' + "[" * 100_000], ids=range(2)
 )
 def test_huge_nesting_is_refused(folder: Path, content: str) -> None:
     with pytest.raises(pc.SceneFileError):
         pc.load(written(folder, content, ".json"))
 
 
-@pytest.mark.parametrize("content", ["[]", "1", '"text"', "null", "true"])
+@pytest.mark.parametrize("content", ["[]", "null"])
 def test_json_that_is_no_object_is_refused(refused: Any, content: str) -> None:
     refused(content, "", "Expected `object`", suffix=".json")
 
 
-@pytest.mark.parametrize("digits", ["1" + "0" * 400, "1" * 5000, "1e999", "-1e999"])
-def test_json_numbers_beyond_floats_are_refused(refused: Any, digits: str) -> None:
-    refused(f'{{"rate": {digits}}}', "$.rate", "out of range", suffix=".json")
+def test_numbers_beyond_floats_are_refused(refused: Any) -> None:
+    for digits in ("1" + "0" * 400, "1" * 5000, "-1e999"):
+        refused(f'{{"rate": {digits}}}', "$.rate", "out of range", suffix=".json")
+    refused("rate = " + "1" * 5000, "")
 
 
-@pytest.mark.parametrize("name", ["scene.txt", "scene", "scene.toml.bak", ".toml", "scene.yaml"])
+@pytest.mark.parametrize("name", ["scene", "scene.toml.bak", ".toml"])
 def test_a_file_of_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text("")
     with pytest.raises(pc.SceneFileError, match=r"must end in \.toml or \.json") as caught:
@@ -932,21 +652,16 @@ def test_a_file_of_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
     assert caught.value.path == tmp_path / name
 
 
-def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(pc.SceneFileError, match=r"no such\.toml: cannot be read: it is not there"):
-        pc.load(tmp_path / "no such.toml")
-
-
-def test_a_folder_is_no_scene_file(tmp_path: Path) -> None:
+def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "folder.toml").mkdir()
-    with pytest.raises(pc.SceneFileError, match=r"folder\.toml: cannot be read"):
-        pc.load(tmp_path / "folder.toml")
-
-
-def test_a_file_under_a_file_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(pc.SceneFileError, match="cannot be read"):
-        pc.load(tmp_path / "file" / "scene.toml")
+    for name in ("no such.toml", "folder.toml", "file/scene.toml", "nul\0.toml"):
+        with pytest.raises(pc.SceneFileError, match="cannot be read") as caught:
+            pc.load(tmp_path / name)
+        assert caught.value.path == tmp_path / name
+        assert isinstance(caught.value, ValueError)
+    with pytest.raises(pc.SceneFileError, match="it is not there"):
+        pc.load(tmp_path / "no such.toml")
 
 
 def test_an_enormous_file_is_refused_unread(tmp_path: Path) -> None:
@@ -957,63 +672,26 @@ def test_an_enormous_file_is_refused_unread(tmp_path: Path) -> None:
         pc.load(path)
 
 
-def test_a_scene_file_error_is_a_value_error() -> None:
-    assert issubclass(pc.SceneFileError, ValueError)
-    assert issubclass(pc.SceneFileError, pc.PacinianError)
-
-
-def test_a_toml_number_of_thousands_of_digits_is_refused(refused: Any) -> None:
-    refused("rate = " + "1" * 5000, "")
-
-
-def test_a_path_with_a_nul_is_refused() -> None:
-    with pytest.raises(pc.SceneFileError):
-        pc.load("nul\0.toml")
-
-
-@pytest.mark.parametrize("face", [[0, 1, 3], [0, 1, -4]])
-def test_faces_of_vertices_that_are_not_there_are_refused(refused: Any, face: list[int]) -> None:
-    mesh = {"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [face]}
+@pytest.mark.parametrize(
+    ("corner", "face", "key", "said"),
+    [
+        (1.0, [0, 1, 3], f"{HERE}.shape", "faces"),
+        (1.0, [0, 1, -4], f"{HERE}.shape", "faces"),
+        (1e300, [0, 1, 2], HERE, "mesh"),
+    ],
+)
+def test_meshes_of_bad_numbers_are_refused(
+    refused: Any, corner: float, face: list[int], key: str, said: str
+) -> None:
+    vertices = [[0, 0, 0], [corner, 0, 0], [0, corner, 0]]
+    mesh = {"type": "mesh", "vertices": vertices, "faces": [face]}
     content = json.dumps({"objects": [{"type": "surface", "force": 1, "shape": mesh}]})
-    refused(content, f"{HERE}.shape", "faces", suffix=".json")
-
-
-def test_huge_vertices_are_refused_without_a_warning(refused: Any) -> None:
-    mesh = {"type": "mesh", "vertices": [[0, 0, 0], [1e300, 0, 0], [0, 1e300, 0]]}
-    mesh["faces"] = [[0, 1, 2]]
-    content = json.dumps({"objects": [{"type": "surface", "force": 1, "shape": mesh}]})
-    refused(content, HERE, "mesh", suffix=".json")
+    refused(content, key, said, suffix=".json")
 
 
 @pytest.mark.parametrize(("content", "suffix"), [("rate = 100", ".toml"), ("{}", ".json")])
 def test_a_byte_order_mark_is_skipped(read: Any, content: str, suffix: str) -> None:
     read(b"\xef\xbb\xbf" + content.encode(), suffix)
-
-
-@pytest.mark.parametrize(
-    ("content", "key"),
-    [
-        ("medium = { humidity = 7 }", "$.medium"),
-        ("medium = { attenuation = 'cubic' }", "$.medium"),
-        ("array = { type = 'autd', columns = 0 }", "$.array"),
-        ("array = { type = 'lattice', width = -1, height = 1 }", "$.array"),
-        ("array = { type = 'lattice', width = 1, height = 1, hinge = 'q', angle = 9 }", "$.array"),
-    ],
-)
-def test_a_bad_array_or_medium_is_refused_on_loading(refused: Any, content: str, key: str) -> None:
-    refused(content, key)
-
-
-def test_an_unknown_key_without_a_name_is_refused(refused: Any) -> None:
-    refused('"" = 1', "", "unknown field ``")
-
-
-def test_a_type_without_a_name_is_refused(refused: Any) -> None:
-    refused("[array]\ntype = ''", "$.array.type", "Invalid value ''")
-
-
-def test_an_unknown_key_that_reads_like_a_place_is_named_whole(refused: Any) -> None:
-    refused('"a - at b" = 1', "", "a - at b")
 
 
 def test_only_keys_that_would_be_right_there_are_suggested(refused: Any) -> None:
@@ -1023,29 +701,21 @@ def test_only_keys_that_would_be_right_there_are_suggested(refused: Any) -> None
 # --------------------------------------------------------------------------------------- fuzz
 
 
-def survives(folder: Path, content: str | bytes, suffix: str) -> None:
-    """Load it: a scene, or a SceneFileError that names the file."""
+def survives(folder: Path, content: str | bytes, suffix: str) -> bool:
+    """Load it: a scene, or a SceneFileError that names the file. Returns whether it is a scene."""
     path = written(folder, content, suffix)
     try:
         file = pc.load(path)
     except pc.SceneFileError as error:
         assert str(error).startswith(str(path))  # noqa: PT017
-    else:
-        assert isinstance(file.scene, pc.Scene)
-
-
-@pytest.mark.parametrize("suffix", [".toml", ".json"])
-@given(content=st.one_of(st.binary(max_size=200), st.text(max_size=200).map(lambda s: s.encode())))
-@bounded
-def test_random_bytes_are_a_scene_or_a_scene_file_error(
-    folder: Path, suffix: str, content: bytes
-) -> None:
-    survives(folder, content, suffix)
+        return False
+    assert isinstance(file.scene, pc.Scene)
+    return True
 
 
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
 @given(place=st.floats(0, 1), length=st.integers(0, 20), junk=st.binary(max_size=10))
-@bounded
+@settings(max_examples=100)
 def test_a_damaged_file_is_a_scene_or_a_scene_file_error(
     folder: Path, suffix: str, place: float, length: int, junk: bytes
 ) -> None:
@@ -1081,13 +751,6 @@ json_like = st.recursive(
 )
 
 
-@given(value=st.dictionaries(st.sampled_from(KNOWN), json_like, max_size=4))
-@bounded
-def test_random_structures_are_a_scene_or_a_scene_file_error(folder: Path, value: Any) -> None:
-    survives(folder, json.dumps(value), ".json")
-    survives(folder, "\n".join(f"{k} = {toml(v)}" for k, v in value.items()), ".toml")
-
-
 def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """Where anything is in a tree."""
     inner = value.items() if isinstance(value, dict) else enumerate(value)
@@ -1102,34 +765,25 @@ EXAMPLE = msgspec.toml.decode(FULL.rpartition("[[objects]]")[0])
 
 
 @given(place=st.sampled_from(sorted(places(EXAMPLE), key=str)), value=json_like)
-@bounded
-def test_one_wrong_value_anywhere_is_a_scene_or_a_scene_file_error(
-    folder: Path, place: tuple[Any, ...], value: Any
+@settings(max_examples=150)
+def test_one_wrong_value_anywhere_is_refused_as_the_schema_refuses_it_and_never_an_accident(
+    validator: Any, folder: Path, place: tuple[Any, ...], value: Any
 ) -> None:
     changed = json.loads(json.dumps(EXAMPLE))
-    inner = changed
-    for key in place[:-1]:
-        inner = inner[key]
-    inner[place[-1]] = value
-    survives(folder, json.dumps(changed), ".json")
+    at(changed, place[:-1])[place[-1]] = value
+    loaded = survives(folder, json.dumps(changed), ".json")
+    assert validator.is_valid(changed) or not loaded
 
 
 # ------------------------------------------------------------------------------------- schema
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def validator(need: Callable[..., ModuleType]) -> Any:
     jsonschema = need("jsonschema")
+    json.dumps(schema(), allow_nan=False)
     jsonschema.Draft202012Validator.check_schema(schema())
     return jsonschema.Draft202012Validator(schema())
-
-
-def test_the_schema_is_json() -> None:
-    assert (
-        json.loads(json.dumps(schema(), allow_nan=False))["$defs"].keys()
-        == schema()["$defs"].keys()
-    )
-    assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"
 
 
 def test_the_schema_accepts_every_key(validator: Any) -> None:
@@ -1157,19 +811,6 @@ def at(value: Any, place: tuple[Any, ...]) -> Any:
     for key in place:
         value = value[key]
     return value
-
-
-@given(place=st.sampled_from(sorted(places(EXAMPLE), key=str)), value=json_like)
-@settings(max_examples=60)
-def test_what_the_schema_refuses_is_not_loaded(
-    need: Callable[..., ModuleType], folder: Path, place: tuple[Any, ...], value: Any
-) -> None:
-    judge = need("jsonschema").Draft202012Validator(schema())
-    changed = json.loads(json.dumps(EXAMPLE))
-    at(changed, place[:-1])[place[-1]] = value
-    if not judge.is_valid(changed):
-        with pytest.raises(pc.SceneFileError):
-            pc.load(written(folder, json.dumps(changed), ".json"))
 
 
 def test_the_schema_describes_itself(validator: Any) -> None:

@@ -12,22 +12,18 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.scene.motion import LATEST, Motion
 
+from .tools import random_pose
+
 vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 spins = st.tuples(*[st.floats(-30.0, 30.0)] * 3)
 seeds = st.integers(0, 2**31)
-
-
-def pose(seed: int) -> pc.Pose:
-    rng = np.random.default_rng(seed)
-    turn = Rotation.random(rng=rng).as_quat()
-    return pc.Pose(tuple(rng.uniform(-0.3, 0.3, 3)), tuple(turn.tolist()))
 
 
 @given(velocity=vectors, spin=spins, seed=seeds, age=st.floats(0.0, LATEST))
 def test_it_goes_straight_on_at_a_constant_turn(
     velocity: Any, spin: Any, seed: int, age: float
 ) -> None:
-    seen = pose(seed)
+    seen = random_pose(seed)
     now = Motion(velocity, spin, time=2.0).pose(seen, 2.0 + age)
     assert now.position == pytest.approx(np.array(seen.position) + age * np.array(velocity))
     turn = Rotation.from_rotvec(age * np.array(spin)) * Rotation.from_quat(seen.rotation)
@@ -36,7 +32,7 @@ def test_it_goes_straight_on_at_a_constant_turn(
 
 @given(velocity=vectors, spin=spins, seed=seeds)
 def test_its_velocities_are_the_rates_of_its_pose(velocity: Any, spin: Any, seed: int) -> None:
-    motion, seen, h = Motion(velocity, spin), pose(seed), 1e-5
+    motion, seen, h = Motion(velocity, spin), random_pose(seed), 1e-5
     before, after = motion.pose(seen, 0.03 - h), motion.pose(seen, 0.03 + h)
     rate = np.subtract(after.position, before.position) / (2.0 * h)
     assert rate == pytest.approx(velocity, abs=1e-6)
@@ -49,47 +45,43 @@ def test_its_velocities_are_the_rates_of_its_pose(velocity: Any, spin: Any, seed
 def test_seen_again_on_its_way_it_goes_the_same_way(
     velocity: Any, spin: Any, seed: int, first: float
 ) -> None:
-    motion, seen = Motion(velocity, spin), pose(seed)
+    motion, seen = Motion(velocity, spin), random_pose(seed)
     again = Motion(velocity, spin, time=first).pose(motion.pose(seen, first), 0.08)
     straight = motion.pose(seen, 0.08)
     assert again.position == pytest.approx(straight.position, abs=1e-12)
     assert again.matrix == pytest.approx(straight.matrix, abs=1e-12)
 
 
-@pytest.mark.parametrize("t", [-1e9, -1.0, 4.999, 5.0])
+@pytest.mark.parametrize("t", [-1e9, 4.999, 5.0])
 def test_before_it_was_seen_it_is_where_it_was_seen(t: float) -> None:
-    motion, seen = Motion((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), time=5.0), pose(1)
+    motion, seen = Motion((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), time=5.0), random_pose(1)
     assert motion.pose(seen, t).position == seen.position
     assert motion.pose(seen, t).rotation == pytest.approx(seen.rotation)
 
 
-@pytest.mark.parametrize("t", [LATEST, 1.0, 1e9])
+@pytest.mark.parametrize("t", [LATEST, 1e9])
 def test_without_an_update_it_stands_still_after_a_while(t: float) -> None:
-    motion, seen = Motion((1.0, 0.0, 0.0), (0.0, 0.0, 3.0)), pose(2)
+    motion, seen = Motion((1.0, 0.0, 0.0), (0.0, 0.0, 3.0)), random_pose(2)
     assert motion.pose(seen, t) == motion.pose(seen, LATEST)
     assert motion.pose(seen, t).position[0] == pytest.approx(seen.position[0] + LATEST)
 
 
 def test_a_still_thing_keeps_its_very_pose() -> None:
-    seen = pose(3)
+    seen = random_pose(3)
     now = Motion(time=1.0).pose(seen, 1.05)
     assert now.position == seen.position
     assert now.rotation is seen.rotation or now.rotation == pytest.approx(seen.rotation, abs=1e-15)
 
 
-@pytest.mark.parametrize("name", ["velocity", "angular_velocity"])
-@pytest.mark.parametrize("bad", [None, "fast", (1.0, 2.0), (0.0, 0.0, math.nan), 3.0])
-def test_bad_velocities_are_refused_by_name(name: str, bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"^`{name}` "):
-        Motion(**{name: bad})
-
-
-def test_a_velocity_in_millimetres_is_refused() -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`velocity` .*metres a second"):
-        Motion((500.0, 0.0, 0.0))
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, "now", None])
-def test_a_bad_time_is_refused(bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`time` "):
-        Motion(time=bad)
+@pytest.mark.parametrize(
+    ("argument", "given_as"),
+    [
+        ("velocity", {"velocity": (1.0, 2.0)}),
+        ("velocity` .*metres a second", {"velocity": (500.0, 0.0, 0.0)}),
+        ("angular_velocity", {"angular_velocity": (0.0, 0.0, math.nan)}),
+        ("time", {"time": math.inf}),
+    ],
+)
+def test_a_bad_argument_is_refused_by_name(argument: str, given_as: dict[str, Any]) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}"):
+        Motion(**given_as)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ lengths = st.floats(1e-3, 1.0)
 shells = st.one_of(
     st.builds(pc.Rectangle, lengths, lengths),
     st.builds(pc.Disc, lengths),
-    st.builds(pc.Sphere, lengths),
     st.just(
         pc.Mesh(vertices=((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.2, 0.0)), faces=((0, 1, 2),))
     ),
@@ -30,12 +30,20 @@ solids = st.one_of(
     st.builds(lambda x, y, z: pc.Box((x, y, z)), lengths, lengths, lengths),
     st.builds(pc.Capsule, lengths, lengths),
 )
+forced = st.one_of(  # what makes an object of a force, and the area that it presses on
+    (shells | st.builds(pc.Sphere, lengths)).map(
+        lambda shape: (partial(pc.Surface, shape=shape), shape.area)
+    ),
+    solids.map(lambda shape: (partial(pc.Volume, shape=shape), shape.area)),
+    st.floats(1e-6, 1.0).map(lambda a: (partial(pc.Point, position=(0, 0, 0.2), area=a), a)),
+    st.builds(lambda x, w: (partial(Path, shape=Line(x), width=w), x * w), lengths, lengths),
+)
 BALL = pc.SDF(lambda p: np.linalg.norm(p, axis=1) - 0.03, (0.03, 0.03, 0.03))
 MAKERS = {
-    "point": lambda **how: pc.Point(position=(0, 0, 0.2), **how),
-    "surface": lambda **how: pc.Surface(shape=pc.Disc(0.03), **how),
-    "volume": lambda **how: pc.Volume(shape=pc.Box((0.1, 0.1, 0.1)), **how),
-    "path": lambda **how: Path(shape=Circle(0.03), **how),
+    "point": lambda **how: pc.Point(**{"position": (0, 0, 0.2), **how}),
+    "surface": lambda **how: pc.Surface(**{"shape": pc.Disc(0.03), **how}),
+    "volume": lambda **how: pc.Volume(**{"shape": pc.Box((0.1, 0.1, 0.1)), **how}),
+    "path": lambda **how: Path(**{"shape": Circle(0.03), **how}),
     "particles": lambda **how: Particles(positions=((0.0, 0.0, 0.1), (0.0, 0.1, 0.0)), **how),
 }
 each_maker = pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS.keys())
@@ -46,30 +54,11 @@ TETRAHEDRON = pc.Mesh(
 TRIANGLE = pc.Mesh(vertices=TETRAHEDRON.vertices, faces=((0, 1, 2),))
 
 
-@given(shape=shells, force=st.floats(0.0, 10.0))
-def test_pressure_times_area_of_a_surface_is_its_force(shape: Any, force: float) -> None:
-    surface = pc.Surface(shape=shape, force=force)
-    assert surface.pressure * shape.area == pytest.approx(force, rel=1e-12)
-
-
-@given(shape=solids, force=st.floats(0.0, 10.0))
-def test_pressure_times_area_of_a_shell_is_its_force(shape: Any, force: float) -> None:
-    volume = pc.Volume(shape=shape, force=force)
-    assert volume.pressure * shape.area == pytest.approx(force, rel=1e-12)
-
-
-@given(area=st.floats(1e-6, 1.0), force=st.floats(0.0, 10.0))
-def test_pressure_times_area_of_a_point_is_its_force(area: float, force: float) -> None:
-    point = pc.Point(position=(0, 0, 0.2), force=force, area=area)
-    assert point.pressure * area == pytest.approx(force, rel=1e-12)
-
-
-@given(length=st.floats(1e-3, 1.0), width=st.floats(1e-3, 0.1), force=st.floats(0.0, 10.0))
-def test_pressure_times_length_and_width_of_a_path_is_its_force(
-    length: float, width: float, force: float
-) -> None:
-    path = Path(shape=Line(length), width=width, force=force)
-    assert path.pressure * length * width == pytest.approx(force, rel=1e-12)
+@given(forced=forced, force=st.floats(0.0, 10.0))
+def test_pressure_times_area_is_the_force(forced: Any, force: float) -> None:
+    make, area = forced
+    item = make(force=force)
+    assert item.pressure * area == pytest.approx(force, rel=1e-12)
 
 
 def test_a_force_of_particles_is_that_of_each() -> None:
@@ -91,10 +80,10 @@ def test_a_force_of_particles_is_that_of_each() -> None:
     ],
     ids=["rectangle", "triangle", "sphere", "tetrahedron", "SDF", "path", "point"],
 )
-@pytest.mark.parametrize("spacing", [0.005, 0.01, 0.03])
-def test_samples_share_out_the_force_of_an_object(item: Any, spacing: float) -> None:
-    samples = pc.Sampler(spacing=spacing).sample(pc.Scene((item,)))
-    assert samples.force == pytest.approx(0.02)
+def test_samples_share_out_the_force_of_an_object(item: Any) -> None:
+    for spacing in (0.005, 0.01, 0.03):
+        samples = pc.Sampler(spacing=spacing).sample(pc.Scene((item,)))
+        assert samples.force == pytest.approx(0.02)
 
 
 def test_a_point_presses_on_a_spot_one_wavelength_across() -> None:
@@ -117,76 +106,34 @@ def test_exactly_one_of_force_and_pressure_must_be_given(make: Any, how: Any) ->
 
 @each_maker
 @pytest.mark.parametrize("argument", ["force", "radiation_pressure"])
-@pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf, "hard", [1.0, 2.0]])
-def test_bad_strengths_are_refused_by_name(make: Any, argument: str, bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` ") as caught:
-        make(**{argument: bad})
-    assert caught.value.argument == argument
-
-
-@each_maker
-def test_no_pressure_at_all_is_a_pressure(make: Any) -> None:
-    assert make(force=0.0).pressure == 0.0
-    assert make(radiation_pressure=0.0).pressure == 0.0
-
-
-@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf])
-def test_a_bad_area_of_a_point_is_refused(bad: float) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`area` "):
-        pc.Point(position=(0, 0, 0.2), force=1.0, area=bad)
-
-
-def test_a_strength_given_as_text_is_refused_or_made_a_number() -> None:
-    try:
-        point = pc.Point(position=(0, 0, 0.2), radiation_pressure="5")  # type: ignore[arg-type]
-    except pc.ArgumentError:
-        return
-    assert point.pressure == 5.0
-
-
-def test_a_force_on_a_shape_without_area_is_refused_or_finite() -> None:
-    try:
-        pressure = pc.Surface(shape=pc.Rectangle(1e-200, 1e-200), force=1.0).pressure
-    except pc.ArgumentError:
-        return
-    assert math.isfinite(pressure)
+def test_bad_strengths_are_refused_by_name(make: Any, argument: str) -> None:
+    for bad in (-1.0, math.inf, "hard"):
+        with pytest.raises(pc.ArgumentError, match=f"^`{argument}` ") as caught:
+            make(**{argument: bad})
+        assert caught.value.argument == argument
+    assert make(force=0.0).pressure == make(radiation_pressure=0.0).pressure == 0.0
 
 
 def test_a_force_on_next_to_no_area_is_refused_or_finite() -> None:
-    try:
-        pressure = pc.Point(position=(0, 0, 0.2), force=1.0, area=1e-310).pressure
-    except pc.ArgumentError:
-        return
-    assert math.isfinite(pressure)
+    assert math.isfinite(pc.Surface(shape=pc.Rectangle(1e-200, 1e-200), force=1.0).pressure)
+    with pytest.raises(pc.ArgumentError, match=r"^`area` "):
+        pc.Point(position=(0, 0, 0.2), force=1.0, area=1e-310)
 
 
-@pytest.mark.parametrize("bad", [(0, 0), (0, 0, 0, 0), 0.0, "abc", (0, 0, math.nan), None])
-def test_a_bad_position_is_refused_by_name(bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`position` "):
-        pc.Point(position=bad, radiation_pressure=1.0)
-
-
-@pytest.mark.parametrize(
-    "position",
-    [(0, 0, 1), [0, 0, 1], np.array([0, 0, 1]), np.array([0, 0, 1], dtype=np.float32)],
-)
-def test_positions_may_be_tuples_lists_or_arrays(position: Any) -> None:
-    point = pc.Point(position=position, radiation_pressure=1.0)
-    assert point.position == (0.0, 0.0, 1.0)
-    assert all(type(x) is float for x in point.position)
-
-
-def test_a_position_given_by_an_array_does_not_follow_it() -> None:
-    position = np.array([0.0, 0.0, 0.2])
-    point = pc.Point(position=position, radiation_pressure=1.0)
+def test_positions_are_kept_as_numbers_however_they_are_given() -> None:
+    position = np.array([0, 0, 1], dtype=np.float32)
+    for given_as in ((0, 0, 1), [0, 0, 1], position):
+        point = pc.Point(position=given_as, radiation_pressure="1")  # type: ignore[arg-type]
+        assert point.pressure == 1.0
+        assert all(type(x) is float for x in point.position)
     position[:] = 9.0
-    assert point.position == (0.0, 0.0, 0.2)
+    assert point.position == (0.0, 0.0, 1.0)
 
 
-@pytest.mark.parametrize("felt", ["surface", "", "Shell", None, 1])
-def test_a_volume_is_felt_by_its_shell_or_its_interior(felt: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r'^`felt` must be "shell" or "interior"'):
-        pc.Volume(shape=pc.Sphere(0.1), felt=felt, radiation_pressure=1.0)
+def test_a_volume_is_felt_by_its_shell_or_its_interior() -> None:
+    for felt in ("surface", None):
+        with pytest.raises(pc.ArgumentError, match=r'^`felt` must be "shell" or "interior"'):
+            pc.Volume(shape=pc.Sphere(0.1), felt=felt, radiation_pressure=1.0)  # type: ignore[arg-type]
 
 
 def test_a_force_over_an_interior_is_refused() -> None:
@@ -246,11 +193,6 @@ def test_a_scene_takes_lists_and_keeps_a_tuple() -> None:
     assert pc.Scene(item for item in kept).objects == kept  # type: ignore[arg-type]
 
 
-def test_an_empty_scene_is_a_scene() -> None:
-    assert pc.Scene().objects == ()
-    assert pc.Scene().workspace is None
-
-
 def test_a_scene_cannot_be_changed() -> None:
     scene = pc.Scene()
     for name in ("objects", "workspace"):
@@ -258,65 +200,47 @@ def test_a_scene_cannot_be_changed() -> None:
             setattr(scene, name, ())
 
 
-@pytest.mark.parametrize("other", [None, 1, "point", pc.Sphere(0.1), (0, 0, 0.2), pc.Scene()])
-def test_a_scene_refuses_what_is_no_object_and_says_which(other: Any) -> None:
-    point = MAKERS["point"](force=1.0)
-    with pytest.raises(pc.ArgumentError, match=r"^`objects\[1\]` must be a Point, Path") as e:
-        pc.Scene((point, other))
-    assert e.value.argument == "objects[1]"
-
-
-@pytest.mark.parametrize("objects", [MAKERS["point"](force=1.0), None, 5])
-def test_a_scene_of_something_that_is_no_sequence_is_refused(objects: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match="objects"):
-        pc.Scene(objects)
-
-
 @pytest.mark.parametrize(
-    ("argument", "value"),
+    ("kind", "argument", "value"),
     [
-        ("pose", (0.0, 0.0, 0.2)),
-        ("shape", "disc"),
-        ("shape", Circle(0.03)),
-        ("envelope", 0.5),
-        ("envelope", None),
-        ("technique", "am"),
-        ("technique", 200.0),
-        ("material", 3.0),
-        ("motion", (1.0, 0.0, 0.0)),
-        ("texture", np.ones((4, 4))),
-        ("thickness", 0.0),
-        ("thickness", math.nan),
-        ("priority", 1.5),
-        ("priority", None),
-        ("priority", "high"),
-        ("name", None),
-        ("name", 7),
+        ("surface", "pose", (0.0, 0.0, 0.2)),
+        ("surface", "shape", Circle(0.03)),
+        ("surface", "envelope", 0.5),
+        ("surface", "technique", "am"),
+        ("surface", "material", 3.0),
+        ("surface", "motion", (1.0, 0.0, 0.0)),
+        ("surface", "texture", np.ones((4, 4))),
+        ("surface", "thickness", 0.0),
+        ("surface", "priority", 1.5),
+        ("surface", "priority", "high"),
+        ("surface", "name", 7),
+        ("volume", "shape", pc.Disc(0.03)),
+        ("path", "shape", pc.Disc(0.03)),
+        ("path", "width", 20.0),
+        ("particles", "radius", 0.0),
+        ("point", "position", (0, 0)),
+        ("point", "area", 0.0),
     ],
 )
-def test_a_surface_refuses_a_part_of_the_wrong_kind(argument: str, value: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=argument):
-        pc.Surface(**{"shape": pc.Disc(0.03), "force": 1.0, argument: value})
+def test_a_part_of_the_wrong_kind_is_refused_by_name(kind: str, argument: str, value: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}`"):
+        MAKERS[kind](**{"force": 1.0, argument: value})
 
 
-@pytest.mark.parametrize(
-    "how",
-    [
+@each_maker
+def test_every_object_may_have_each_of_what_all_have(make: Any) -> None:
+    for how in (
         {"envelope": "buzzing"},
         {"technique": AM(150.0)},
         {"material": Material(stiffness=1e3)},
         {"motion": Motion((0.1, 0.0, 0.0), time=3.0)},
         {"priority": -3},
         {"name": "a"},
-    ],
-    ids=lambda how: next(iter(how)),
-)
-@each_maker
-def test_every_object_may_have_each_of_what_all_have(make: Any, how: Any) -> None:
-    item = make(force=1.0, **how)
-    samples = pc.Sampler().sample(pc.Scene((item,)))
-    assert len(samples)
-    assert samples.items[0] is item
+    ):
+        item = make(force=1.0, **how)
+        samples = pc.Sampler().sample(pc.Scene((item,)))
+        assert len(samples)
+        assert samples.items[0] is item
 
 
 def test_the_interior_of_a_closed_mesh_is_felt_and_an_open_one_has_none() -> None:
@@ -333,11 +257,9 @@ def test_the_interior_of_a_closed_mesh_is_felt_and_an_open_one_has_none() -> Non
 @pytest.mark.parametrize(
     ("positions", "said"),
     [
-        ([(0, 0, math.nan)], "finite"),
         ([(0, 0)], "shape"),
         ([(0, 0, 200.0)], "metres"),
         (np.zeros((100_001, 3)), "at most 100000"),
-        (None, "shape"),
     ],
 )
 def test_bad_particles_are_refused(positions: Any, said: str) -> None:
@@ -349,14 +271,6 @@ def test_no_particles_are_nothing() -> None:
     none = Particles(positions=(), radiation_pressure=1.0)
     assert none.reach == none.radius
     assert len(pc.Sampler().sample(pc.Scene((none,)))) == 0
-
-
-@pytest.mark.parametrize("name", ["width", "radius"])
-@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, 20.0, None])
-def test_bad_widths_and_radii_are_refused(name: str, bad: Any) -> None:
-    make = MAKERS["path" if name == "width" else "particles"]
-    with pytest.raises(pc.ArgumentError, match=f"^`{name}` "):
-        make(force=1.0, **{name: bad})
 
 
 def test_a_texture_is_a_factor_on_the_pressure() -> None:
@@ -410,25 +324,19 @@ def test_a_workspace_holds_its_corners() -> None:
     workspace = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
     assert workspace.holds(np.array([workspace.lower, workspace.upper])).all()
     assert workspace.holds(np.empty((0, 3))).shape == (0,)
+    given_so = pc.Workspace([-0.1, -0.1, 0.1], np.array([0.1, 0.1, 0.3]))  # type: ignore[arg-type]
+    assert given_so == workspace
 
 
-def test_a_workspace_takes_lists_and_arrays() -> None:
-    made = pc.Workspace([0, 0, 0], np.ones(3))  # type: ignore[arg-type]
-    assert made == pc.Workspace((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-
-
-@pytest.mark.parametrize("axis", range(3))
-@pytest.mark.parametrize("thickness", [0.0, -0.1])
-def test_a_workspace_without_volume_is_refused(axis: int, thickness: float) -> None:
-    upper = [1.0, 1.0, 1.0]
-    upper[axis] = thickness
-    with pytest.raises(pc.ArgumentError, match=r"^`workspace` must have each of `lower` below"):
-        pc.Workspace((0.0, 0.0, 0.0), tuple(upper))  # type: ignore[arg-type]
+def test_a_workspace_without_volume_is_refused() -> None:
+    for upper in ((0.0, 1.0, 1.0), (1.0, -0.1, 1.0), (1.0, 1.0, 0.0)):
+        with pytest.raises(pc.ArgumentError, match=r"^`workspace` must have each of `lower` below"):
+            pc.Workspace((0.0, 0.0, 0.0), upper)
 
 
 @pytest.mark.parametrize("argument", ["lower", "upper"])
-@pytest.mark.parametrize("bad", [(0, 0), (0, 0, math.nan), (0, 0, math.inf), None, "abc"])
-def test_bad_corners_are_refused_by_name(argument: str, bad: Any) -> None:
-    corners = {"lower": (-9.0, -9.0, -9.0), "upper": (9.0, 9.0, 9.0), argument: bad}
-    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        pc.Workspace(**corners)
+def test_bad_corners_are_refused_by_name(argument: str) -> None:
+    for bad in ((0, 0), (0, 0, math.inf)):
+        corners: Any = {"lower": (-9.0, -9.0, -9.0), "upper": (9.0, 9.0, 9.0), argument: bad}
+        with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
+            pc.Workspace(**corners)

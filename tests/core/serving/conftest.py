@@ -18,30 +18,21 @@ from pacinian.serving.logs import configure
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, FrameHead, Permit, Report, Traffic, pack
 from pacinian.serving.server import serve
-from pacinian.serving.settings import Log, Safety, Settings
+from pacinian.serving.settings import Log, Settings
 from pacinian.wire.codec import decode_reply, decode_state, encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Hello
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Plugin, Welcome
 
+from ...waiting import PATIENCE, eventually
+from .processes import PATIENT
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from pacinian.serving.child import Told
-
-PATIENCE = 10.0  # [s]
-
-
-def eventually(seen: Callable[[], Any], seconds: float = PATIENCE) -> Any:
-    """What `seen` returns once that is true."""
-    due = time.monotonic() + seconds
-    while time.monotonic() < due:
-        if value := seen():
-            return value
-        time.sleep(0.002)
-    raise AssertionError("did not come true in time")
 
 
 class Pretender:
@@ -163,6 +154,12 @@ class Server:
             setattr(made, name, value)
         return made
 
+    def monitor(self, socket: zmq.Socket[bytes], events: int) -> zmq.Socket[bytes]:
+        """What is told of the connections of a socket; to be asked for before it connects."""
+        made = self.sockets.enter_context(socket.get_monitor_socket(events))
+        self.sockets.callback(socket.disable_monitor)
+        return made
+
     def client(self, **options: Any) -> Asker:
         made = self.socket(zmq.DEALER, **options)
         made.connect(self.connection.control)
@@ -243,11 +240,11 @@ def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
     with contextlib.ExitStack() as stack:
         numbers = itertools.count()
         yield lambda settings=None: stack.enter_context(
-            Server(settings or Settings(log=Log(level="warning")), tmp_path / str(next(numbers)))
+            Server(settings or PATIENT, tmp_path / str(next(numbers)))
         )
 
 
 @pytest.fixture
 def server(start_server: Callable[..., Server]) -> Server:
-    """A server whose leases are so long that a machine that is late ends none."""
-    return start_server(Settings(log=Log(level="warning"), safety=Safety(lease=10.0, forget=60.0)))
+    """A server whose leases do not end where the machine is late."""
+    return start_server()

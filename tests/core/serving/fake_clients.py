@@ -70,6 +70,19 @@ class Game:
     def arm(self, take: bool = False) -> Any:
         return self.ask(Arm, take=take)
 
+    def take(self) -> None:
+        """Ask for the output with the number 5, and hear nothing yet."""
+        message = Arm(session=self.welcome.session, id=5, take=True)
+        self.desk.sessions.handle(self.peer, "user", message, self.desk.clock.time)
+
+
+def armed() -> tuple[Desk, Game]:
+    """A client that owns the output."""
+    desk = Desk()
+    game = desk.hello()
+    game.arm()
+    return desk, game
+
 
 def hello(**fields: Any) -> Hello:
     return Hello(**{"protocol": (MAJOR, MINOR), "client": "game", **fields})

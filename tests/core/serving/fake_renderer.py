@@ -28,6 +28,7 @@ from pacinian.serving.world import Room
 from pacinian.wire import objects
 from pacinian.wire.commands import AnyCommand, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import to_scene
+from pacinian.wire.protocol import LATEST
 from pacinian.wire.time import Constant
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Reply
 
 KEY = b"k" * 16
+# however late they are, they are not too old
+HEAD: dict[str, Any] = {"session": KEY, "sequence": 1, "time": 0.0, "ttl": LATEST}
 
 
 class AtOnce(Executor):
@@ -148,25 +151,25 @@ def point(pressure: float = 10.0, x: float = 0.0, **given: object) -> objects.Po
 
 
 def put(items: dict[str, objects.Object], **given: object) -> Put:
-    return Put(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, objects=items)  # type: ignore[arg-type]
+    return Put(**{**HEAD, **given}, objects=items)  # type: ignore[arg-type]
 
 
 def move(names: tuple[str, ...], x: float, **given: object) -> Move:
     poses = np.array([[x, 0, 0.2, 0, 0, 0, 1]] * len(names), "<f4").tobytes()
-    return Move(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, names=names, poses=poses)  # type: ignore[arg-type]
+    return Move(**{**HEAD, **given}, names=names, poses=poses)  # type: ignore[arg-type]
 
 
 def remove(*names: str) -> Remove:
-    return Remove(session=KEY, sequence=1, time=0.0, names=names)
+    return Remove(**HEAD, names=names)
 
 
 def wrap(names: tuple[str, ...], level: float) -> Envelopes:
-    return Envelopes(session=KEY, sequence=1, time=0.0, names=names, envelope=Constant(level))
+    return Envelopes(**HEAD, names=names, envelope=Constant(level))
 
 
 def hands(*frames: object, **given: object) -> Hands:
-    return Hands(**{"session": KEY, "sequence": 1, "time": 0.0, **given}, hands=frames)  # type: ignore[arg-type]
+    return Hands(**{**HEAD, **given}, hands=frames)  # type: ignore[arg-type]
 
 
 def quiet(*zones: object) -> Quiet:
-    return Quiet(session=KEY, sequence=1, time=0.0, zones=zones)  # type: ignore[arg-type]
+    return Quiet(**HEAD, zones=zones)  # type: ignore[arg-type]

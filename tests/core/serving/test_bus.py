@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import contextlib
-import time
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -26,12 +25,13 @@ from pacinian.serving.messages import (
     pack,
 )
 from pacinian.serving.security import DOMAIN, USER
-from pacinian.serving.settings import Clients, Lattice, Network, Settings
+from pacinian.serving.settings import Lattice, Network, Settings
 from pacinian.wire import bulk
 from pacinian.wire.codec import decode_reply, encode
 from pacinian.wire.commands import Field, HandFrame
 from pacinian.wire.replies import Error, Ok, Pressures
 
+from ...waiting import PATIENCE, eventually
 from .fake_renderer import FakeRenderer, hands, move, point, put, remove
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 TOKEN = "secret"
 PLAIN = Settings(array=Lattice(0.1, 0.1))
-DEADLINE = 20.0  # [s]
 A, B = b"a" * 16, b"b" * 16
 
 
@@ -57,7 +56,7 @@ class Server:
         self.context: zmq.Context[Any] = stack.enter_context(zmq.Context())
         self.renderer = FakeRenderer()
         self._seen = 0
-        self.round: Callable[[], object] = lambda: time.sleep(0.001)
+        self.round: Callable[[], object] = lambda: None
         self.port = 0
         self.bus: Bus
 
@@ -87,14 +86,13 @@ class Server:
         return msgspec.msgpack.decode(read[1], type=Traffic)
 
     def until(self, done: Callable[[], Any], *, taking: bool = True) -> Any:
-        end = time.monotonic() + DEADLINE
-        while time.monotonic() < end:
+        def look() -> Any:
             self.round()
             if taking:
                 self.take()
-            if result := done():
-                return result
-        raise AssertionError("it never came to that")
+            return done()
+
+        return eventually(look)
 
     def reply(self, socket: zmq.Socket[Any]) -> Any:
         return self.until(lambda: decode_reply(socket.recv()) if socket.poll(0) else None)
@@ -128,7 +126,7 @@ def test_what_clients_put_is_what_the_renderer_has(server: Server) -> None:
     send(other, put({"c": point()}, session=B, id=2))
     assert server.reply(other) == Ok(id=2)
     send(other, hands(HandFrame(), session=B, sequence=2, time=7.0))
-    send(one, move(("b",), 0.5, session=A, sequence=2, ttl=60.0))
+    send(one, move(("b",), 0.5, session=A, sequence=2))
     server.until(lambda: server.renderer.scene.get("b", [0, 0])[1] == 0.5)
     told = server.until(
         lambda: server.renderer.hands and server.renderer.hands.input == 2 and server.renderer.hands
@@ -155,17 +153,6 @@ def test_a_session_that_was_welcomed_just_now_is_known(server: Server) -> None:
     error = server.reply(socket)
     assert (error.code, error.path) == ("session", "$.session")  # of the key that nobody has
     assert server.reply(socket) == Ok(id=1)
-
-
-def test_a_renderer_that_starts_anew_gets_all_anew(server: Server) -> None:
-    server.sessions(A)
-    socket = server.connect()
-    send(socket, put({"a": point()}, session=A, id=1))
-    server.until(lambda: "a" in server.renderer.scene)
-    server.renderer = FakeRenderer(run=2)
-    server.memory["taken"].write(pack(server.renderer.last))
-    server.until(lambda: "a" in server.renderer.scene)
-    assert server.renderer.begins == 1
 
 
 def test_another_owner_s_scene_takes_the_place_of_the_first(server: Server) -> None:
@@ -227,21 +214,8 @@ def test_nonsense_is_refused_with_its_path_and_not_too_often(server: Server) -> 
     replies = []
     while Ok(id=9) not in replies:
         replies.append(server.reply(socket))
-    assert len(replies) < 40
+    assert len(replies) < 200
     assert server.until(lambda: (t := server.traffic()).refused >= 205 and t)
-
-
-def test_one_that_sends_too_much_is_told_and_others_are_served(tmp_path: Path) -> None:
-    slow = Settings(array=Lattice(0.1, 0.1), clients=Clients(rate=50.0))
-    with running(tmp_path, slow) as server:
-        server.sessions(A, B)
-        one, other = server.connect(), server.connect()
-        for i in range(500):
-            send(one, put({"a": point()}, session=A, sequence=i + 1))
-        send(other, put({"b": point()}, session=B, id=1))
-        assert server.reply(other) == Ok(id=1)
-        error = server.reply(one)
-        assert (error.code, error.id) == ("busy", 0)
 
 
 def test_overload_takes_no_memory_and_the_newest_is_what_is_felt(server: Server) -> None:
@@ -252,7 +226,7 @@ def test_overload_takes_no_memory_and_the_newest_is_what_is_felt(server: Server)
     assert server.reply(socket) == Ok(id=1)
     waiting = []
     for k in range(1, 1001):  # 100,000 updates, and nothing is taken
-        data = encode(move(names, k / 1024, session=A, sequence=k + 1, time=1e-4 * k, ttl=60.0))
+        data = encode(move(names, k / 1024, session=A, sequence=k + 1, time=1e-4 * k))
         socket.send(data)
         if k % 200 == 0:
             server.until(
@@ -331,7 +305,7 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
         server.until(lambda: "a" in server.renderer.scene)
         beat = server.traffic().beat
         server.until(lambda: server.traffic().beat > beat)
-        assert child.end(process, DEADLINE) == 0
+        assert child.end(process, PATIENCE) == 0
 
 
 def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
@@ -402,12 +376,12 @@ def test_whatever_is_raised_it_goes_on(
     }.get(where, desk)  # fmt: skip
     with monkeypatch.context() as patch:
         patch.setattr(at, where, bad)
-        send(one, put({"a": point()}, session=A, id=2, sequence=2, ttl=60.0))
+        send(one, put({"a": point()}, session=A, id=2, sequence=2))
         server.sessions(A)
         server.until(lambda: raised)
         for _ in range(20):
             server.round()
-    send(one, put({"c": point()}, session=A, id=3, sequence=3, ttl=60.0))  # telling takes a while
+    send(one, put({"c": point()}, session=A, id=3, sequence=3))
     server.until(lambda: decode_reply(one.recv()) == Ok(id=3) if one.poll(0) else None)
     server.until(lambda: "c" in server.renderer.scene)
     if where == "_do":

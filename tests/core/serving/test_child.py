@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
 from typing import TYPE_CHECKING
 
 import psutil
@@ -16,11 +15,12 @@ from pacinian.serving import child
 from pacinian.serving.child import Told
 from pacinian.serving.settings import Settings
 
+from ...waiting import PATIENCE, eventually
+from .processes import runs
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
-LONG = 20.0  # [s]
 linux = pytest.mark.skipif(sys.platform != "linux", reason="the system kills orphans on Linux only")
 
 CHILD = """
@@ -34,33 +34,21 @@ at = told.path
 {work}
 """
 WAITS = "gone.wait(); (at / 'orphaned').touch()"
-STUCK = "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(60)"  # PyDLL: with the interpreter's lock
+STUCK = (
+    "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"  # PyDLL: with the interpreter's lock
+)
 PARENT = """
 import sys, time
 from pacinian.serving import child
 from pacinian.serving.settings import Settings
 started = child.launch([sys.executable, "-c", sys.argv[1]], child.Told(sys.argv[2], Settings()))
 print(started.pid, flush=True)
-time.sleep(60)
+time.sleep(600)
 """
 
 
 def source(work: str, *, kill: bool = True) -> str:
     return textwrap.dedent(CHILD).format(work=work, kill=kill)
-
-
-def until(so: Callable[[], object]) -> None:
-    due = time.perf_counter() + LONG
-    while not so():
-        assert time.perf_counter() < due
-        time.sleep(0.005)
-
-
-def runs(pid: int) -> bool:
-    try:
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
 
 
 def launched(work: str, folder: Path, **secrets: str) -> subprocess.Popen[bytes]:
@@ -70,41 +58,37 @@ def launched(work: str, folder: Path, **secrets: str) -> subprocess.Popen[bytes]
 
 def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -> None:
     process = launched(WAITS, tmp_path, token="hidden")
-    until((tmp_path / "told").exists)
+    eventually((tmp_path / "told").exists)
     assert process.poll() is None
-    assert child.end(process, LONG) == 0
+    known = psutil.Process(process.pid)
+    assert "hidden" not in " ".join([*known.cmdline(), *known.environ().values()])
+    if os.name == "posix":  # so that an interrupt from the keyboard is its parent's affair
+        assert os.getpgid(process.pid) != os.getpgid(0)
+    assert child.end(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
     # what runs in it, a plug-in say, finds nothing to read there
     assert (tmp_path / "told").read_text() == repr(({"token": "hidden"}, 500.0, ""))
 
 
-def test_what_it_is_told_is_on_no_command_line(tmp_path: Path) -> None:
-    process = launched(WAITS, tmp_path, token="hidden")
-    until((tmp_path / "told").exists)
-    known = psutil.Process(process.pid)
-    assert "hidden" not in " ".join([*known.cmdline(), *known.environ().values()])
-    child.end(process, LONG)
-
-
 @linux
 def test_a_child_that_does_not_end_is_killed(tmp_path: Path) -> None:
     process = launched(STUCK, tmp_path)
-    until((tmp_path / "stuck").exists)
+    eventually((tmp_path / "stuck").exists)
     assert child.end(process, 0.05) == -signal.SIGKILL
 
 
 def test_a_child_that_dies_at_once_is_no_error_of_its_parent(tmp_path: Path) -> None:
     told = Told(str(tmp_path), Settings(), {"long": "x" * 500_000})
     process = child.launch([sys.executable, "-c", "raise SystemExit(3)"], told)
-    assert child.end(process, LONG) == 3
+    assert child.end(process, PATIENCE) == 3
 
 
 def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) -> None:
     told = Told(str(tmp_path), Settings(), {"long": "x" * 900_000})  # more than a pipe holds
-    process = child.launch([sys.executable, "-c", "import time; time.sleep(10)"], told)
+    process = child.launch([sys.executable, "-c", "import time; time.sleep(600)"], told)
     assert process.poll() is None, "it went on only once the child had ended"
     process.kill()
-    child.end(process, LONG)
+    child.end(process, PATIENCE)
 
 
 def test_secrets_are_not_shown() -> None:
@@ -117,12 +101,10 @@ def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
         child.launch(["nothing"], told)
 
 
-@pytest.mark.parametrize(
-    "data", [b"", b"\x05", b"\x05\0\0\0{", b"\x02\0\0\0{}", b"\xff\xff\xff\xff{}"]
-)
+@pytest.mark.parametrize("data", [b"", b"\x05\0\0\0{", b"\x02\0\0\0{}", b"\xff\xff\xff\xff{}"])
 def test_a_child_that_is_told_nonsense_ends(data: bytes, tmp_path: Path) -> None:
     command = [sys.executable, "-c", source(WAITS)]
-    done = subprocess.run(command, input=data, capture_output=True, check=False, timeout=LONG)
+    done = subprocess.run(command, input=data, capture_output=True, check=False, timeout=PATIENCE)
     assert done.returncode == 1
     assert b"not told" in done.stderr
 
@@ -133,7 +115,7 @@ def orphan(folder: Path, code: str, mark: str) -> int:
     with subprocess.Popen(command, stdout=subprocess.PIPE) as parent:
         assert parent.stdout is not None
         number = int(parent.stdout.readline())
-        until((folder / mark).exists)
+        eventually((folder / mark).exists)
         assert runs(number)
         parent.kill()
     return number
@@ -142,18 +124,10 @@ def orphan(folder: Path, code: str, mark: str) -> int:
 @linux
 def test_a_child_that_holds_the_interpreter_lock_ends_with_its_parent(tmp_path: Path) -> None:
     number = orphan(tmp_path, source(STUCK), "stuck")
-    until(lambda: not runs(number))
+    eventually(lambda: not runs(number))
 
 
 def test_one_that_may_not_be_killed_is_told_that_its_parent_has_gone(tmp_path: Path) -> None:
     number = orphan(tmp_path, source(WAITS, kill=False), "told")
-    until(lambda: not runs(number))
+    eventually(lambda: not runs(number))
     assert (tmp_path / "orphaned").exists()
-
-
-@pytest.mark.skipif(os.name != "posix", reason="process groups")
-def test_an_interrupt_from_the_keyboard_is_the_parent_s_affair(tmp_path: Path) -> None:
-    process = launched(WAITS, tmp_path)
-    until((tmp_path / "told").exists)
-    assert os.getpgid(process.pid) != os.getpgid(0)
-    child.end(process, LONG)

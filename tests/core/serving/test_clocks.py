@@ -48,12 +48,6 @@ def test_a_clock_that_drifts_is_followed_within_the_window(drift: float) -> None
     assert max(ages) <= 2.0 * WINDOW * abs(drift) + 1e-9
 
 
-def test_a_queue_that_grows_is_seen_as_age() -> None:
-    clock = ClientClock()
-    ages = [clock.age(0.01 * i, 0.01 * i + 0.002 * i) for i in range(200)]
-    assert ages[-1] == pytest.approx(0.398)
-
-
 def test_a_clock_set_forward_is_believed_at_once() -> None:
     clock = ClientClock()
     clock.age(0.0, 100.0)

@@ -7,7 +7,6 @@ import struct
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,8 +25,10 @@ from pacinian.wire.control import Arm, Choice, Select, Status, Stop
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.state import State
 
+from ...waiting import eventually
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="threads of /proc")
 CROWD = 2000
@@ -42,15 +43,6 @@ for one in made:
 print("all", flush=True)
 sys.stdin.read()
 """
-
-
-def eventually(seen: Callable[[], Any], seconds: float = 10.0) -> Any:
-    due = time.monotonic() + seconds
-    while time.monotonic() < due:
-        if value := seen():
-            return value
-        time.sleep(0.002)
-    raise AssertionError("did not come true in time")
 
 
 # requests
@@ -117,7 +109,7 @@ def test_only_the_bus_is_told_secrets(server: Any) -> None:
             "render",
             {"state": {"solver": "auto", "faults": ["long" * 1000] * 20, "fault_count": 20}},
         ),
-        ("render", {"state": {"solver": "auto", "faults": 7}}),
+        ("render", {"state": {"solver": 7, "points": "x", "error": "much", "faults": 7}}),
         ("render", {"state": {"solver": "auto", "fault_count": "many"}}),
     ],
 )

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
@@ -12,6 +11,8 @@ from pacinian.serving.guarding import Guard
 from pacinian.serving.messages import FrameHead, Orders, Permit
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
+
+from ...waiting import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -306,8 +307,5 @@ def test_real_threads_open_a_real_plug_in() -> None:
     guard = Guard(N, gain=1.0, stale=0.02)
     devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0)
     devices.begin(Orders())
-    due = time.perf_counter() + 20.0
-    while guard.backend is None:
-        assert time.perf_counter() < due
-        devices.poll()
+    eventually(lambda: devices.poll() or guard.backend)
     assert guard.device({}, ()).amplitudes == 32

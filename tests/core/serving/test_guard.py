@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -24,12 +26,15 @@ from pacinian.serving.messages import (
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
 
+from ...waiting import eventually
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 N, STALE, ROUND = 5, 0.02, 0.25e-3
 FOREVER = Permit(1, math.inf, 1, 0)
+SIMULATED = Settings(backend=Choice("simulated"))
 
 
 class Recorded(pc.Backend):
@@ -105,7 +110,7 @@ class Bench:
         assert self.backend.loud
 
     @property
-    def told(self) -> Device:
+    def status(self) -> Device:
         return self.guard.device({}, ())
 
 
@@ -140,8 +145,8 @@ def test_whatever_ends_it_there_is_silence_in_the_same_round(reason: str) -> Non
     assert bench.backend.what == ["send", "silence"]
     assert not bench.guard.sounding
     assert bench.guard.changed
-    assert bench.told.reasons == {reason: 1}
-    assert bench.told.silences == 1
+    assert bench.status.reasons == {reason: 1}
+    assert bench.status.silences == 1
     for _ in range(5):
         bench.step()
     assert bench.backend.what == ["send", "silence"]
@@ -219,23 +224,23 @@ def test_late_frames_are_silence_until_they_go_on() -> None:
     assert bench.guard.sounding
     bench.step(after=0.11 * STALE)
     assert not bench.guard.sounding
-    assert bench.told.stale
+    assert bench.status.stale
     bench.sound()
-    assert not bench.told.stale
-    assert bench.told.reasons == {"stale": 1}
+    assert not bench.status.stale
+    assert bench.status.reasons == {"stale": 1}
 
 
 def test_no_frame_after_arming_is_stale_but_not_at_once() -> None:
     bench = Bench()
     bench.step()
     bench.step(after=0.9 * STALE)
-    assert not bench.told.stale
+    assert not bench.status.stale
     bench.step(after=0.2 * STALE)
-    assert bench.told.stale
+    assert bench.status.stale
     bench.step(epoch=2)
-    assert not bench.told.stale
+    assert not bench.status.stale
     bench.step(armed=0, after=1.0)
-    assert not bench.told.stale
+    assert not bench.status.stale
 
 
 def test_an_empty_frame_is_no_fault_and_not_stale() -> None:
@@ -243,8 +248,8 @@ def test_an_empty_frame_is_no_fault_and_not_stale() -> None:
     for _ in range(100):
         bench.step(bench.frame(rows=0), 1e-3)
     assert bench.backend.log == []
-    assert not bench.told.stale
-    assert not bench.told.fault
+    assert not bench.status.stale
+    assert not bench.status.fault
 
 
 BAD: dict[str, Callable[[Bench], bytes]] = {
@@ -265,7 +270,7 @@ def test_a_frame_that_no_device_should_get_is_a_fault(what: str) -> None:
     bench.sound(amplitude=127)
     bench.step(BAD[what](bench))
     assert bench.backend.what == ["send", "silence"]
-    assert bench.told.fault
+    assert bench.status.fault
     for _ in range(50):
         bench.step(bench.frame(amplitude=1))
     assert bench.backend.what == ["send", "silence"]
@@ -304,8 +309,8 @@ def test_a_device_that_refuses_a_frame_is_a_fault_until_it_is_mended() -> None:
     bench.backend.raises["send"] = pc.BackendError("unplugged")
     bench.step(bench.frame())
     assert bench.backend.what == ["send", "send", "silence"]
-    assert bench.told.fault == "unplugged"
-    assert not bench.told.sounding
+    assert bench.status.fault == "unplugged"
+    assert not bench.status.sounding
     bench.backend.raises.clear()
     bench.step(bench.frame())
     assert bench.backend.what == ["send", "send", "silence"]
@@ -322,13 +327,13 @@ def test_silence_is_asked_for_every_round_until_it_works(error: Exception) -> No
         bench.step(bench.frame(), stopped=1)
         assert bench.guard.loud
     assert bench.backend.what == ["send"] + ["silence"] * 7
-    assert bench.told.sounding  # as far as anyone knows
-    assert type(error).__name__ in bench.told.fault
+    assert bench.status.sounding  # as far as anyone knows
+    assert type(error).__name__ in bench.status.fault
     bench.backend.raises.clear()
     bench.step()
     bench.step()
     assert bench.backend.what == ["send"] + ["silence"] * 8
-    assert not bench.told.sounding
+    assert not bench.status.sounding
 
 
 def test_what_plug_ins_raise_can_always_be_told() -> None:
@@ -346,7 +351,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     other = Recorded(bench.clock)
     bench.sound()
     assert bench.guard.take(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
-    told = bench.told
+    told = bench.status
     assert (told.generation, told.next) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
     assert told.sizes == b""
@@ -356,7 +361,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     assert not bench.step(after=0.0)
     assert bench.backend.what == ["send", "send", "silence"]
     assert other.log == [(bench.clock.time, "send", 3)]
-    assert (bench.told.generation, bench.told.next) == (2, 0)
+    assert (bench.status.generation, bench.status.next) == (2, 0)
     assert bench.guard.leaving == [bench.backend]
     bench.step(bench.frame())  # for the old one still
     assert other.what == ["send", "silence"]
@@ -367,7 +372,7 @@ def test_it_takes_over_while_nothing_is_permitted_too() -> None:
     other = Recorded(bench.clock)
     bench.guard.take(other, other.can)
     bench.step(bench.frame(device=2), armed=0)
-    assert bench.told.generation == 2
+    assert bench.status.generation == 2
     assert other.log == bench.backend.log == []
 
 
@@ -378,7 +383,7 @@ def test_a_third_device_supersedes_the_one_that_waits() -> None:
     bench.guard.take(third, third.can)
     assert bench.guard.leaving == [second]
     bench.step(bench.frame(device=2))
-    assert bench.told.generation == 1
+    assert bench.status.generation == 1
     bench.step(bench.frame(device=3))
     bench.step()
     assert third.sent == [2]
@@ -393,19 +398,19 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
     for _ in range(5):
         bench.step(bench.frame(device=2))
         assert other.log == []
-        assert "stuck" in bench.told.fault
+        assert "stuck" in bench.status.fault
     assert bench.guard.leaving == [bench.backend]  # to be closed
     bench.guard.clear()
     for _ in range(3):
         bench.step(bench.frame(device=2))
         assert other.log == []
-        assert "stuck" in bench.told.fault  # for control it is one and the same
+        assert "stuck" in bench.status.fault  # for control it is one and the same
     left = bench.guard.leaving.pop()
     left.close()
     bench.guard.changed = False
     bench.guard.closed(left)
     assert bench.guard.changed
-    assert not bench.told.fault
+    assert not bench.status.fault
     bench.step(bench.frame(device=2))
     assert other.what == ["send"]
     bench.guard.closed(left)  # again: nothing happens
@@ -415,22 +420,22 @@ def test_frames_counts_gaps() -> None:
     bench = Bench()
     for k in range(4):
         bench.step(bench.frame(), 1e-3)
-        assert bench.told.frames == k + 1
-    assert bench.told.longest_gap == pytest.approx(1e-3)
+        assert bench.status.frames == k + 1
+    assert bench.status.longest_gap == pytest.approx(1e-3)
     bench.step(bench.frame(), 7e-3)
     bench.step(bench.frame(), 1e-3)
-    assert bench.told.longest_gap == pytest.approx(7e-3)
+    assert bench.status.longest_gap == pytest.approx(7e-3)
     bench.step(after=1.0)  # stale
     bench.sound()
-    assert bench.told.longest_gap == pytest.approx(1.0 + ROUND)
+    assert bench.status.longest_gap == pytest.approx(1.0 + ROUND)
     bench.step(epoch=2, after=5.0)  # armed anew
     bench.step(bench.frame(epoch=2))
-    assert bench.told.longest_gap == 0.0
-    assert bench.told.frames == 8
+    assert bench.status.longest_gap == 0.0
+    assert bench.status.frames == 8
 
 
 def inputs(bench: Bench) -> list[list[float]]:
-    return np.frombuffer(bench.told.inputs, "<f8").reshape(-1, 4).tolist()  # type: ignore[no-any-return]
+    return np.frombuffer(bench.status.inputs, "<f8").reshape(-1, 4).tolist()  # type: ignore[no-any-return]
 
 
 def test_each_input_is_noted_once_when_it_is_emitted() -> None:
@@ -441,7 +446,7 @@ def test_each_input_is_noted_once_when_it_is_emitted() -> None:
     bench.step(bench.frame(input=7, sent=1.6, received=99.1), armed=0)  # not let through
     bench.step(bench.frame(rows=0, input=8, sent=1.7, received=99.2), armed=1)  # a lost hand
     assert inputs(bench) == [[5.0, 1.5, 99.0, first], [8.0, 1.7, 99.2, bench.clock.time]]
-    assert bench.told.inputs_until == 2
+    assert bench.status.inputs_until == 2
 
 
 def test_the_last_inputs_are_kept() -> None:
@@ -449,14 +454,14 @@ def test_the_last_inputs_are_kept() -> None:
     for k in range(1, KEPT + 50):
         bench.step(bench.frame(input=k))
     assert [row[0] for row in inputs(bench)] == list(range(50, KEPT + 50))
-    assert bench.told.inputs_until == KEPT + 49
+    assert bench.status.inputs_until == KEPT + 49
 
 
 def test_without_a_device_nothing_happens() -> None:
     bench = Bench()
     bench.sound()
     assert bench.guard.release() is bench.backend
-    assert bench.told.generation == 0
+    assert bench.status.generation == 0
     for _ in range(5):
         bench.step(bench.frame())
     assert bench.backend.what == ["send"]
@@ -469,7 +474,7 @@ def test_without_a_device_nothing_happens() -> None:
 
 def test_generations_go_on_after_a_restart() -> None:
     bench = Bench(generation=7)
-    assert bench.told.generation == 8
+    assert bench.status.generation == 8
 
 
 @given(
@@ -547,20 +552,161 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
                 assert may or what.get("send")
 
 
-def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = Settings(backend=Choice("simulated"))
-    columns = len(made.array.make())
-    sizes = {**CAPACITIES, "frame": frame_capacity(columns)}
-    files = [
-        Latest.create(tmp_path / name, sizes[name])
+NEWS: dict[str, tuple[Callable[[Bench], object], Callable[[Bench], object]]] = {
+    "it sounds": (lambda bench: None, Bench.sound),
+    "it is silent": (Bench.sound, lambda bench: bench.step(armed=0)),
+    "frames are late": (Bench.sound, lambda bench: bench.step(after=1.001 * STALE)),
+    "they go on": (
+        lambda bench: [bench.step(after=1.001 * STALE) for _ in range(2)],
+        lambda bench: bench.step(bench.frame(rows=0)),
+    ),
+    "a device comes": (
+        lambda bench: None,
+        lambda bench: bench.guard.take(Recorded(bench.clock), pc.Capability()),
+    ),
+    "it takes over": (
+        lambda bench: bench.guard.take(Recorded(bench.clock), pc.Capability()),
+        lambda bench: bench.step(bench.frame(device=2, rows=0)),
+    ),
+    "a fault": (lambda bench: None, lambda bench: bench.guard.fail("unplugged")),
+    "a bad frame": (Bench.sound, lambda bench: bench.step(b"")),
+    "it is mended": (
+        lambda bench: bench.guard.fail("unplugged"),
+        lambda bench: bench.guard.clear(),
+    ),
+}
+
+
+@pytest.mark.parametrize("what", NEWS)
+def test_others_are_to_know_at_once_what_is_new_and_nothing_else(what: str) -> None:
+    bench = Bench()
+    before, happens = NEWS[what]
+    before(bench)
+    bench.guard.changed = False
+    bench.step()
+    assert not bench.guard.changed
+    happens(bench)
+    assert bench.guard.changed
+    bench.guard.changed = False
+    bench.step()
+    bench.step()
+    assert not bench.guard.changed
+
+
+@pytest.fixture
+def memory(tmp_path: Path) -> Iterator[dict[str, Latest]]:
+    """What a guard shares with others, in `tmp_path`."""
+    sizes = {**CAPACITIES, "frame": frame_capacity(len(SIMULATED.array.make()))}
+    files = {
+        name: Latest.create(tmp_path / name, sizes[name])
         for name in ("permit", "frame", "orders", "device")
-    ]
+    }
+    yield files
+    for file in files.values():
+        file.close()
+
+
+def write_frame(memory: dict[str, Latest], device: int) -> None:
+    """One that sounds."""
+    N = len(SIMULATED.array.make())
+    head = FrameHead(1, 0.0, FOREVER.epoch, device, 1, N)
+    memory["frame"].write(head.pack() + np.full((2, 1, N), 5, np.uint16).tobytes())
+
+
+def open_device(rounds: Rounds, each: Callable[[], object] = lambda: None) -> None:
+    """Turn until there is one. each: before every turn."""
+    eventually(lambda: rounds.guard.backend, lambda: (each(), rounds.turn()))
+
+
+def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_or_at_once(
+    memory: dict[str, Latest], tmp_path: Path
+) -> None:
+    """What ends the sound is seen so late at most; another device is not waited for."""
+    with Rounds(tmp_path, SIMULATED) as rounds:
+        open_device(rounds)
+        assert 0.0 < rounds.turn() <= 1e-3
+        memory["permit"].write(FOREVER.pack())
+        assert 0.0 < rounds.turn() <= 0.25e-3
+        other = Recorded(ManualClock())
+        rounds.guard.take(other, other.can)
+        write_frame(memory, 2)
+        assert rounds.turn() == 0.0
+        assert 0.0 < rounds.turn() <= 0.25e-3
+        assert rounds.guard.backend is other
+        write_frame(memory, 2)
+        rounds.turn()
+        assert other.loud
+        other.raises["silence"] = OSError("stuck")
+        memory["permit"].write(FOREVER._replace(armed=0).pack())
+        for _ in range(3):  # not permitted any more, but it sounds still
+            assert 0.0 < rounds.turn() <= 0.25e-3
+        other.raises.clear()
+        rounds.turn()
+        assert not other.loud
+
+
+def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
+    memory: dict[str, Latest], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = ManualClock()
+    monkeypatch.setattr(
+        "pacinian.serving.guard.time", SimpleNamespace(perf_counter=clock.now, sleep=clock.advance)
+    )
+    news = memory["device"]
+
+    def read_status() -> Device:
+        read = news.read()
+        assert read is not None
+        return msgspec.msgpack.decode(read[1], type=Device)
+
+    with Rounds(tmp_path, SIMULATED) as rounds:
+        open_device(rounds)
+        rounds.turn()
+        assert news.number == 0  # before it is known which others there are
+        rounds.backends = ()
+        rounds.turn()
+        assert news.number == 1
+        assert read_status().name == "simulated"
+        for _ in range(20):
+            rounds.turn()
+        clock.advance(0.009)
+        rounds.turn()
+        assert news.number == 1
+        clock.advance(0.002)
+        rounds.turn()
+        rounds.turn()
+        assert news.number == 2
+        memory["permit"].write(FOREVER.pack())
+        write_frame(memory, 1)
+        rounds.turn()
+        assert (news.number, read_status().sounding) == (3, True)
+        memory["permit"].write(FOREVER._replace(armed=0).pack())
+        rounds.turn()
+        assert (news.number, read_status().sounding) == (4, False)
+        rounds.turn()
+        assert news.number == 4
+    last = news.number
+
+    with Rounds(tmp_path, SIMULATED) as rounds:  # which takes over what was known
+
+        def quiet() -> None:
+            assert news.number == last  # while it has no device yet
+
+        memory["permit"].write(FOREVER.pack())
+        open_device(rounds, quiet)
+        rounds.turn()
+        assert news.number > last
+        assert read_status().generation == 2
+        assert not read_status().sounding  # the frame was for the device before
+
+
+def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
+    memory: dict[str, Latest], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     clock = ManualClock()
     backends = [Recorded(clock) for _ in range(3)]
     backends[0].raises["close"] = OSError("gone")
-    rounds = Rounds(tmp_path, made)
+    rounds = Rounds(tmp_path, SIMULATED)
 
     def bad() -> None:
         raise RuntimeError("told by a plug-in")
@@ -571,5 +717,3 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
             rounds.guard.take(backend, backend.can)
         rounds.guard.leaving.append(backends[2])
     assert [backend.what[-1] for backend in backends] == ["close"] * 3
-    for file in files:
-        file.close()

@@ -11,15 +11,13 @@ from pacinian.serving.ownership import CLOSING
 from pacinian.wire.control import Arm, Bye, Disarm, Reset, Stop
 from pacinian.wire.replies import Ok
 
-from .fake_clients import LEASE, Desk, Game, code
+from .fake_clients import LEASE, Desk, Game, armed, code
 
 # ends
 
 
 def test_disarm_is_soft_and_then_silent() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     assert game.ask(Disarm) == Ok(id=7)
     assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
     assert desk.sessions.listed().owned == ""
@@ -28,18 +26,14 @@ def test_disarm_is_soft_and_then_silent() -> None:
 
 
 def test_a_soft_end_is_never_later_than_the_lease() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     desk.wait(LEASE - 0.005)
     game.ask(Disarm)
     assert desk.permit.until == pytest.approx(100.0 + LEASE)
 
 
 def test_arming_again_while_it_fades_waits_and_counts() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     game.ask(Disarm)
     message = Arm(session=game.welcome.session, id=9)
     assert desk.all(b"game", message) == []
@@ -49,9 +43,7 @@ def test_arming_again_while_it_fades_waits_and_counts() -> None:
 
 
 def test_arming_what_is_armed_extends_it() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     desk.wait(LEASE / 2)
     assert game.arm() == Ok(id=7)
     assert desk.permit[:3] == (1, pytest.approx(100.0 + 1.5 * LEASE), 1)
@@ -60,9 +52,7 @@ def test_arming_what_is_armed_extends_it() -> None:
 
 
 def test_bye_is_soft_and_a_lost_link_is_not() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     assert game.ask(Bye) == Ok(id=7)
     assert desk.armed == 2
     assert not desk.sessions.all
@@ -117,9 +107,7 @@ def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
     desk = Desk()
     old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
     old.arm()
-    desk.sessions.handle(
-        b"new", "u", Arm(session=new.welcome.session, id=5, take=True), desk.clock.time
-    )
+    new.take()
     ((peer, told),) = desk.sessions.taken()
     assert (peer, told.id, code(told)) == (b"old", 0, "owner")
     assert desk.permit[:4:2] == (2, 1)
@@ -136,9 +124,7 @@ def test_of_two_that_take_the_last_one_owns() -> None:
     a, b, c = desk.hello(b"a"), desk.hello(b"b"), desk.hello(b"c")
     a.arm()
     for game in (b, c):
-        desk.sessions.handle(
-            game.peer, "u", Arm(session=game.welcome.session, id=5, take=True), desk.clock.time
-        )
+        game.take()
     told = desk.sessions.taken()
     assert [(to, reply.id, code(reply)) for to, reply in told] == [
         (b"a", 0, "owner"),
@@ -172,10 +158,7 @@ def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
 def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
     desk = Desk()
     desk.hello(b"a").arm()
-    b = desk.hello(b"b")
-    desk.sessions.handle(
-        b"b", "u", Arm(session=b.welcome.session, id=5, take=True), desk.clock.time
-    )
+    desk.hello(b"b").take()
     desk.sessions.lost(b"b", desk.clock.time)
     desk.wait(1.0)
     assert desk.permit[:4] == (0, 0.0, 1, 0)
@@ -186,9 +169,7 @@ def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
 
 
 def test_anyone_can_stop_without_a_session() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     desk.sessions.handle(b"anyone", "u", Stop(id=4), desk.clock.time)
     assert desk.permit[:4] == (0, 0.0, 1, 1)
     told = dict(desk.sessions.taken())
@@ -206,10 +187,7 @@ def test_anyone_can_stop_without_a_session() -> None:
 def test_a_stop_while_one_hands_over_holds() -> None:
     desk = Desk()
     desk.hello(b"a").arm()
-    b = desk.hello(b"b")
-    desk.sessions.handle(
-        b"b", "u", Arm(session=b.welcome.session, id=5, take=True), desk.clock.time
-    )
+    desk.hello(b"b").take()
     desk.sessions.taken()
     desk.sessions.handle(b"x", "u", Stop(), desk.clock.time)
     assert [code(reply) for to, reply in desk.sessions.taken() if to == b"b"] == ["stopped"]
@@ -218,9 +196,7 @@ def test_a_stop_while_one_hands_over_holds() -> None:
 
 
 def test_a_fault_holds_until_reset_and_is_told_once() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     for fault in ("device: unplugged", "device: unplugged", "another"):
         desk.sessions.ownership.fail(fault)
     ((_, told),) = desk.sessions.taken()
@@ -234,9 +210,7 @@ def test_a_fault_holds_until_reset_and_is_told_once() -> None:
 
 
 def test_a_renderer_that_is_started_again_needs_an_arm_but_no_reset() -> None:
-    desk = Desk()
-    game = desk.hello()
-    game.arm()
+    desk, game = armed()
     desk.sessions.ownership.interrupt("fault", "the renderer was killed")
     assert [code(reply) for _, reply in desk.sessions.taken()] == ["fault"]
     assert desk.armed == 0

@@ -3,16 +3,19 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from typing import NamedTuple
 
 import psutil
 import pytest
+from msgspec.structs import replace
 
 from pacinian.scene.file import Units
 from pacinian.serving import priority
-from pacinian.serving.settings import Log, Settings
 from pacinian.testing import serving
 
-LONG = 20.0  # [s]
+from ...waiting import PATIENCE
+from .processes import PATIENT
+
 linux = pytest.mark.skipif(
     sys.platform != "linux", reason="only Linux lets a thread choose so much"
 )
@@ -22,7 +25,12 @@ def told(code: str, *, alone: bool = False) -> list[str]:
     """What another process prints, which keeps what it asks for. alone: in a session of its own."""
     command = [sys.executable, "-c", f"import os\nfrom pacinian.serving import priority\n{code}"]
     done = subprocess.run(
-        command, capture_output=True, check=True, text=True, timeout=LONG, start_new_session=alone
+        command,
+        capture_output=True,
+        check=True,
+        text=True,
+        timeout=PATIENCE,
+        start_new_session=alone,
     )
     if "may not" in done.stdout:
         pytest.skip("may not be urgent here")
@@ -211,7 +219,7 @@ else:
     priority.avoid(min(everywhere))
     print(os.sched_getaffinity(0) == everywhere - {min(everywhere)})
     priority.beside(lambda: print(os.sched_getaffinity(0) == everywhere) or done.set(), "work")
-    done.wait(10)
+    done.wait()
 """
     assert told(code) == ["True"] * 2
 
@@ -228,14 +236,38 @@ for nice in (-15, 3):
     os.setpriority(os.PRIO_PROCESS, 0, nice)
     done = threading.Event()
     priority.beside(lambda: print(os.getpriority(os.PRIO_PROCESS, 0)) or done.set(), "work")
-    done.wait(10)
+    done.wait()
     print(os.getpriority(os.PRIO_PROCESS, 0))
 """
     assert told(code) == ["-5", "-15", "3", "3"]
 
 
+class Thread(NamedTuple):
+    """Of a server's process."""
+
+    process: str
+    main: bool
+    nice: int
+    processors: frozenset[int]
+
+
+@pytest.fixture(scope="module")
+def threads() -> tuple[list[Thread], bool]:
+    """Those of a running server; whether its guard goes first."""
+    with serving(replace(PATIENT, array=Units(1, 1))) as server:
+        found = [
+            Thread(
+                name, thread.id == pid, os.getpriority(os.PRIO_PROCESS, thread.id),
+                frozenset(os.sched_getaffinity(thread.id)),
+            )
+            for name, pid in server.pids.items()
+            for thread in psutil.Process(pid).threads()
+        ]  # fmt: skip
+        return found, os.sched_getscheduler(server.pids["guard"]) != os.SCHED_OTHER
+
+
 @linux
-def test_only_the_loop_and_control_go_before_all() -> None:
+def test_only_the_loop_and_control_go_before_all(threads: tuple[list[Thread], bool]) -> None:
     """What is loaded for the loop, and who works off what clients ask, must not take all of a processor from games."""
     before = os.getpriority(os.PRIO_PROCESS, 0)
     try:
@@ -243,35 +275,27 @@ def test_only_the_loop_and_control_go_before_all() -> None:
     except OSError:
         pytest.skip("may not be urgent here")
     os.setpriority(os.PRIO_PROCESS, 0, before)
-    with serving(Settings(array=Units(1, 1), log=Log(level="warning"))) as server:
-        nice = {
-            name: {
-                thread.id: os.getpriority(os.PRIO_PROCESS, thread.id)
-                for thread in psutil.Process(pid).threads()
-            }
-            for name, pid in server.pids.items()
-        }
-        pids = server.pids
-    assert nice["control"][pids["control"]] == nice["render"].pop(pids["render"]) == -15
-    assert all(level >= -5 for name in ("render", "bus") for level in nice[name].values())
+    for thread in threads[0]:
+        if thread.main and thread.process in ("control", "render"):
+            assert thread.nice == -15
+        elif thread.process in ("render", "bus"):
+            assert thread.nice >= -5
 
 
 @linux
 @pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="wants two processors")
-def test_the_guard_and_the_loop_keep_to_different_processors() -> None:
+def test_the_guard_and_the_loop_keep_to_different_processors(
+    threads: tuple[list[Thread], bool],
+) -> None:
     """And nothing else of the server keeps to any."""
-    everywhere = os.sched_getaffinity(0)
-    with serving(Settings(array=Units(1, 1), log=Log(level="warning"))) as server:
-        pids = server.pids
-        found = {
-            (name, thread.id == pid): os.sched_getaffinity(thread.id)
-            for name, pid in pids.items()
-            for thread in psutil.Process(pid).threads()
-        }
-        first = os.sched_getscheduler(pids["guard"]) != os.SCHED_OTHER
-    guard, loop = found.pop(("guard", True)), found.pop(("render", True))
-    assert all(others == everywhere for others in found.values())
-    assert {name for name, _ in found} == set(pids)
+    everywhere, (found, first) = os.sched_getaffinity(0), threads
+    guard, loop = (
+        next(t.processors for t in found if t.main and t.process == name)
+        for name in ("guard", "render")
+    )
+    rest = [t for t in found if not (t.main and t.process in ("guard", "render"))]
+    assert all(thread.processors == everywhere for thread in rest)
+    assert {thread.process for thread in rest} == {"control", "bus", "render", "guard"}
     if not first or len(everywhere) < 2:
         assert guard == loop == everywhere
         pytest.skip("may not go first here")

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, ClassVar
@@ -40,6 +39,8 @@ from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 from pacinian.wire.shapes import Polyline
 from pacinian.wire.time import AM, STM
+
+from ...waiting import PATIENCE, eventually
 
 ARRAY, AIR = pc.autd(), pc.Air()
 N = len(ARRAY)
@@ -410,13 +411,6 @@ def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
     assert server.report.run == server.loop.run
 
 
-def until(what: Callable[[], bool], seconds: float = 60.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 @pytest.mark.parametrize("end", ["terminate", "orphan"])
 def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
     sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
@@ -427,7 +421,7 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
         device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         files["device"].write(messages.pack(device))
         files["permit"].write(Permit(1, 1e12, 3).pack())
-        until(lambda: files["taken"].number > 0)
+        eventually(lambda: files["taken"].number > 0)
         item = msgspec.msgpack.encode(POINT)
         files["changes"].write(messages.pack(Changes(1, 1, (PutObject("a", item, False),))))
 
@@ -435,13 +429,13 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
             found = files["frame"].read()
             return bool(found and np.frombuffer(found[1][HEAD:], "<u2")[N:].any())
 
-        until(sounding)
+        eventually(sounding)
         if end == "terminate":
             os.kill(process.pid, signal.SIGTERM)
         else:
             assert process.stdin is not None
             process.stdin.close()
-        process.wait(20)
+        process.wait(PATIENCE)
         if end == "terminate":
             assert process.returncode == 0
             assert FrameHead.unpack(files["frame"].read()[1]).rows == 0  # type: ignore[index]

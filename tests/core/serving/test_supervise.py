@@ -10,9 +10,8 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import psutil
 import pytest
@@ -21,6 +20,9 @@ from pacinian.errors import ServerError
 from pacinian.serving.supervise import FIRST, LATE, LONGEST, STARTING, WELL, Supervisor
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
+
+from ...waiting import PATIENCE, eventually
+from .processes import runs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -61,7 +63,7 @@ def start(name, told):
     process.stdin.flush()
     print("started", name, process.pid, told.folder, flush=True)
     return process
-settings = Settings(connection=sys.argv[1], safety=Safety(hung=0.5), log=Log(level="error"))
+settings = Settings(connection=sys.argv[1], safety=Safety(hung=3.0), log=Log(level="error"))
 serve(settings, lambda path: print("ready", path, flush=True), start)
 """
 
@@ -292,15 +294,6 @@ def test_if_one_cannot_be_started_those_before_are_ended() -> None:
 # real processes
 
 
-def eventually(seen: Callable[[], Any], seconds: float = 20.0) -> Any:
-    due = time.monotonic() + seconds
-    while time.monotonic() < due:
-        if value := seen():
-            return value
-        time.sleep(0.01)
-    raise AssertionError("did not come true in time")
-
-
 class Running:
     """A server in a process of its own, with children that only give signs of life."""
 
@@ -343,7 +336,7 @@ def test_one_that_stands_still_is_replaced_and_sigterm_ends_all_in_order(
 ) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
         manager.bind(str(tmp_path / "notify"))
-        manager.settimeout(20.0)
+        manager.settimeout(PATIENCE)
         server = running(NOTIFY_SOCKET=str(tmp_path / "notify"))
         assert manager.recv(100) == b"READY=1"
         assert Connection.read(server.path).pid == server.process.pid
@@ -353,7 +346,7 @@ def test_one_that_stands_still_is_replaced_and_sigterm_ends_all_in_order(
         assert not psutil.pid_exists(pid)
         server.process.send_signal(signal.SIGTERM)
         assert manager.recv(100) == b"STOPPING=1"
-    assert server.process.wait(20.0) == 0
+    assert server.process.wait(PATIENCE) == 0
     ended = [line.split()[1] for line in server.log.read_text().splitlines() if "ended" in line]
     # the new renderer may not have come far enough to say so
     assert [name for name in ended if name != "render"] == ["bus", "guard"]
@@ -369,10 +362,3 @@ def test_when_the_parent_is_killed_all_end_by_themselves(running: Callable[..., 
     server.process.kill()
     server.process.wait()
     eventually(lambda: not any(map(runs, (pid for _, pid, _ in server.started))))
-
-
-def runs(pid: int) -> bool:
-    """Whether it does, and is not only waiting to be forgotten."""
-    with contextlib.suppress(psutil.NoSuchProcess):
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    return False

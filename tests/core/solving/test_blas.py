@@ -24,6 +24,13 @@ def test_small_problems_have_one_thread_and_large_ones_what_there_was() -> None:
                 assert threads() == {1}
             assert threads() == {1}
         assert threads() == before
+        a, b = one_thread(), one_thread()  # two that ask, interleaved
+        a.__enter__()
+        b.__enter__()
+        a.__exit__(None, None, None)
+        assert threads() == {1}
+        b.__exit__(None, None, None)
+        assert threads() == before
         with one_thread(MANY):
             assert threads() == before
         with pytest.raises(ZeroDivisionError), one_thread():

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pacinian.rendering.drive import modulate
 from pacinian.solving import kernels
 from pacinian.solving.phases import gerchberg_saxton
 from pacinian.solving.problem import Targets
@@ -68,10 +67,3 @@ def test_restrained_gains_are_scaled_and_shortened(
     plain = factor * g.astype(np.complex128)
     plain *= np.minimum(1.0, highest / np.abs(plain))
     np.testing.assert_allclose(made, plain, rtol=1e-6, atol=1e-30)
-
-
-def test_the_envelope_scales_radiation_pressure() -> None:
-    g = np.ones(3, dtype=np.complex64)
-    out = np.empty((2, 3), dtype=np.complex64)
-    modulate(g, np.array([0.25, 1.0]), out)
-    np.testing.assert_allclose(np.abs(out) ** 2, [[0.25] * 3, [1.0] * 3], rtol=1e-6)

@@ -77,16 +77,6 @@ def test_the_gram_kernel_equals_the_product(M: int, N: int) -> None:
         np.testing.assert_array_equal(made, made.conj().T)
 
 
-def test_adjoint_and_apply_are_adjoint() -> None:
-    propagator = cold(np.random.default_rng(0).uniform(0.05, 0.15, (4, 3)))
-    rng = np.random.default_rng(1)
-    g = rng.normal(size=36) + 1j * rng.normal(size=36)
-    y = rng.normal(size=4) + 1j * rng.normal(size=4)
-    left = np.vdot(y, propagator.apply(g))
-    right = np.vdot(propagator.adjoint(y), g)
-    assert left == pytest.approx(right, rel=1e-5)
-
-
 def test_a_factor_solves_and_knows_its_condition() -> None:
     rng = np.random.default_rng(0)
     A = rng.normal(size=(6, 6)) + 1j * rng.normal(size=(6, 6))

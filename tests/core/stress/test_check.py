@@ -12,9 +12,10 @@ from pacinian.stress.asking import SMALL, asked, scattered
 from pacinian.stress.case import Case
 from pacinian.stress.check import check
 from pacinian.stress.every import breaches
+from pacinian.testing import ManualClock
 
 Q = scattered(3)
-CASE = Case("test: plain", SMALL, Q, asked(SMALL, Q, 0.3), 0.0)
+CASE = Case("test: plain", SMALL, Q, asked(SMALL, Q, 0.3), 0.0, clock=lambda: 0.0)
 QUIET = ([[0.0, 0.0, 0.07]], 1e-3)
 
 
@@ -49,6 +50,14 @@ def fails(out: Any) -> None:
 )
 def test_a_solver_that_breaks_a_promise_is_found(promise: str, does: Any) -> None:
     assert promise in check(CASE, Does(does)).broken
+
+
+def test_a_solver_that_takes_too_long_is_found() -> None:
+    clock = ManualClock()
+    case = dataclasses.replace(CASE, clock=clock.now)
+    evidence = check(case, Does(lambda out: clock.advance(1e3)))
+    assert {"late", "answers"} <= evidence.broken.keys()
+    assert evidence.seconds == 1e3
 
 
 def test_a_stranger_promises_less() -> None:

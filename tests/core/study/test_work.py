@@ -102,48 +102,26 @@ def test_an_end_in_the_middle_loses_only_what_was_going_on(
     assert same(table) == same(ps.run(path, tmp_path / "undisturbed", workers=0))
 
 
-def test_a_part_that_was_cut_off_or_is_something_else_is_done_again_and_told(
-    write: Callable[..., Path], tmp_path: Path, counted: list[str]
+def test_what_was_cut_off_or_is_something_else_or_of_another_version_is_told_and_done_again(
+    write: Callable[..., Path], tmp_path: Path, counted: list[str], same: Callable[[Any], str]
 ) -> None:
     path, out = write(), tmp_path / "out"
-    ps.run(path, out, workers=0)
+    table = ps.run(path, out, workers=0)
     count = len(counted)
-    part, other = sorted((out / "parts").iterdir())[:2]
-    part.write_bytes(part.read_bytes()[:100])
+    cut, other, older = damaged = sorted((out / "parts").iterdir())[:3]
+    lost = sum(len(pq.read_table(part)) for part in damaged)
+    cut.write_bytes(cut.read_bytes()[:100])
     other.write_text("no table")
-    folder = Folder(out)
-    folder.rows()
-    assert len(folder.unreadable) == 2
-    assert str(part) in folder.unreadable[0]
-    table = ps.run(path, out, workers=0)
-    assert len(counted) > count
-    assert len(table) == count
-
-
-def test_a_part_of_another_version_is_done_again_and_told(
-    write: Callable[..., Path], tmp_path: Path, counted: list[str]
-) -> None:
-    path, out = write(), tmp_path / "out"
-    table = ps.run(path, out, workers=0)
-    count = len(counted)
-    part = next((out / "parts").iterdir())
-    older = pq.read_table(part)
-    pq.write_table(older.drop_columns(["rank", "condition"]), part)
-    again = ps.run(path, out, workers=0)
-    assert len(counted) == count + len(older)
-    assert again.column("condition").to_pylist() == table.column("condition").to_pylist()
-
-
-def test_what_was_asked_is_written_down_again_where_it_cannot_be_read(
-    write: Callable[..., Path], tmp_path: Path, counted: list[str]
-) -> None:
-    path, out = write(), tmp_path / "out"
-    ps.run(path, out, workers=0)
-    count = len(counted)
+    pq.write_table(pq.read_table(older).drop_columns(["rank", "condition"]), older)
     (out / "tasks.parquet").write_text("no table")
-    assert Folder(out).asked() == ("", set())
-    ps.run(path, out, workers=0)
-    assert len(counted) == count
+    folder = Folder(out)
+    assert folder.asked() == ("", set())
+    assert len(folder.rows()) == count - lost
+    told = "\n".join(folder.unreadable)
+    assert all(str(part) in told for part in damaged)
+    again = ps.run(path, out, workers=0)
+    assert len(counted) == count + lost
+    assert same(again) == same(table)
     assert Folder(out).asked()[0] == Plan(ps.read(path)).digest
 
 

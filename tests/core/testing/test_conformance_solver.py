@@ -3,259 +3,172 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, ClassVar
+import threading
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pytest
 
 import pacinian as pc
 from pacinian.plugins.registry import installed
-from pacinian.testing import NotConforming, check_solver
+from pacinian.testing import NotConforming, check_solver, conformance_solver
+from pacinian.testing.problems import named
 
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
 RIGHT = pc.solver("pseudo-inverse")
+ARRAY = pc.lattice(0.09, 0.09)
+
+
+class Given(NamedTuple):
+    """What a solver was given, and its right answer."""
+
+    solver: Any
+    result: Any
+    propagator: Any
+    targets: Any
+    warm: Any
+    budget: Any
+    out: Any
 
 
 class Right(pc.Solver):
     """One that does what is promised; the others differ from it in one thing."""
 
     name: ClassVar[str] = "right"
+    last: Any = None
 
     def solve(
         self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
     ) -> Any:
         result = RIGHT.solve(propagator, targets, limits, None, budget, out)
-        return self.spoil(result, propagator, targets, warm, budget, out)
+        spoilt = self.spoil(Given(self, result, propagator, targets, warm, budget, out))
+        return result if spoilt is None else spoilt
 
-    def spoil(
-        self, result: Any, propagator: Any, targets: Any, warm: Any, budget: Any, out: Any
-    ) -> Any:
-        return result
-
-
-class Undocumented(Right):
-    pass
+    @staticmethod
+    def spoil(given: Given) -> Any:
+        """Do something wrong; the result in place of the right one, or None."""
 
 
-class KeepsEverything(Right):
-    """Claims what there is not."""
-
-    keeps = frozenset({"quiet", "peace"})
+def wrong_shape(given: Given) -> None:
+    given.out[:] = np.zeros(len(given.out) + 1)
 
 
-class Empty(Right):
-    """Returns nothing."""
-
-    def spoil(self, *given: Any) -> Any:
-        return None
+def divides_by_0(given: Given) -> None:
+    if not given.targets.amplitudes.all():
+        given.out[0] = np.nan
 
 
-class WrongShape(Right):
-    """Writes too many gains."""
-
-    def spoil(self, *given: Any) -> Any:
-        given[-1][:] = np.zeros(len(given[-1]) + 1)
-        return given[0]
+def needs_time(given: Given) -> None:
+    if given.budget.spent:
+        given.out[:] = np.inf
 
 
-class NotANumber(Right):
-    """Divides by the pressure asked, which may be 0."""
-
-    def spoil(self, result: Any, propagator: Any, targets: Any, *rest: Any) -> Any:
-        if not targets.amplitudes.all():
-            rest[-1][0] = np.nan
-        return result
+def too_strong(given: Given) -> None:
+    given.out[:] = 10.0
 
 
-class NoTime(Right):
-    """Has no answer without time."""
-
-    def spoil(self, result: Any, propagator: Any, targets: Any, *rest: Any) -> Any:
-        if rest[1].spent:
-            rest[-1][:] = np.inf
-        return result
+def random(given: Given) -> None:
+    given.out[:] *= np.exp(1j * np.random.default_rng().uniform(0.0, 1.0))
 
 
-class TooStrong(Right):
-    """Ten times the drive for a whisper."""
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        rest[-1][:] = 10.0
-        return result
+def remembers(given: Given) -> None:
+    if given.solver.last is not None:
+        given.out[:] = 0.9 * given.out + 0.1 * given.solver.last
+    given.solver.last = given.out.copy()
 
 
-class SaysLimited(Right):
-    """Says that it kept the limit, and did not."""
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        return pc.Result(limited=True)
+def writes_targets(given: Given) -> None:
+    given.targets.amplitudes.flags.writeable = True
+    given.targets.amplitudes[:] *= 0.5
 
 
-class Random(Right):
-    """Starts from random phases."""
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        rest[-1][:] *= np.exp(1j * np.random.default_rng().uniform(0.0, 1.0))
-        return result
+def writes_warm(given: Given) -> None:
+    if given.warm is not None:
+        given.warm.gains[:] = 0.0
 
 
-class Remembers(Right):
-    """Starts from what it answered before."""
-
-    def __init__(self) -> None:
-        self.last: Any = None
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        out = rest[-1]
-        if self.last is not None:
-            out[:] = 0.9 * out + 0.1 * self.last
-        self.last = out.copy()
-        return result
+def moves_points(given: Given) -> None:
+    given.propagator.place(given.propagator.points + 0.01)
 
 
-class WritesTargets(Right):
-    """Normalises the targets in place."""
-
-    def spoil(self, result: Any, propagator: Any, targets: Any, *rest: Any) -> Any:
-        targets.amplitudes.flags.writeable = True
-        targets.amplitudes[:] *= 0.5
-        return result
+def scales_B(given: Given) -> None:
+    given.propagator._B *= 0.5  # behind its seal: all pressures told are wrong
 
 
-class WritesWarm(Right):
-    """Uses the last answer's array as its own."""
-
-    def spoil(self, result: Any, propagator: Any, targets: Any, warm: Any, *rest: Any) -> Any:
-        if warm is not None:
-            warm.gains[:] = 0.0
-        return result
+def single_only(given: Given) -> None:
+    if given.out.dtype == np.complex128:
+        given.out[:] *= 0.7
 
 
-class Moves(Right):
-    """Moves the points to look around."""
-
-    def spoil(self, result: Any, propagator: Any, *rest: Any) -> Any:
-        propagator.place(propagator.points + 0.01)
-        return result
+def not_linear(given: Given) -> None:
+    given.out[:] *= np.sqrt(np.abs(given.out).max())
 
 
-class SpoilsB(Right):
-    """Scales B behind its seal: all pressures told are wrong."""
-
-    def spoil(self, result: Any, propagator: Any, *rest: Any) -> Any:
-        propagator._B *= 0.5
-        return result
-
-
-class SingleOnly(Right):
-    """Answers in single precision only."""
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        if rest[-1].dtype == np.complex128:
-            rest[-1][:] *= 0.7
-        return result
-
-
-class NotLinear(Right):
-    """Says that it is linear."""
-
-    linear = True
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        rest[-1][:] *= np.sqrt(np.abs(rest[-1]).max())
-        return result
-
-
-class Unproven(Right):
-    """A bound without multipliers."""
-
-    def spoil(self, *given: Any) -> Any:
-        return pc.Result(bound=0.0)
-
-
-class Boasts(Right):
+def boasts(given: Given) -> pc.Result:
     """A bound above the optimum."""
-
-    def spoil(self, result: Any, propagator: Any, targets: Any, *rest: Any) -> Any:
-        y = np.zeros(len(targets.amplitudes), complex)
-        return pc.Result(bound=float(targets.norm) ** 2, multipliers=y, mu=1e-4)
+    y = np.zeros(len(given.targets.amplitudes), complex)
+    return pc.Result(bound=float(given.targets.norm) ** 2, multipliers=y, mu=1e-4)
 
 
-class IgnoresQuiet(Right):
-    """Says that it keeps quiet points."""
-
-    keeps = frozenset({"quiet"})
-
-
-class QuietBySilence(Right):
-    """Keeps quiet points, and nothing else."""
-
-    keeps = frozenset({"quiet"})
-
-    def solve(self, propagator: Any, *rest: Any) -> Any:
-        result = super().solve(propagator, *rest)
-        if propagator.quiet is not None:
-            rest[-1][:] = 0.0
-        return result
+def silent_where_quiet(given: Given) -> None:
+    if given.propagator.quiet is not None:
+        given.out[:] = 0.0
 
 
-class IgnoresExact(Right):
-    """Says that it meets samples exactly."""
-
-    keeps = frozenset({"exact"})
-
-    def spoil(self, result: Any, *rest: Any) -> Any:
-        rest[-1][:] *= 0.95
-        return result
+def inexact(given: Given) -> None:
+    given.out[:] *= 0.95
 
 
-WRONG = {
-    Undocumented: "class",
-    KeepsEverything: "class",
-    Empty: "finite",
-    WrongShape: "finite",
-    NotANumber: "finite",
-    NoTime: "budget",
-    TooStrong: "gain limit",
-    SaysLimited: "gain limit",
-    Random: "deterministic",
-    Remembers: "holds nothing",
-    WritesTargets: "leaves its input alone",
-    WritesWarm: "leaves its input alone",
-    Moves: "leaves its input alone",
-    SpoilsB: "true pressures",
-    SingleOnly: "double precision",
-    NotLinear: "linear",
-    Unproven: "bound",
-    Boasts: "bound",
-    IgnoresQuiet: "quiet",
-    QuietBySilence: "quiet",
-    IgnoresExact: "exact",
+WRONG: dict[str, tuple[str, dict[str, Any]]] = {
+    "undocumented": ("class", {"__doc__": None}),
+    "keeps what there is not": ("class", {"keeps": frozenset({"quiet", "peace"})}),
+    "returns nothing": ("finite", {"solve": lambda *_: None}),
+    "wrong shape": ("finite", {"spoil": wrong_shape}),
+    "divides by 0": ("finite", {"spoil": divides_by_0}),
+    "no answer without time": ("budget", {"spoil": needs_time}),
+    "too strong": ("gain limit", {"spoil": too_strong}),
+    "says limited": ("gain limit", {"spoil": lambda _: pc.Result(limited=True)}),
+    "random": ("deterministic", {"spoil": random}),
+    "remembers": ("holds nothing", {"spoil": remembers}),
+    "writes targets": ("leaves its input alone", {"spoil": writes_targets}),
+    "writes the last answer": ("leaves its input alone", {"spoil": writes_warm}),
+    "moves points": ("leaves its input alone", {"spoil": moves_points}),
+    "spoils B": ("true pressures", {"spoil": scales_B}),
+    "single precision only": ("double precision", {"spoil": single_only}),
+    "says linear": ("linear", {"spoil": not_linear, "linear": True}),
+    "a bound without multipliers": ("bound", {"spoil": lambda _: pc.Result(bound=0.0)}),
+    "a bound above the optimum": ("bound", {"spoil": boasts}),
+    "says quiet": ("quiet", {"keeps": frozenset({"quiet"})}),
+    "quiet by silence": ("quiet", {"keeps": frozenset({"quiet"}), "spoil": silent_where_quiet}),
+    "says exact": ("exact", {"keeps": frozenset({"exact"}), "spoil": inexact}),
 }
+
+
+def make_wrong(given: dict[str, Any]) -> Any:
+    """A solver that is right but for this."""
+    functions = {k: staticmethod(v) if k == "spoil" else v for k, v in given.items()}
+    return type("Wrong", (Right,), {"__doc__": "Wrong in one thing.", **functions})
 
 
 def test_a_right_one_passes() -> None:
     check_solver(Right)
 
 
-@pytest.mark.parametrize(("kind", "rule"), WRONG.items(), ids=lambda v: getattr(v, "__name__", v))
-def test_a_wrong_one_is_caught(kind: Any, rule: str) -> None:
+@pytest.mark.parametrize("how", WRONG)
+def test_a_wrong_one_is_caught(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    few = [problem for problem in named(ARRAY) if len(problem[1].q) <= 4]
+    monkeypatch.setattr(conformance_solver, "named", lambda _: few)
+    rule, given = WRONG[how]
     with pytest.raises(NotConforming) as raised:
-        check_solver(kind)
+        check_solver(make_wrong(given), ARRAY)
     assert rule in raised.value.broken
 
 
 def test_a_hang_ends_the_trial() -> None:
-    class Hangs(Right):
-        """Never comes back."""
-
-        def spoil(self, *given: Any) -> Any:
-            import threading
-
-            threading.Event().wait(3.0)
-
+    end = threading.Event()
     with pytest.raises(NotConforming, match="has not come back"):
-        check_solver(Hangs, limit=0.3)
+        check_solver(make_wrong({"spoil": lambda _: end.wait() and None}), limit=1.0)
+    end.set()
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -269,5 +182,4 @@ def test_an_array_of_one_s_own_may_be_given() -> None:
     uneven = dataclasses.replace(
         array, response=rng.uniform(0.5, 1.5, 249) * np.exp(1j * rng.normal(0, 1, 249))
     )
-    for one in (array, uneven):
-        check_solver(lambda: pc.solver("lagrange"), one)
+    check_solver(lambda: pc.solver("lagrange"), uneven)

@@ -27,7 +27,7 @@ def test_its_processes_are_found_and_end_with_it() -> None:
             assert one.memory > 1e6
             assert one.cpu > 0.0
             assert one.files > 0
-        with pc.Client(server.connection) as client:
+        with pc.Client(server.connection, timeout=60.0) as client:
             assert client.status().output == "silent"
     assert not any(map(psutil.pid_exists, pids.values()))
     assert not server.connection.exists()

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import tracemalloc
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import msgpack
@@ -32,12 +33,21 @@ STOP = encode(control.Stop(id=5))
 CLEAR = encode(commands.Clear(session=bytes(16), sequence=1, time=0.0))
 
 
-@pytest.mark.parametrize(
-    ("socket", "message"), [e[1:] for e in EXAMPLES], ids=[e[0] for e in EXAMPLES]
-)
-def test_a_message_is_the_same_after_the_wire(socket: str, message: msgspec.Struct) -> None:
-    assert DECODE[socket](encode(message)) == message
-    assert DECODE[socket](memoryview(encode(message))) == message
+def test_a_message_is_the_same_after_the_wire() -> None:
+    for _, socket, message in EXAMPLES:
+        assert DECODE[socket](encode(message)) == message
+        assert DECODE[socket](memoryview(encode(message))) == message
+
+
+@contextmanager
+def allocating(most: int) -> Iterator[None]:
+    """Less than so many bytes at any time."""
+    tracemalloc.start()
+    try:
+        yield
+        assert tracemalloc.get_traced_memory()[1] < most
+    finally:
+        tracemalloc.stop()
 
 
 def refused(decode: Callable[[Any], object], data: bytes, path: str = "$") -> WireError:
@@ -47,7 +57,7 @@ def refused(decode: Callable[[Any], object], data: bytes, path: str = "$") -> Wi
     return caught.value
 
 
-# What was measured of MessagePack readers (../shared/reference/bus-and-clients.md, C7), one by one.
+# what MessagePack readers were seen to do wrong, one by one
 
 
 @pytest.mark.parametrize("head", [b"\xdd", b"\xdf", b"\xc6", b"\xdb"])
@@ -55,16 +65,14 @@ def refused(decode: Callable[[Any], object], data: bytes, path: str = "$") -> Wi
     "place", [b"", b"\x82\xa4type\xa4stop\xa2id", b"\x82\xa4type\xa4stop\xa1x"]
 )
 def test_a_length_bomb_allocates_nothing(head: bytes, place: bytes) -> None:
-    tracemalloc.start()
-    for decode in DECODE.values():
-        with pytest.raises(WireError):
-            decode(place + head + b"\xff\xff\xff\xff")
-    assert tracemalloc.get_traced_memory()[1] < 100_000
-    tracemalloc.stop()
+    with allocating(100_000):
+        for decode in DECODE.values():
+            with pytest.raises(WireError):
+                decode(place + head + b"\xff\xff\xff\xff")
 
 
 @pytest.mark.parametrize("wrap", [b"\x91", b"\x81\xa1a"], ids=["array", "map"])
-@pytest.mark.parametrize("depth", [1, 100, 1000, 3000, 10_000, 20_000])
+@pytest.mark.parametrize("depth", [1, 100, 1000, 20_000])
 def test_what_is_nested_deeply_is_refused_or_skipped(wrap: bytes, depth: int) -> None:
     known = b"\x82\xa4type\xa4stop\xa2id" + wrap * depth + b"\xc0"
     refused(decode_control, known, "$.id")
@@ -79,19 +87,15 @@ def test_what_is_nested_deeply_is_refused_or_skipped(wrap: bytes, depth: int) ->
 
 def test_a_million_levels_neither_crash_nor_allocate() -> None:
     data = CLEAR[:-1].replace(b"\x86", b"\x87", 1) + b"\x00\xa1x" + b"\x91" * 1_000_000 + b"\xc0"
-    tracemalloc.start()
-    assert "deep" in refused(decode_command, data).problem
-    assert tracemalloc.get_traced_memory()[1] < 100_000
-    tracemalloc.stop()
+    with allocating(100_000):
+        assert "deep" in refused(decode_command, data).problem
 
 
 def test_a_mebibyte_of_empty_lists_is_skipped_without_a_list() -> None:
     many = 1_000_000
     data = b"\x87" + CLEAR[1:] + b"\xa1x\xdd" + many.to_bytes(4, "big") + b"\x90" * many
-    tracemalloc.start()
-    assert isinstance(decode_command(data), commands.Clear)
-    assert tracemalloc.get_traced_memory()[1] < 100_000
-    tracemalloc.stop()
+    with allocating(100_000):
+        assert isinstance(decode_command(data), commands.Clear)
 
 
 def test_too_many_of_anything_are_refused_before_they_are_read() -> None:
@@ -99,10 +103,8 @@ def test_too_many_of_anything_are_refused_before_they_are_read() -> None:
     head = b"\x87" + CLEAR[1:].replace(b"clear", b"remove").replace(b"\xa5remove", b"\xa6remove")
     for names in (b"\x90" * many, b"\xa1a" * many):
         data = head + b"\xa5names\xdd" + many.to_bytes(4, "big") + names
-        tracemalloc.start()
-        refused(decode_command, data, "$.names")
-        assert tracemalloc.get_traced_memory()[1] < 100_000
-        tracemalloc.stop()
+        with allocating(100_000):
+            refused(decode_command, data, "$.names")
 
 
 def test_a_message_of_many_small_things_takes_a_few_times_its_length() -> None:
@@ -111,10 +113,8 @@ def test_a_message_of_many_small_things_takes_a_few_times_its_length() -> None:
     many = {str(i): item for i in range(protocol.MOST_OBJECTS)}
     data = encode(commands.Put(session=bytes(16), sequence=1, time=0.0, objects=many))
     least = data.replace(b"\xcb\x00" + bytes(7), b"\x00")  # zeros in one byte: as short as can be
-    tracemalloc.start()
-    decode_command(least)
-    assert tracemalloc.get_traced_memory()[1] < 8 * len(least)
-    tracemalloc.stop()
+    with allocating(8 * len(least)):
+        decode_command(least)
 
 
 @pytest.mark.parametrize("key", [b"\x05", b"\x90", b"\xc0", b"\xcb" + bytes(8), b"\xc4\x01a"])

@@ -22,6 +22,7 @@ from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
+from pacinian.wire.within import within
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 SIDES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -127,3 +128,24 @@ def test_what_cannot_be_sent_is_refused_with_advice(item: Any, path: str, said: 
 def test_what_is_no_object_is_refused() -> None:
     with pytest.raises(ArgumentError, match="item"):
         to_wire("ball")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (ValueError("the grid is too fine"), "the grid is too fine"),
+        (ZeroDivisionError("division by zero"), "division by zero"),
+        (MemoryError(), "MemoryError"),  # it has no words
+        (ArgumentError("radius", "must be above 0"), "`radius` must be above 0"),
+        (WireError("is no volume", ".shape"), "is no volume"),
+    ],
+)
+def test_what_is_wrong_is_told_in_its_own_words(error: Exception, told: str) -> None:
+    def convert(_: object) -> object:
+        raise error
+
+    with pytest.raises(WireError) as caught:
+        within("$.objects[a]", convert, objects.Point(position=(0.0, 0.0, 0.2)))
+    assert caught.value.problem == told
+    below = ".shape" if isinstance(error, WireError) else ""
+    assert caught.value.path == "$.objects[a]" + below

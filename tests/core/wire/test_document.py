@@ -31,26 +31,21 @@ KINDS = [
 ]
 
 
-def test_what_is_published_is_what_is_written() -> None:
-    assert (ROOT / "docs" / "wire.md").read_text(encoding="utf-8") == PAGE
-    published = (ROOT / "docs" / "wire.asyncapi.json").read_text(encoding="utf-8")
-    assert published == CliRunner().invoke(wire, ["--schema"]).output
+def test_what_is_published_is_what_the_commands_print() -> None:
+    told = CliRunner().invoke(wire).output
+    assert (ROOT / "docs" / "wire.md").read_text(encoding="utf-8") == told == PAGE
+    schema = CliRunner().invoke(wire, ["--schema"]).output
+    assert (ROOT / "docs" / "wire.asyncapi.json").read_text(encoding="utf-8") == schema
+    assert json.loads(schema) == json.loads(json.dumps(DOCUMENT))
 
 
-def test_the_commands_print_the_page_and_the_document() -> None:
-    assert CliRunner().invoke(wire).output == PAGE
-    assert json.loads(CliRunner().invoke(wire, ["--schema"]).output) == json.loads(
-        json.dumps(DOCUMENT)
-    )
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_message_and_field_says_what_it_is(kind: Any) -> None:
-    assert len(summary(kind)) > 4
-    assert summary(kind) in PAGE
-    for field in fields(kind):
-        assert field.meaning, field
-        assert field.type, field
+def test_every_message_and_field_says_what_it_is() -> None:
+    for kind in KINDS:
+        assert len(summary(kind)) > 4, kind
+        assert summary(kind) in PAGE
+        for field in fields(kind):
+            assert field.meaning, field
+            assert field.type, field
 
 
 def test_every_number_of_a_client_has_bounds() -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import threading
-import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +13,35 @@ from pacinian_plugins.backends.autd3 import Autd3
 from pacinian_plugins.backends.autd3.levels import LEVELS
 from pacinian_plugins.backends.autd3.udp import UdpLine
 
+from ...waiting import PATIENCE, eventually
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-DEADLINE = 30.0  # [s]
+PATIENT = {"watchdog": 5.0, "timeout": 6.0}  # [s]; a quarter of it is for each answer
+
+
+def frame(sequence: int, level: int | None = None, N: int = 249) -> pc.Frame:
+    """In which all transducers have the same phase: another one than that of the frame before, unless given."""
+    phase = np.full((1, N), sequence % 2 if level is None else level, np.uint16)
+    return pc.Frame(sequence, 1e-3 * sequence, phase, np.full_like(phase, LEVELS - 1))
+
+
+def refusal(backend: pc.Backend, what: pc.Frame) -> str:
+    """Why it does not take a frame; "" where it does."""
+    try:
+        backend.send(what)
+    except pc.BackendError as error:
+        return str(error)
+    return ""
+
+
+def lost(backend: Any, following: Callable[[], pc.Frame]) -> str:
+    """Wait until it is known that units do not answer: what that is told as. following: makes frames."""
+    backend.line._timeout = 0.5
+    problem = eventually(lambda: refusal(backend, following()))
+    backend.line._timeout = PATIENT["timeout"]
+    return problem
 
 
 class Played:
@@ -26,7 +49,7 @@ class Played:
 
     def __init__(self, units: int = 1, **options: Any) -> None:
         self.array = pc.autd(units, 1)
-        self.backend = Autd3(link="loopback", **{"watchdog": 5.0, "timeout": 3.0, **options})
+        self.backend = Autd3(link="loopback", **{**PATIENT, **options})
         self.backend.open(self.array)
         self._sequence = 0
 
@@ -35,18 +58,22 @@ class Played:
         assert isinstance(self.backend.line, UdpLine)
         return self.backend.line
 
-    def send(self, phase: int = 0, rows: int = 1, amplitude: int = LEVELS - 1) -> None:
-        """Send a frame in which all transducers are alike."""
+    def frame(self, phase: int | None = None) -> pc.Frame:
+        """The next one."""
         self._sequence += 1
-        levels = np.full((rows, len(self.array)), phase, np.uint16)
-        frame = pc.Frame(
-            self._sequence, 1e-3 * self._sequence, levels, np.full_like(levels, amplitude)
-        )
-        self.backend.send(frame)
+        return frame(self._sequence, phase, N=len(self.array))
+
+    def send(self, phase: int | None = None) -> None:
+        """Send a frame in which all transducers are alike, but not as they were unless the phase is given."""
+        self.backend.send(self.frame(phase))
+
+    def lost(self) -> str:
+        """Wait until it is known that units do not answer: what that is told as."""
+        return lost(self.backend, self.frame)
 
     def settle(self) -> None:
         """Wait until all has been sent and answered."""
-        until(
+        eventually(
             lambda: not self.line._next and len(self.line._tasks) == 1
         )  # that which waits for more
 
@@ -56,7 +83,7 @@ class Played:
         async def asked() -> Any:
             return (await getattr(self.line._client, f"read_{what}")())[0]
 
-        return asyncio.run_coroutine_threadsafe(asked(), self.line._loop).result(DEADLINE)
+        return asyncio.run_coroutine_threadsafe(asked(), self.line._loop).result(PATIENCE)
 
     def processed(self) -> int:
         """How many messages the first unit has got, less what it is asked here."""
@@ -70,12 +97,3 @@ def played(units: int = 1, **options: Any) -> Generator[Played]:
         yield it
     finally:
         it.backend.close()
-
-
-def until(what: Callable[[], Any], pause: float = 0.01) -> Any:
-    """Wait for it to be true."""
-    due = time.monotonic() + DEADLINE
-    while not (found := what()):
-        assert time.monotonic() < due, "it must happen in time"
-        threading.Event().wait(pause)
-    return found

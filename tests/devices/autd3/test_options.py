@@ -14,6 +14,8 @@ import pacinian as pc
 from pacinian_plugins.backends.autd3 import Autd3
 from pacinian_plugins.backends.autd3.udp import UdpLine
 
+from .loopback import PATIENT
+
 UNREACHED: dict[str, tuple[dict[str, Any], str]] = {
     "no such interface": (
         {"link": "udp", "interface": "none-such"},
@@ -51,11 +53,11 @@ def test_another_number_of_units_than_there_is_says_what_to_do() -> None:
     from pacinian_plugins.backends.autd3.units import of_array
 
     emulated = UdpEmulator(3)
-    patient = Duration.from_secs(1)  # the machine may be busy
+    patient = Duration.from_secs(10)  # the machine may be busy
     option = UdpOption(iface=emulated.option().iface, response_timeout=patient)
     geometry = of_array(pc.autd(2, 1)).geometry()
     with pytest.raises(pc.BackendError, match="2 devices but 3 are attached: make the array of as"):
-        UdpLine(geometry, option, 0.05, 0.5, time.perf_counter)
+        UdpLine(geometry, option, PATIENT["watchdog"], PATIENT["timeout"], time.perf_counter)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,8 @@ import pytest
 import pacinian as pc
 from pacinian_plugins.backends.autd3.troubles import LOST
 
-from .loopback import DEADLINE, Played, played, until
+from ...waiting import PATIENCE, eventually
+from .loopback import Played, played, refusal
 
 pytestmark = pytest.mark.usefixtures("loopback")
 
@@ -30,7 +31,7 @@ def test_frames_arrive_in_order_and_those_that_change_nothing_are_not_sent() -> 
         it.backend.silence()
         it.backend.silence()
         it.send(3)
-        until(lambda: it.processed() >= before + 8)
+        eventually(lambda: it.processed() >= before + 8)
 
 
 def hold(it: Played) -> threading.Event:
@@ -39,11 +40,11 @@ def hold(it: Played) -> threading.Event:
 
     def stand() -> None:
         entered.set()
-        end.wait(DEADLINE)
+        end.wait(PATIENCE)
 
     it.settle()
     it.line._loop.call_soon_threadsafe(stand)
-    assert entered.wait(DEADLINE)
+    assert entered.wait(PATIENCE)
     return end
 
 
@@ -102,7 +103,7 @@ def test_nothing_that_was_on_its_way_sounds_after_a_silence() -> None:
         it.line._client = Watched()
         first, zero = np.arange(5)[:, None] + np.zeros((1, 249)), np.zeros((5, 249), np.uint16)
         it.backend.send(pc.Frame(0, 0.0, first.astype(np.uint16), zero + 9))
-        assert silence.wait(DEADLINE)
+        assert silence.wait(PATIENCE)
         it.backend.silence()
         it.settle()
         it.line._client = client
@@ -116,43 +117,66 @@ def test_when_frames_stop_the_units_are_silent_and_sound_again_with_the_next() -
 
         def tripped() -> bool:
             nonlocal pause
-            it.send(1)
+            it.send()
             it.settle()
             pause *= 2.0
-            threading.Event().wait(pause)  # asking would tell it that the host is alive
+            time.sleep(pause)  # asking would tell it that the host is alive
             return bool(it.ask("fpga_state").is_failsafe_active())
 
-        until(tripped)
-        it.send(2)
-        until(lambda: not it.ask("fpga_state").is_failsafe_active())
+        def sounds() -> bool:
+            it.send()
+            it.settle()
+            return not it.ask("fpga_state").is_failsafe_active()
+
+        eventually(tripped)
+        eventually(sounds)
+
+
+def test_frames_that_change_nothing_say_that_the_host_is_alive_when_nothing_else_did() -> None:
+    with played(watchdog=60.0) as it:
+        it.send(1)
+        it.settle()
+        before = it.processed()
+        it.send(1)
+        it.settle()
+        assert it.processed() == before + 1  # the question before
+        it.line._sent -= 0.25 * it.backend.watchdog
+        it.send(1)
+        it.settle()
+        assert it.processed() == before + 3
 
 
 def test_frames_that_change_nothing_keep_the_units_from_being_silent() -> None:
+    """A trial in which they may have come too late says nothing: there is another."""
     with played(watchdog=1.0) as it:
-        end = time.monotonic() + 1.5
-        while time.monotonic() < end:
-            it.send(1)
-            threading.Event().wait(0.02)
-        assert not it.ask("fpga_state").is_failsafe_active()
-        assert it.processed() < 30  # of more than fifty frames
+
+        def stays_active() -> bool:
+            begin = before = time.monotonic()
+            longest, constant = 0.0, 1
+            it.send(constant)
+            it.settle()
+            while before - begin < 1.5:
+                it.send(constant)
+                it.settle()
+                time.sleep(0.02)
+                now = time.monotonic()
+                longest, before = max(longest, now - before), now
+            active = it.ask("fpga_state").is_failsafe_active()
+            longest = max(longest, time.monotonic() - before)
+            assert not active or longest > 0.2
+            return not active
+
+        eventually(stays_active)
 
 
 def test_units_that_are_gone_are_an_error_silent_and_found_again_when_it_is_opened() -> None:
-    with played(watchdog=0.05, timeout=0.5) as it:
+    with played(watchdog=0.05) as it:
         it.send(1)
         it.settle()
         it.line.units = None
-
-        def refused() -> str:
-            try:
-                it.send(it._sequence % 2)
-            except pc.BackendError as error:
-                return str(error)
-            return ""
-
-        assert until(refused) == f"autd3: {LOST}"
-        assert refused()
-        until(lambda: it.line._clock() - it.line._sent > it.backend.watchdog)
+        assert it.lost() == f"autd3: {LOST}"
+        assert refusal(it.backend, it.frame())
+        eventually(lambda: it.line._clock() - it.line._sent > it.backend.watchdog)
         it.backend.silence()  # they are: their failsafe has seen to it
         it.backend.close()
         it.backend.open(it.array)
@@ -161,19 +185,11 @@ def test_units_that_are_gone_are_an_error_silent_and_found_again_when_it_is_open
 
 
 def test_a_unit_that_was_reset_is_gone() -> None:
-    with played(2, timeout=0.5) as it:
+    with played(2) as it:
         it.send(1)
         it.settle()
         it.line.units.reboot(1)
-
-        def refused() -> bool:
-            try:
-                it.send(it._sequence % 2)
-            except pc.BackendError:
-                return True
-            return False
-
-        until(refused)
+        assert it.lost()
 
 
 def failing(it: Played, codes: list[int]) -> None:
@@ -204,7 +220,7 @@ def test_a_message_that_is_lost_is_made_up_for_by_the_next_frame() -> None:
         it.settle()
         failing(it, [Autd3Error.TIMEOUT])
         it.send(2)
-        until(lambda: it.line.failures == 1)
+        eventually(lambda: it.line.failures == 1)
         before = it.processed()
         it.send(2)  # the same again: but it has not arrived
         it.settle()
@@ -219,9 +235,9 @@ def test_what_the_network_refuses_is_a_fault_at_once_and_what_is_late_only_after
         failing(it, [Autd3Error.TIMEOUT] * 3 + [Autd3Error.NETWORK])
         for lost in range(1, 4):
             it.send(lost)
-            until(lambda lost=lost: it.line.failures == lost)
+            eventually(lambda lost=lost: it.line.failures == lost)
             it.line.check()
         it.send(4)
-        until(lambda: it.line.failures == 4)
+        eventually(lambda: it.line.failures == 4)
         with pytest.raises(pc.BackendError, match="lost on its way: reset the server, or open"):
             it.send(5)

@@ -7,6 +7,7 @@ from typing import Any
 from pacinian.testing import check_backend
 from pacinian_plugins.backends.openmpd import OpenMpd
 
+from ...waiting import PATIENCE
 from .chips import ARRAY, Setup
 
 
@@ -22,5 +23,5 @@ def test_on_usb_in_memory() -> None:
         it.clock.advance(1e-3)
         return it.fpga.gains()
 
-    check_backend(make, ARRAY, heard=heard, lose=lambda backend: it.chip.unplug())
+    check_backend(make, ARRAY, heard=heard, lose=lambda backend: it.chip.unplug(), limit=PATIENCE)
     assert it.bus.open == 0

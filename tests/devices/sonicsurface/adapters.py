@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import threading
-import time
 import tty
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 
 ARRAY = pc.lattice(0.16, 0.16, 0.0105)
 NAME = "/dev/ttyUSB7"
-SOON = 5.0  # [s]
 
 
 class Terminal:
@@ -111,10 +109,3 @@ def refused(act: Callable[[], object], message: str) -> None:
     with pytest.raises(pc.BackendError) as caught:
         act()
     assert str(caught.value) == message
-
-
-def until(true: Callable[[], object]) -> None:
-    due = time.monotonic() + SOON
-    while not true():
-        assert time.monotonic() < due
-        time.sleep(1e-3)

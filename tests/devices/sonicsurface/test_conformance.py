@@ -11,6 +11,7 @@ import pytest
 from pacinian.testing import check_backend
 from pacinian_plugins.backends.sonicsurface import SonicSurface
 
+from ...waiting import PATIENCE
 from .adapters import ARRAY, Terminal
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ def test_on_a_terminal(terminal: Terminal) -> None:
         return terminal.board.gains()
 
     check_backend(
-        lambda: SonicSurface(port=terminal.name),
+        lambda: SonicSurface(port=terminal.name, timeout=1.0),
         ARRAY,
         heard=heard,
         lose=lambda backend: terminal.unplug(),
+        limit=PATIENCE,
     )

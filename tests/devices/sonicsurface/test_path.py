@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ from pacinian_plugins.backends.sonicsurface import SonicSurface
 from pacinian_plugins.backends.sonicsurface.feed import Feed
 from pacinian_plugins.backends.sonicsurface.protocol import SELECT, Packer
 
+from ...waiting import eventually
 from .adapters import ARRAY, Terminal
 from .fpga import Board
 
@@ -42,17 +42,18 @@ def test_a_loop_feeds_a_slow_line_and_the_last_frame_is_what_sounds(terminal: Te
         x = 1e-3 * min(ticks, 100)
         return pc.Scene((pc.Point(position=(x, 0.0, 0.12), radiation_pressure=5.0),))
 
-    backend = SonicSurface(port=terminal.name)
+    backend = SonicSurface(port=terminal.name, timeout=1.0)
     with pc.Renderer(ARRAY, scene, backend=backend, governed=False) as renderer:
         for _ in range(120):
             renderer.tick()
             terminal.pump()
         want = renderer.sent.gains(backend.capability)[-1]
-        due = time.monotonic() + 5.0
-        while np.abs(terminal.board.gains() - want).max() > 1e-6:
-            assert time.monotonic() < due
+
+        def arrived() -> bool:
             terminal.pump()
-            time.sleep(1e-3)
+            return bool(np.abs(terminal.board.gains() - want).max() < 1e-6)
+
+        eventually(arrived)
         assert not renderer.report.faults
     terminal.pump()
     assert not terminal.board.pulses().any()
@@ -60,16 +61,17 @@ def test_a_loop_feeds_a_slow_line_and_the_last_frame_is_what_sounds(terminal: Te
 
 def test_all_pulses_arrive_at_a_focus_together(terminal: Terminal) -> None:
     """In time, as it is on air: whichever way round phases are counted."""
-    backend = SonicSurface(port=terminal.name)
+    backend = SonicSurface(port=terminal.name, timeout=1.0)
     with pc.Renderer(ARRAY, pc.Scene((POINT,)), backend=backend) as renderer:
         for _ in range(20):
             renderer.tick()
         sent = renderer.sent.amplitude[-1]
-        due = time.monotonic() + 5.0
-        while (terminal.board.pulses().any(axis=1) != sent.astype(bool)).any():
-            assert time.monotonic() < due
+
+        def arrived() -> bool:
             terminal.pump()
-            time.sleep(1e-3)
+            return bool((terminal.board.pulses().any(axis=1) == sent.astype(bool)).all())
+
+        eventually(arrived)
         pulses = terminal.board.pulses()
     on = pulses.any(axis=1)
     assert 20 < on.sum() < 256

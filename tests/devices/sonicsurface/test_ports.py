@@ -18,7 +18,8 @@ import pacinian as pc
 from pacinian_plugins.backends.sonicsurface import SonicSurface
 from pacinian_plugins.backends.sonicsurface.ports import PERMISSION
 
-from .adapters import ARRAY, NAME, Port, Terminal, frame, refused, until
+from ...waiting import eventually
+from .adapters import ARRAY, NAME, Port, Terminal, frame, refused
 
 
 def adapter(device: str, serial_number: str | None) -> Any:
@@ -82,7 +83,7 @@ def test_a_real_port_is_ours_alone() -> None:
         with pytest.raises(pc.BackendError, match=re.escape(f"{who}: end that first")):
             other.open(ARRAY)
         backend.send(frame())
-        until(lambda: terminal.pump() and terminal.board.pulses().any())
+        eventually(lambda: terminal.pump() and terminal.board.pulses().any())
         backend.close()
         other.open(ARRAY)
         other.close()
@@ -123,7 +124,7 @@ def test_two_boards_of_a_description(port: Port, tmp_path: Path) -> None:
     backend.open(array)
     ones = np.ones((1, 511), np.uint16)
     backend.send(pc.Frame(0, 0.0, ones, ones))
-    until(lambda: len(port.writes) >= 3)
+    eventually(lambda: len(port.writes) >= 3)
     second = bytearray([31]) * 256
     second[5] = 32
     want = b"\xc0\xfe" + b"\x1f" * 256 + b"\xc0\xfe" + second + b"\xfd"

@@ -8,6 +8,7 @@ import pacinian as pc
 from pacinian.testing import ManualClock, UsbBus, check_backend
 from pacinian_plugins.backends.usb_autd import UsbAutd
 
+from ...waiting import PATIENCE
 from .units import Units
 
 
@@ -21,9 +22,14 @@ def test_on_usb_in_memory() -> None:
         phase, amplitude = (levels[None] for levels in device.model.levels())
         return pc.Frame(0, 0.0, phase, amplitude).gains(backend.capability)[0]
 
-    check_backend(lambda: UsbAutd(library=bus), heard=heard, lose=lambda backend: device.unplug())
+    check_backend(
+        lambda: UsbAutd(library=bus),
+        heard=heard,
+        lose=lambda backend: device.unplug(),
+        limit=PATIENCE,
+    )
     assert bus.open == 0
 
 
 def test_pretended() -> None:
-    check_backend(lambda: UsbAutd(pretend=True), pc.autd(2, 1))
+    check_backend(lambda: UsbAutd(pretend=True), pc.autd(2, 1), limit=PATIENCE)

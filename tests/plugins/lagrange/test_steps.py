@@ -185,6 +185,27 @@ def test_the_steps_are_those_of_double_precision(
     assert np.abs(out).max() <= 1.0 + 1e-6
 
 
+@given(
+    M=st.integers(1, 8), seed=st.integers(0, 99), level=st.sampled_from([0.2, 0.4, 0.6]),
+    fixed=st.integers(0, 8),
+)  # fmt: skip
+def test_few_steps_in_double_precision_end_where_their_equations_hold(
+    M: int, seed: int, level: float, fixed: int
+) -> None:
+    """Re(conj(u) (B h(B^H y) + y)) = |p| for the phasors u made; where the phase is given, across too."""
+    B, G, p = problem(M, 150, seed, level)
+    B, free = B.astype(np.complex128), np.arange(M) >= fixed
+    mu = 1e-4 * float(np.trace(G).real) / M
+    y = mu * np.linalg.solve(G + mu * np.eye(M), p)
+    found = double.newton(B, G, p, free, mu, y, 8)
+    x = B.conj().T @ found.y
+    np.testing.assert_allclose(found.h, x / np.maximum(np.abs(x), mu), atol=1e-12)
+    made = B @ found.h
+    asked = np.where(free, np.abs(p) * np.exp(1j * np.angle(made)), p)
+    rest = (asked - made - found.y) * np.exp(-1j * np.angle(asked))
+    assert np.linalg.norm(np.where(free, rest.real, rest)) <= 1e-9 * np.linalg.norm(p)
+
+
 @given(M=st.integers(1, 6), seed=st.integers(0, 99))
 def test_the_step_of_the_gains_solves_its_equations(M: int, seed: int) -> None:
     """Against a dense solve of (D + W^T S W) d = v."""

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import pacinian as pc
+from pacinian_plugins.backends.usb_autd import UsbAutd
 from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import State
 
-from . import users
-from .playing import GONE, ROW, Playing, until
+from .playing import GONE, ROW, TIMEOUT, Playing, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,8 +33,7 @@ def it() -> Iterator[Playing]:
 def test_it_is_listed_opened_by_its_serial_and_given_back() -> None:
     with Playing("PUA-1", serials=["PUA-1"]) as it:
         title = f"AUTD units, {it.places()[0]}"
-        found = {"backend": "usb-autd", "serial": "PUA-1", "title": title, "problem": ""}
-        assert users.listed(user=0) == (0, [found])
+        assert list(UsbAutd.found()) == [pc.Found("usb-autd", "PUA-1", title)]
         it.open()
         assert it.model.status().state == State.SILENT
         it.play()
@@ -105,7 +104,8 @@ def test_after_a_short_write_the_next_frame_is_found(it: Playing) -> None:
     taken = it.device.fault = 512
     it.refused(
         lambda: it.play(1),
-        f"usb-autd PUA-1: sending a frame: it took {taken} of 847 bytes in 500 ms: it hangs, or the bus is overloaded",
+        f"usb-autd PUA-1: sending a frame: it took {taken} of 847 bytes in {1e3 * TIMEOUT:g} ms: "
+        "it hangs, or the bus is overloaded",
     )
     it.play(2)  # without the silence that the loop asks for after an error
     status = it.model.status()

@@ -36,22 +36,6 @@ def device() -> Iterator[Plugged]:
     until(lambda: not DEVICES.seen())
 
 
-def test_a_server_s_device_that_was_unplugged_plays_again_after_a_reset(device: Plugged) -> None:
-    with Server() as server:
-        server.start()
-        server.until(lambda told: told.sounding, playing=True)
-        device.unplug()
-        assert server.until(lambda told: told.fault, playing=True).fault == GONE
-        device.plug()
-        until(DEVICES.seen)
-        server.play()
-        assert device.model.status().state == State.DISARMED
-        server.reset()
-        assert not server.device().fault
-        server.until(lambda told: told.sounding, playing=True)
-        assert device.model.status().accepted > 0
-
-
 def test_a_server_that_is_killed_is_survived_by_its_guard_which_silences(
     device: Plugged, record_property: Note
 ) -> None:
@@ -68,14 +52,29 @@ def test_a_server_that_is_killed_is_survived_by_its_guard_which_silences(
         record_property("seconds from the kill to SILENCE", told[0][0] - device.written)
 
 
-def test_when_the_guard_is_killed_the_watchdog_silences(
+def test_unplugged_it_plays_again_after_a_reset_and_when_the_guard_is_killed_its_watchdog_silences(
     device: Plugged, record_property: Note
 ) -> None:
     with Server() as server:
-        guard = server.start()
+        guard = server.start()  # once for both: it takes long here
         server.until(lambda told: told.sounding, playing=True)
-        told = list(device.told)
-        device.kill = guard.kill  # in the middle of a write
+        device.unplug()
+        assert server.until(lambda told: told.fault, playing=True).fault == GONE
+        device.plug()
+        until(DEVICES.seen)
+        server.play()
+        assert device.model.status().state == State.DISARMED
+        server.reset()
+        assert not server.device().fault
+        server.until(lambda told: told.sounding, playing=True)
+        assert device.model.status().accepted > 0
+        told: list[tuple[float, int]] = []
+
+        def kill() -> None:  # in the middle of a write
+            told.extend(device.told)
+            guard.kill()
+
+        device.kill = kill
         server.play()
         guard.wait()
         late = silent_after(device)

@@ -17,8 +17,8 @@ from .plugged import Plugged
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-LONG = 120.0  # [s]: the guest is slow
-TIMEOUT = 0.5  # [s] of a transfer
+LONG = 120.0  # [s]: only ends what hangs
+TIMEOUT = 1.0  # [s] of a transfer: the most there is, as the guest may stand still
 ROW = 1 / 2000  # [s]
 AGAIN = "reset the server, or open the backend again"
 GONE = (

@@ -48,15 +48,11 @@ class Results:
 
 def main(results: Path) -> int:
     """The exit code."""
-    options = [f"--rootdir={ROOT}", "--confcutdir=/run", "-c", "/dev/null", "-q", "-W", "error"]
-    options += [
-        "--import-mode=importlib",
-        "-p",
-        "no:cacheprovider",
-        "-o",
-        "python_files=cases_*.py",
-    ]
-    options += ["-o", f"faulthandler_timeout={HANGS}", *map(str, CASES)]
+    options = [
+        f"--rootdir={ROOT}", "--noconftest", "-c", "/dev/null", "-q", "-W", "error", "--import-mode=importlib",
+        "-p", "no:cacheprovider", "-o", "python_files=cases_*.py", "-o", f"faulthandler_timeout={HANGS}",
+    ]  # fmt: skip
+    options += map(str, CASES)
     return pytest.main(options, plugins=[Results(results)])
 
 

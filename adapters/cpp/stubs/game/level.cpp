@@ -107,7 +107,7 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "open") rest.Reset(), hand->Source = EHapticHandSource::Open, open(from);
   if (what == "stm") volume->Technique.Kind = EHapticTechnique::STM, volume->Refresh();
   if (what == "lost") rest.Reset(), hand->SetLost();
-  if (what == "handless") world->destroy(player), player = nullptr;
+  if (what == "handless") rest.Reset(), world->destroy(player), player = nullptr, hand = nullptr, quiet = nullptr;
   if (what == "sway") from >> sway;
   effect(what, from);
   tell(R"({"did": ")" + what + "\"}");

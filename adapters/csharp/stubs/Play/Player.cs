@@ -21,9 +21,8 @@ namespace Pacinian.Tests
         private readonly string _file;
         private readonly float _lease;
         private Level _level;
-        private readonly ClientSpent _spent = new ClientSpent();
         private long _bytes, _frames, _worst;
-        private bool _ends, _still, _waves = true;
+        private bool _ends, _waves = true;
 
         private Player(string file, float lease)
         {
@@ -53,7 +52,7 @@ namespace Pacinian.Tests
                 {
                     Do(line.Split(' '));
                 }
-                if (_level != null && !_still && !_ends)
+                if (_level != null && !_ends)
                 {
                     Step();
                 }
@@ -69,9 +68,7 @@ namespace Pacinian.Tests
                 _level.Wave(Now);
             }
             long bytes = GC.GetAllocatedBytesForCurrentThread();
-            _spent.Begin();
             Engine.Frame();
-            _spent.End();
             long made = GC.GetAllocatedBytesForCurrentThread() - bytes;
             _bytes += made;
             _worst = Math.Max(_worst, made);
@@ -81,7 +78,6 @@ namespace Pacinian.Tests
         private void Do(string[] words)
         {
             string name = words.Length > 1 ? words[1] : "";
-            double begin = Now;
             bool done = true;
             switch (words[0])
             {
@@ -109,15 +105,23 @@ namespace Pacinian.Tests
                 case "hum": _level.Hum.Frequency = Number(name); break;
                 case "hand": _level.Hand.GetComponent<HapticHand>().Source = name == "on" ? HapticHandSource.Open : HapticHandSource.Tracker; break;
                 case "hands": _level.Hand.GetComponent<HapticHand>().enabled = name == "on"; break;
-                case "freeze": Thread.Sleep((int)(1e3 * Number(name))); break;
-                case "still": _still = true; break;
+                case "freeze": Freeze(); break;
                 case "gizmos": Gizmos.Spheres.Clear(); _level.View.SendMessage("OnDrawGizmos"); break;
-                case "warm": _spent.Longest = 0.0; _bytes = _frames = _worst = 0; break;
+                case "warm": _bytes = _frames = _worst = 0; break;
                 case "status": Tell(); return;
                 case "end": _ends = true; break;
                 default: throw new ArgumentException(words[0]);
             }
-            ClientJson.Say("did", words[0], "done", done, "took", Now - begin);
+            ClientJson.Say("did", words[0], "done", done);
+        }
+
+        /// <summary>The game's thread stands still until it is told something.</summary>
+        private void Freeze()
+        {
+            while (_lines.IsEmpty)
+            {
+                Thread.Sleep(1);
+            }
         }
 
         private void Play()
@@ -136,7 +140,7 @@ namespace Pacinian.Tests
             Wire.State state = server == null || server.Client == null ? null : server.Client.State;
             ClientJson.Say(
                 "status", server == null ? "" : server.Status.ToString(), "problem", server == null ? "" : server.Problem,
-                "armed", server != null && server.Armed, "longest", _spent.Longest,
+                "armed", server != null && server.Armed,
                 "bytes", _frames == 0 ? 0.0 : (double)_bytes / _frames, "worst", _worst, "frames", _frames,
                 "output", state == null ? "" : state.Output.ToString().ToLowerInvariant(),
                 "solver", state == null ? "" : state.Solver, "intensity", state == null ? -1.0 : state.Intensity,

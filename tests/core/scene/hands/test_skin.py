@@ -18,6 +18,8 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.hands.levels import SPACINGS
 from pacinian.scene.hands.skin import Skin, skin_of
 
+from ..tools import to_capsules
+
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
@@ -25,15 +27,6 @@ REST = Hand.open()
 SKIN = skin_of(REST)
 ALL = np.arange(len(SKIN))
 LEVELS = range(len(SPACINGS))
-
-
-def around(flesh: Floats, points: Floats) -> Floats:
-    """Signed distance of each point to each capsule, (K, C) [m]."""
-    a, b = flesh[:, :3], flesh[:, 3:6]
-    axis = b - a
-    square = np.maximum((axis**2).sum(axis=1), 1e-300)
-    along = np.clip(((points[:, None] - a) * axis).sum(axis=2) / square, 0.0, 1.0)
-    return np.linalg.norm(points[:, None] - a - along[..., None] * axis, axis=2) - flesh[:, 6]
 
 
 def bent(joints: Floats, turns: list[Any]) -> Floats:
@@ -63,21 +56,16 @@ def hands(draw: st.DrawFn) -> Hand:
     return hand.moved(pc.Pose(position=tuple(rng.normal(size=3)), rotation=turn))
 
 
-def test_at_rest_every_point_is_on_the_skin_and_seen() -> None:
+def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> None:
     placed = SKIN.place(REST)
-    away = around(placed.capsules, placed.points)
+    away = to_capsules(placed.capsules, placed.points)
     np.testing.assert_allclose(away.min(axis=1), 0.0, atol=1e-12)
     np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-12)
     assert SKIN.exposed(placed, ALL).all()
     np.testing.assert_allclose(placed.points, SKIN.surface.points, atol=1e-12)
     assert 1500 < len(SKIN) < 4000
-
-
-def test_normals_point_out_of_the_hand() -> None:
-    placed = SKIN.place(REST)
     out = distance_to_skin(placed.capsules, placed.points + 1e-4 * placed.normals)
     assert (out > 0.5e-4).all()
-    np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-12)
 
 
 def test_the_area_is_that_of_the_skin() -> None:
@@ -105,7 +93,7 @@ def test_the_skin_has_no_holes() -> None:
 @given(hands())
 def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     placed = SKIN.place(hand)
-    away = around(placed.capsules, placed.points)
+    away = to_capsules(placed.capsules, placed.points)
     np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-9)
     np.testing.assert_array_equal(placed.capsules, capsules(hand))
@@ -186,7 +174,7 @@ def test_joints_that_coincide_give_numbers(kept: list[int]) -> None:
     for array in placed:
         assert np.isfinite(array).all()
     np.testing.assert_allclose(
-        around(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-12
+        to_capsules(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-12
     )
     for found in closest(placed.capsules, joints):
         assert np.isfinite(found).all()
@@ -199,7 +187,7 @@ def test_a_joint_bent_back_on_itself_gives_numbers() -> None:
     joints[8] += 1e-9
     placed = SKIN.place(Hand(joints))
     np.testing.assert_allclose(
-        around(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-9
+        to_capsules(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-9
     )
 
 
@@ -216,6 +204,10 @@ def test_the_nodes_of_a_level_are_its_spacing_apart(level: int) -> None:
     apart = np.linalg.norm(points[:, None] - points, axis=2)
     np.fill_diagonal(apart, np.inf)
     assert apart[same_side(SKIN, nodes)].min() >= SPACINGS[level]
+    area = SKIN.node_area[level]  # they stand for all the skin
+    assert area.shape == (SKIN.counts[level],)
+    assert area.sum() == pytest.approx(SKIN.area.sum())
+    assert area.min() > 0.0
 
 
 def test_levels_are_nested_from_fine_to_coarse() -> None:
@@ -245,14 +237,6 @@ def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
     moved = np.linalg.norm(middle - SKIN.surface.points, axis=1)
     assert moved.mean() < 0.4 * SPACINGS[level]
     assert moved.max() < 1.5 * SPACINGS[level]
-
-
-@pytest.mark.parametrize("level", LEVELS)
-def test_the_nodes_of_a_level_stand_for_all_the_skin(level: int) -> None:
-    area = SKIN.node_area[level]
-    assert area.shape == (SKIN.counts[level],)
-    assert area.sum() == pytest.approx(SKIN.area.sum())
-    assert area.min() > 0.0
 
 
 def test_shares_change_smoothly_over_the_skin() -> None:
@@ -297,10 +281,10 @@ def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
         ]
     )  # [m]
     found = closest(ends, np.zeros((1, 3)))
-    on = around(ends, found.points)[0]
+    on = to_capsules(ends, found.points)[0]
     assert on.min() == pytest.approx(0.0, abs=1e-9)
     assert on[found.bone[0]] == pytest.approx(0.0, abs=1e-9)
-    step = around(ends, found.points + 1e-5 * found.normals)[0]
+    step = to_capsules(ends, found.points + 1e-5 * found.normals)[0]
     assert step[found.bone[0]] == pytest.approx(1e-5, abs=1e-9)
 
 
@@ -311,10 +295,10 @@ def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, see
     rng = np.random.default_rng(seed)
     points = hand.joints.mean(axis=0) + rng.normal(0.0, 0.05, (200, 3))  # type: ignore[union-attr]
     found = closest(flesh, points)
-    away = around(flesh, points).min(axis=1)
+    away = to_capsules(flesh, points).min(axis=1)
     np.testing.assert_allclose(found.distance, away, atol=1e-12)
     np.testing.assert_array_equal(distance_to_skin(flesh, points), found.distance)
-    on = around(flesh, found.points)
+    on = to_capsules(flesh, found.points)
     np.testing.assert_allclose(on[np.arange(200), found.bone], 0.0, atol=1e-9)
     assert on.min() > -1e-9
     outside = away > 1e-9
@@ -322,7 +306,7 @@ def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, see
     np.testing.assert_allclose(travel[outside], away[outside], atol=1e-9)
     way = (points - found.points)[outside] / travel[outside, None]
     np.testing.assert_allclose(found.normals[outside], way, atol=1e-6)
-    step = around(flesh, found.points + 1e-5 * found.normals)[np.arange(200), found.bone]
+    step = to_capsules(flesh, found.points + 1e-5 * found.normals)[np.arange(200), found.bone]
     np.testing.assert_allclose(step, 1e-5, atol=1e-9)
 
 

@@ -1,14 +1,16 @@
 from __future__ import annotations
 
+import math
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.scene.objects import Particles
 from pacinian.scene.sampling.allot import allot
 from pacinian.scene.sampling.covers import Covers
 from pacinian.scene.sampling.sources import Whole
@@ -119,12 +121,12 @@ def test_it_becomes_finer_again_when_there_is_room() -> None:
     assert np.array_equal(again[0].keys, full[0].keys)
 
 
-@pytest.mark.parametrize("budget", [1, 3, 5])
-def test_what_is_dropped_is_counted(budget: int) -> None:
-    skipped: Counter[str] = Counter()
-    parts = allot(given_by(*(point() for _ in range(5))), budget, {}, whole, skipped)
-    assert sum(map(len, parts)) == budget
-    assert skipped["samples over budget"] == 5 - budget
+def test_what_is_dropped_is_counted() -> None:
+    for budget in (1, 3, 5):
+        skipped: Counter[str] = Counter()
+        parts = allot(given_by(*(point() for _ in range(5))), budget, {}, whole, skipped)
+        assert sum(map(len, parts)) == budget
+        assert skipped["samples over budget"] == 5 - budget
 
 
 def test_the_weakest_of_one_object_are_dropped() -> None:
@@ -137,6 +139,41 @@ def test_the_weakest_of_one_object_are_dropped() -> None:
     source = Uneven(item, 0, 0, pc.Pose(), Covers(), (item,))
     part = allot([(source, 3.0)], 4, {}, whole, Counter())[0]
     assert part.radiation_pressure.tolist() == [2.0, 3.0, 4.0, 5.0]
+
+
+@given(
+    forces=st.lists(st.tuples(st.integers(0, 9), st.integers(1, 9)), min_size=12, max_size=12),
+    budget=st.integers(1, 11),
+)
+@bounded
+def test_those_with_the_least_force_are_dropped_of_equals_the_last(
+    forces: list[tuple[int, int]], budget: int
+) -> None:
+    """A low pressure on much skin may be felt more than a high one on little."""
+
+    class Uneven(Whole):
+        def at(self, spacing: float) -> Samples:
+            P, area = np.array(forces, dtype=float).T
+            return replace(super().at(spacing), radiation_pressure=P, area=area)
+
+    item = Particles(positions=((0.0, 0.0, 0.0),) * 12, radiation_pressure=1.0)
+    source = Uneven(item, 0, 0, pc.Pose(), Covers(), (item,))
+    part = allot([(source, SPACING)], budget, {}, whole, Counter())[0]
+    best = sorted(range(12), key=lambda i: (-forces[i][0] * forces[i][1], i))[:budget]
+    kept = [forces[i] for i in sorted(best)]
+    assert list(zip(part.radiation_pressure, part.area, strict=True)) == kept
+
+
+@given(items=objects, budget=st.integers(1, 300))
+@bounded
+def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> None:
+    """Or it would stay coarse for long once there is room again."""
+    levels: dict[int, int] = {}
+    for _ in range(3):
+        allot(given_by(*items), budget, levels, whole, Counter())
+    for priority, level in levels.items():
+        size = max(2.0 * item.reach for item in items if item.priority == priority)
+        assert level == 0 or SPACING * math.sqrt(2.0) ** (level - 1) < size
 
 
 def test_foci_that_run_count_as_one_each_and_keep_their_fineness() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
+from scipy import integrate
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
@@ -18,6 +20,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import DEPTH, Material
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
+from pacinian.scene.sampling.resolving import Resolving, grazing
 from pacinian.scene.sampling.touchable import Touchable
 from pacinian.scene.sampling.tracks import FADE, HOLD
 from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
@@ -27,6 +30,8 @@ from pacinian.scene.shapes.texture import grating
 from pacinian.scene.shapes.voxels import Voxels
 from pacinian.scene.time.technique import STM
 
+from ..tools import moved, random_pose, to_capsules
+
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
 
@@ -34,20 +39,6 @@ few = settings(max_examples=12)
 seeds = st.integers(0, 2**31)
 FINEST = 0.0035  # [m] between the nodes of the finest level of a skin
 HAND = Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))
-SIDES: dict[str, Any] = {"left": "left", "right": "right"}
-
-
-def random_pose(seed: int, size: float = 0.3) -> pc.Pose:
-    rng = np.random.default_rng(seed)
-    turn = Rotation.random(rng=rng).as_quat()
-    return pc.Pose(tuple(rng.uniform(-size, size, 3)), tuple(turn.tolist()))
-
-
-def product(pose: pc.Pose, other: pc.Pose) -> pc.Pose:
-    turn = Rotation.from_quat(pose.rotation) * Rotation.from_quat(other.rotation)
-    return pc.Pose(
-        tuple(pose.points(np.array([other.position]))[0]), tuple(turn.as_quat().tolist())
-    )
 
 
 def bent(seed: int, side: Any = "right") -> Hand:
@@ -96,16 +87,6 @@ def touched(*objects: Any, hands: Any = (HAND,), **how: Any) -> Samples:
     return sampler.sample(pc.Scene(tuple(objects), hands=tuple(hands)))
 
 
-def to_capsules(capsules: Any, points: Any) -> Any:
-    """Signed distance of points to each capsule, (P, C) [m]."""
-    out = np.empty((len(points), len(capsules)))
-    for c, capsule in enumerate(capsules):
-        a, u, r = capsule[:3], capsule[3:6] - capsule[:3], capsule[6]
-        s = np.clip((points - a) @ u / max(u @ u, 1e-300), 0.0, 1.0)
-        out[:, c] = np.linalg.norm(points - a - s[:, None] * u, axis=1) - r
-    return out
-
-
 @functools.lru_cache(maxsize=4)
 def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
     """Points all over a hand's skin and their areas, by a grid on each capsule: no code of the skin's."""
@@ -140,15 +121,22 @@ def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
 
 
 @each_object
-@pytest.mark.parametrize("spacing", [FINEST, 0.02])
-@pytest.mark.parametrize("seed", [0, 1])
-@pytest.mark.parametrize("side", SIDES)
-def test_samples_lie_on_the_skin_with_its_normals(
-    item: Any, spacing: float, seed: int, side: str
-) -> None:
-    hand = bent(seed, SIDES[side]) if seed else Hand.open(SIDES[side], pc.Pose((0, 0, 0.2)))
+@pytest.mark.parametrize(
+    ("hand", "spacing"),
+    [
+        (Hand.open("left", pc.Pose((0.0, 0.0, 0.2))), FINEST),
+        (bent(1, "left"), 0.02),
+        (bent(1), FINEST),
+    ],
+    ids=["open left", "bent left", "bent right"],
+)
+def test_samples_lie_on_the_skin_with_its_normals(item: Any, hand: Hand, spacing: float) -> None:
     samples = touched(item, hands=(hand,), spacing=spacing)
     assert len(samples)
+    assert (samples.most == item.pressure).all()
+    assert (samples.radiation_pressure > 0.0).all()
+    if spacing == FINEST:  # coarser, a node of a bent joint stands for more skin than its area
+        assert (samples.radiation_pressure <= samples.most * (1.0 + 1e-9)).all()
     capsules = Touchable(hand).capsules
     d = to_capsules(capsules, samples.positions)
     nearest = np.abs(d).min(axis=1)
@@ -159,14 +147,6 @@ def test_samples_lie_on_the_skin_with_its_normals(
     out = to_capsules(capsules, samples.positions + h * samples.normals)
     assert out[np.arange(len(own)), own] == pytest.approx(h, rel=1e-3)
     assert np.linalg.norm(samples.normals, axis=1) == pytest.approx(np.ones(len(samples)))
-
-
-@each_object
-def test_nothing_is_pressed_with_more_than_the_object_has(item: Any) -> None:
-    samples = touched(item)
-    assert (samples.radiation_pressure > 0.0).all()
-    assert (samples.radiation_pressure <= samples.most * (1.0 + 1e-9)).all()
-    assert (samples.most == item.pressure).all()
 
 
 @given(at=st.tuples(*[st.floats(-0.1, 0.1)] * 3), radius=st.floats(0.005, 0.05), seed=seeds)
@@ -206,16 +186,17 @@ def test_the_force_is_the_integral_of_pressure_over_the_skin(
         assert abs(force - expected) <= 0.2 * rim + 0.07 * expected
 
 
-@pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("seed", [None, 3])
-def test_all_of_a_hand_within_a_volume_is_pressed(side: str, seed: int | None) -> None:
-    hand = Hand.open(SIDES[side]) if seed is None else bent(seed, SIDES[side])
+@pytest.mark.parametrize(
+    ("hand", "off"), [(Hand.open("left"), 0.05), (bent(3), 0.07)], ids=["open", "bent"]
+)
+def test_all_of_a_hand_within_a_volume_is_pressed(hand: Hand, off: float) -> None:
     sea = pc.Volume(shape=pc.Box((1.0, 1.0, 1.0)), felt="interior", radiation_pressure=2.0)
     expected = 2.0 * dense(hand)[1].sum()
     for spacing in (FINEST, 0.0085, 0.02):
         samples = touched(sea, hands=(hand,), spacing=spacing)
-        # the backs of bent joints have no points
-        assert samples.force == pytest.approx(expected, rel=0.05 if seed is None else 0.07)
+        assert samples.force == pytest.approx(
+            expected, rel=off
+        )  # bent joints' backs have no points
         assert samples.radiation_pressure == pytest.approx(2.0, rel=0.5)
     shell = replace(sea, felt="shell")
     assert len(touched(shell, hands=(hand,))) == 0
@@ -243,7 +224,7 @@ def flat_hand(size: Any, z: float) -> Hand:
     return Hand(vertices=box.vertices, faces=box.faces).moved(pc.Pose((0, 0, z + size[2] / 2.0)))
 
 
-@pytest.mark.parametrize("depth", [0.0005, 0.001, 0.0015])
+@pytest.mark.parametrize("depth", [0.0005, 0.0015])
 def test_a_plate_on_a_finger_presses_as_the_formula_says(depth: float) -> None:
     """On a straight cylinder of radius r a bed of springs k gives 2 k r (r sin a - (r - h) a) per metre."""
     r, length = 0.01, 0.3
@@ -273,10 +254,10 @@ def test_a_texture_presses_with_its_share() -> None:
     assert striped.force == pytest.approx(whole.force / 2.0, rel=0.05)
 
 
-@pytest.mark.parametrize("stiffness", [100.0, 1e3, 1e4])
-def test_a_softer_object_presses_less(stiffness: float) -> None:
-    soft = touched(ball(material=Material(stiffness=stiffness))).force
-    assert 0.0 < soft < touched(ball(material=Material(stiffness=2.0 * stiffness))).force
+def test_a_softer_object_presses_less() -> None:
+    forces = [touched(ball(material=Material(k))).force for k in (100.0, 200.0, 1e3, 1e4)]
+    assert forces[0] > 0.0
+    assert (np.diff(forces) > 0.0).all()
 
 
 def test_an_object_is_felt_from_its_reach_on() -> None:
@@ -311,11 +292,10 @@ def same_balls(radius: float) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("felt", ["shell", "interior"])
 @pytest.mark.parametrize("name", BALLS)
-def test_a_ball_is_a_ball_however_it_is_described(name: str, felt: Any) -> None:
+def test_a_ball_is_a_ball_however_it_is_described(name: str) -> None:
     shape = same_balls(0.03)[name]
-    for z in (0.16, 0.175, 0.195):
+    for z, felt in itertools.product((0.16, 0.175, 0.195), ("shell", "interior")):
         plain = ball(at=(0.0, 0.02, z), felt=felt, thickness=0.01)
         one, other = touched(plain), touched(replace(plain, shape=shape))
         if name in ("mesh", "voxels"):
@@ -345,14 +325,9 @@ def test_a_plate_is_a_plate_however_it_is_described() -> None:
 @given(seed=seeds)
 @few
 def test_a_rigid_motion_of_everything_changes_nothing_else(item: Any, seed: int) -> None:
-    pose = random_pose(seed)
-    if isinstance(item, pc.Point):
-        at = tuple(pose.points(np.array([item.position]))[0])
-        there_item = replace(item, position=at)
-    else:
-        there_item = replace(item, pose=product(pose, item.pose))
-    hand = bent(seed)
-    here, there = touched(item, hands=(hand,)), touched(there_item, hands=(hand.moved(pose),))
+    pose, hand = random_pose(seed), bent(seed)
+    here = touched(item, hands=(hand,))
+    there = touched(moved(item, pose), hands=(hand.moved(pose),))
     assert np.array_equal(here.keys, there.keys)
     assert there.positions == pytest.approx(pose.points(here.positions), abs=1e-9)
     assert there.normals == pytest.approx(pose.directions(here.normals), abs=1e-7)
@@ -361,23 +336,9 @@ def test_a_rigid_motion_of_everything_changes_nothing_else(item: Any, seed: int)
     assert there.area == pytest.approx(here.area, rel=1e-9)
 
 
-@each_object
-@given(d=st.tuples(*[st.floats(-0.01, 0.01)] * 3))
-@few
-def test_moving_the_object_is_moving_the_hand_the_other_way(item: Any, d: Any) -> None:
-    back = tuple(-x for x in d)
-    if isinstance(item, pc.Point):
-        moved = replace(item, position=tuple(np.add(item.position, d)))
-    else:
-        moved = replace(item, pose=product(pc.Pose(d), item.pose))
-    one, other = touched(moved), touched(item, hands=(HAND.moved(pc.Pose(back)),))
-    assert np.array_equal(one.keys, other.keys)
-    assert one.positions - d == pytest.approx(other.positions, abs=1e-9)
-    assert one.radiation_pressure == pytest.approx(other.radiation_pressure, rel=1e-6, abs=1e-6)
-
-
-@pytest.mark.parametrize("spacing", [FINEST, 0.0085])
-@pytest.mark.parametrize("name", ["ball", "interior", "soft"])
+@pytest.mark.parametrize(
+    ("name", "spacing"), [("ball", 0.0085), ("interior", FINEST), ("soft", FINEST)]
+)
 def test_the_force_does_not_jump_as_a_contact_slides(name: str, spacing: float) -> None:
     item, step = OBJECTS[name], 1e-4
     stiffness = item.material.stiffness or item.pressure / DEPTH
@@ -386,8 +347,8 @@ def test_the_force_does_not_jump_as_a_contact_slides(name: str, spacing: float) 
     forces, bounds = [], []
     for i in range(500):
         centre = np.array([-0.03 + step * i, 0.04, 0.175])
-        moved = replace(item, pose=pc.Pose(tuple(centre)))
-        forces.append(sampler.sample(pc.Scene((moved,), hands=(HAND,)), 0.001 * i).force)
+        slid = replace(item, pose=pc.Pose(tuple(centre)))
+        forces.append(sampler.sample(pc.Scene((slid,), hands=(HAND,)), 0.001 * i).force)
         near = np.linalg.norm(skin[0] - centre, axis=1) < item.reach + 2.0 * FINEST
         bounds.append(stiffness * step * skin[1][near].sum() * 1.05)
     assert max(forces) > 0.0
@@ -399,8 +360,8 @@ def test_no_sample_jumps_more_than_its_share_as_a_contact_slides(spacing: float)
     sampler = pc.Sampler(5000, spacing, perception=False)
     before: dict[int, float] = {}
     for i in range(400):
-        moved = ball(at=(-0.02 + 1e-4 * i, 0.04, 0.175))
-        samples = sampler.sample(pc.Scene((moved,), hands=(HAND,)), 0.001 * i)
+        slid = ball(at=(-0.02 + 1e-4 * i, 0.04, 0.175))
+        samples = sampler.sample(pc.Scene((slid,), hands=(HAND,)), 0.001 * i)
         after = dict(zip(samples.keys.tolist(), samples.radiation_pressure.tolist(), strict=True))
         if before:
             for key in before.keys() | after.keys():
@@ -461,10 +422,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
         at += rng.normal(0.0, size, at.shape)
         if rng.random() < 0.5:
             hand = hand.moved(pc.Pose(tuple(rng.normal(0.0, size, 3))))
-        objects = tuple(
-            replace(item, pose=product(pc.Pose(tuple(d)), item.pose))
-            for item, d in zip(items, at, strict=True)
-        )
+        objects = tuple(moved(i, pc.Pose(tuple(d))) for i, d in zip(items, at, strict=True))
         scene = pc.Scene(objects, hands=(hand,))
         for _ in range(2):  # after the blend
             t += 0.02
@@ -514,7 +472,121 @@ def test_a_lost_hand_is_felt_for_a_moment_and_then_fades() -> None:
     assert (forces[times > 1.002 + HOLD + FADE] == 0.0).all()
 
 
+SECOND = 1.0  # [s] when it begins
+CHANGES = {
+    "a lost hand": (HAND, Hand(np.full((26, 3), np.nan))),
+    "a late hand": (Hand(HAND.joints, time=SECOND),) * 2,
+    "a hand that moves": (Hand(HAND.joints, velocities=(0.3, 0.0, 0.0), time=SECOND),) * 2,
+    "a hand put elsewhere": (HAND, HAND.moved(pc.Pose((0.01, 0.0, 0.0)))),
+    "a hand that stays": (HAND, HAND),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_a_scene_that_nobody_updates_goes_on_as_if_it_were_looked_at_anew(what: str) -> None:
+    before, after = (pc.Scene((ball(),), hands=(hand,)) for hand in CHANGES[what])
+    kept, anew = (pc.Sampler(perception=False) for _ in range(2))
+    felt = []
+    for i in range(16):
+        t, scene = SECOND + 0.013 * i, after if i else before
+        anew.changed()
+        samples, expected = kept.sample(scene, t), anew.sample(scene, t)
+        assert np.array_equal(samples.keys, expected.keys)
+        assert np.array_equal(samples.positions, expected.positions)
+        assert np.array_equal(samples.radiation_pressure, expected.radiation_pressure)
+        felt.append(samples.force)
+    assert felt[0] > 0.0
+    assert (felt[-1] > 0.0) == (what in ("a hand put elsewhere", "a hand that stays"))
+
+
 # ----------------------------------------------------------------------- facing and the other side
+
+
+def test_the_box_around_a_hand_is_that_of_its_bones_and_its_centre_in_the_middle() -> None:
+    for seed in range(5):
+        hand = Touchable(bent(seed).moved(random_pose(seed)))
+        centre, radius = hand.placed.bounds[:, :3], hand.placed.bounds[:, 3:]
+        low, high = (centre - radius).min(axis=0), (centre + radius).max(axis=0)
+        assert hand.box == pytest.approx(np.concatenate([low, high]), abs=1e-12)
+        assert hand.centre == pytest.approx((low + high) / 2.0, abs=1e-12)
+        assert (hand.points >= low - 1e-9).all()
+        assert (hand.points <= high + 1e-9).all()
+
+
+@given(seed=seeds, radius=st.floats(0.01, 10.0), corners=st.integers(0, 4))
+@few
+def test_skin_near_an_object_is_what_its_sphere_holds_and_what_faces_the_array(
+    seed: int, radius: float, corners: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    hand = Touchable(bent(seed).moved(random_pose(seed, 1.0)))
+    away = rng.normal(size=3)
+    at = hand.points[rng.integers(len(hand.points))] + radius * away / np.linalg.norm(away)
+    pose = pc.Pose(tuple(at.tolist()), random_pose(seed).rotation)
+    ends = rng.uniform(-1.0, 1.0, (corners, 3))
+    which, local = hand.near(pose, radius, ends)
+    d = hand.points - at
+    distance = np.linalg.norm(d, axis=1)
+    along = np.einsum("kc,kvc->kv", hand.normals, ends - hand.points[:, None])
+    faces = (along > 0.0).any(axis=1)
+    expected = np.flatnonzero((distance <= radius) & (faces | (corners == 0)))
+    level = (np.abs(along) < 1e-12).any(axis=1)
+    unsure = np.flatnonzero((np.abs(distance - radius) < 1e-9) | level)  # rounded
+    assert set(which.tolist()) ^ set(expected.tolist()) <= set(unsure.tolist())
+    inverse = Rotation.from_quat(pose.rotation).inv()
+    assert local == pytest.approx(inverse.apply(d[which]), abs=1e-9)
+
+
+def share_seen(array: Any, points: Any, normals: Any) -> Any:
+    """Of its pressure that skin is asked to feel: a smooth step, from 2 % of the power to 10 %."""
+    made = []
+    for point, normal in zip(points, normals, strict=True):
+        cosines = [float(d @ normal) / math.hypot(*d) for d in array.positions - point]
+        seen = sum(max(c, 0.0) ** 2 for c in cosines) / len(cosines)
+        x = min(max((seen - 0.02) / 0.08, 0.0), 1.0)
+        made.append(integrate.quad(lambda u: 6.0 * u * (1.0 - u), 0.0, x)[0])
+    return np.array(made)
+
+
+EIGHT_TRANSDUCERS = pc.Array(
+    np.stack(
+        [*map(np.ravel, np.meshgrid([-0.08, 0.0, 0.07, 0.1], [-0.06, 0.08])), np.zeros(8)], axis=1
+    )
+)
+
+
+@pytest.mark.parametrize("kind", ["particles", "contact"])
+def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
+    """Not at all on the far side, less where sound only grazes it; all eight transducers are looked at."""
+    resolving = Resolving(EIGHT_TRANSDUCERS, pc.Air())
+    hand = Touchable(bent(5))
+    each = np.arange(0, len(hand.points), 7)
+    points, normals = hand.points[each], hand.normals[each]
+    expected = share_seen(EIGHT_TRANSDUCERS, points, normals)
+    assert ((expected > 0.05) & (expected < 0.95)).sum() > 3
+    if kind == "contact":
+        everywhere = np.empty((0, 3))
+        found = []
+        for some in (everywhere, resolving.some):
+            force = np.zeros(len(each))
+            inside, pressed = hand.pressed(each, np.full(len(each), -1.0), 0.0, 1e9, 5.0, some)
+            force[inside] = pressed
+            found.append(force)
+        bare, made = found
+        free = bare > 0.0
+        assert bare[free] == pytest.approx(5.0 * hand.area[each][free])
+        assert made == pytest.approx(expected * bare, abs=1e-12)
+    else:
+        assert grazing(resolving.seen(points, normals)) == pytest.approx(expected, abs=1e-9)
+        rain = Particles(positions=points.tolist(), radiation_pressure=5.0, radius=0.005)
+        bare = touched(rain, hands=(hand.hand,))
+        assert bare.radiation_pressure == pytest.approx(5.0)
+        share = share_seen(EIGHT_TRANSDUCERS, bare.positions, bare.normals)
+        sampler = pc.Sampler(5000, FINEST, perception=False)
+        sampler.prepare(EIGHT_TRANSDUCERS, pc.Air())
+        felt = sampler.sample(pc.Scene((rain,), hands=(hand.hand,)))
+        assert np.array_equal(felt.keys, bare.keys[share > 0.0])
+        assert felt.radiation_pressure == pytest.approx(5.0 * share[share > 0.0], abs=1e-6)
 
 
 def test_skin_that_faces_away_from_the_array_is_not_asked_for() -> None:
@@ -552,20 +624,17 @@ def test_samples_face_some_of_the_array() -> None:
 # ---------------------------------------------------------------- points, paths, particles, techniques
 
 
-def test_a_point_is_felt_where_the_skin_is_nearest() -> None:
-    samples = touched(OBJECTS["point"])
+def test_a_point_is_felt_where_the_skin_is_nearest_within_the_hand_and_not_beside_it() -> None:
+    point = OBJECTS["point"]
+    samples = touched(point)
     assert len(samples) == 1
     q, _ = dense(HAND)
-    at = np.array(OBJECTS["point"].position)
+    at = np.array(point.position)
     assert np.linalg.norm(samples.positions[0] - at) <= np.linalg.norm(q - at, axis=1).min() + 1e-9
-    assert samples.area[0] == OBJECTS["point"].area
-
-
-def test_a_point_within_a_hand_is_felt_and_one_beside_it_is_not() -> None:
-    inside = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=3.0)
-    assert touched(inside).radiation_pressure.tolist() == [3.0]
-    beside = replace(inside, position=(0.0, 0.0, 0.15))
-    assert len(touched(beside)) == 0
+    assert samples.area[0] == point.area
+    inside = replace(point, position=(0.0, 0.0, 0.2))
+    assert touched(inside).radiation_pressure.tolist() == [10.0]
+    assert len(touched(replace(point, position=(0.0, 0.0, 0.15)))) == 0
 
 
 def test_each_particle_is_felt_by_itself() -> None:
@@ -600,8 +669,10 @@ def test_objects_of_one_voice_are_one_where_they_meet_and_keep_their_force() -> 
 
 
 def test_nothing_asked_for_gives_nothing() -> None:
-    assert len(touched(ball(radiation_pressure=0.0))) == 0
-    assert len(touched(ball(envelope=pc.Constant(0.0)))) == 0
+    for silent in ((), (ball(radiation_pressure=0.0),), (ball(envelope=pc.Constant(0.0)),)):
+        samples = touched(*silent)
+        assert len(samples) == samples.force == 0
+        assert samples.positions.shape == samples.normals.shape == (0, 3)
 
 
 # ----------------------------------------------------------------------------------------- hands
@@ -658,14 +729,6 @@ def test_a_lost_hand_feels_nothing_and_there_is_no_hand_less_scene_for_it() -> N
 # -------------------------------------------------------------------------------- odd and bad input
 
 
-@pytest.mark.parametrize("hands", [(), (HAND,)], ids=["none", "one"])
-def test_a_scene_of_nothing_gives_nothing(hands: Any) -> None:
-    samples = touched(hands=hands)
-    assert len(samples) == 0
-    assert samples.force == 0.0
-    assert samples.positions.shape == samples.normals.shape == (0, 3)
-
-
 def test_a_workspace_cuts_what_is_outside() -> None:
     room = pc.Workspace((0.0, -1.0, -1.0), (1.0, 1.0, 1.0))
     scene = pc.Scene((plate(0.19),), room, (HAND,))
@@ -687,7 +750,7 @@ def test_an_object_of_next_to_no_size_gives_next_to_nothing(size: float) -> None
         assert touched(pc.Surface(shape=flat, pose=pose, radiation_pressure=5.0)).force < 1e-3
 
 
-@pytest.mark.parametrize("far", [1e3, 1e150, 1e300])
+@pytest.mark.parametrize("far", [1e3, 1e300])
 def test_an_object_at_infinity_is_not_felt(far: float) -> None:
     for item in (ball(at=(far, 0.0, 0.0)), pc.Point(position=(0, -far, 0), radiation_pressure=1.0)):
         assert len(touched(item)) == 0

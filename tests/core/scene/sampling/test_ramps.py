@@ -101,14 +101,6 @@ def test_it_comes_up_in_a_straight_line_and_goes_so() -> None:
     assert ramps.follow(gone, 0.013) is gone
 
 
-def test_what_is_gone_fades_where_it_was_last() -> None:
-    ramps, here = Ramps(RAMP), samples({0: (0.1, 1.0), 1: (0.2, 1.0)})
-    for i in range(7):
-        ramps.follow(here, TICK * i)
-    now = ramps.follow(samples({1: (0.2, 1.0)}), 0.007)
-    assert at(now) == pytest.approx({("a", 0.1): 8.0, ("b", 0.2): 10.0})
-
-
 def test_what_moves_a_little_keeps_its_pressure_and_what_jumps_does_not() -> None:
     for d, expected in (
         (0.9 * JUMP, {("a", 0.9 * JUMP): 10.0}),
@@ -129,17 +121,6 @@ def test_what_comes_back_comes_up_from_what_is_left_of_it() -> None:
     now = ramps.follow(here, 0.009)
     assert now.radiation_pressure == pytest.approx([8.0])
     assert now.keys.tolist() == [0]
-
-
-def test_what_flickers_stays_between_what_is_asked() -> None:
-    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
-    for i in range(20):
-        ramps.follow(here, TICK * i)
-    pressures = [
-        ramps.follow(here if i % 2 else gone, TICK * i).radiation_pressure.sum()
-        for i in range(20, 60)
-    ]
-    assert min(pressures) >= 8.0 - 1e-9
 
 
 def test_it_goes_down_to_a_fraction_of_itself_as_fast() -> None:

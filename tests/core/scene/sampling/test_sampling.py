@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections import Counter
 from typing import Any
 
@@ -20,59 +19,51 @@ from pacinian.scene.sampling.sources import Lone, Whole
 from pacinian.scene.shapes.curves import Circle, Line
 from pacinian.scene.time.technique import STM
 
+from ..tools import moved, random_pose
+
 bounded = settings(max_examples=40)
 lengths = st.floats(0.002, 0.12)
 coordinates = st.floats(-0.3, 0.3)
 positions = st.tuples(coordinates, coordinates, coordinates)
 poses = st.builds(
-    lambda position, seed: pc.Pose(
-        position, tuple(Rotation.random(rng=np.random.default_rng(seed)).as_quat().tolist())
-    ),
+    lambda position, seed: pc.Pose(position, random_pose(seed).rotation),
     positions,
     st.integers(0, 2**31),
 )
 strengths = st.floats(0.01, 1000.0)
-points = st.builds(
-    lambda position, pressure: pc.Point(position=position, radiation_pressure=pressure),
-    positions,
-    strengths,
-)
+points = st.builds(pc.Point, position=positions, radiation_pressure=strengths)
 surfaces = st.builds(
-    lambda shape, pose, pressure: pc.Surface(shape=shape, pose=pose, radiation_pressure=pressure),
-    st.one_of(
+    pc.Surface,
+    shape=st.one_of(
         st.builds(pc.Rectangle, lengths, lengths),
         st.builds(pc.Disc, lengths),
         st.builds(pc.Sphere, lengths),
     ),
-    poses,
-    strengths,
+    pose=poses,
+    radiation_pressure=strengths,
 )
 volumes = st.builds(
-    lambda shape, felt, pose, pressure: pc.Volume(
-        shape=shape, felt=felt, pose=pose, radiation_pressure=pressure
-    ),
-    st.one_of(
+    pc.Volume,
+    shape=st.one_of(
         st.builds(pc.Sphere, lengths),
         st.builds(lambda x, y, z: pc.Box((x, y, z)), lengths, lengths, lengths),
         st.builds(pc.Capsule, lengths, lengths),
     ),
-    st.sampled_from(("shell", "interior")),
-    poses,
-    strengths,
+    felt=st.sampled_from(("shell", "interior")),
+    pose=poses,
+    radiation_pressure=strengths,
 )
 paths = st.builds(
-    lambda shape, pose, pressure: Path(shape=shape, pose=pose, radiation_pressure=pressure),
-    st.one_of(st.builds(Line, lengths), st.builds(Circle, lengths)),
-    poses,
-    strengths,
+    Path,
+    shape=st.one_of(st.builds(Line, lengths), st.builds(Circle, lengths)),
+    pose=poses,
+    radiation_pressure=strengths,
 )
 particles = st.builds(
-    lambda places, pose, pressure: Particles(
-        positions=tuple(places), pose=pose, radiation_pressure=pressure
-    ),
-    st.lists(positions, max_size=5),
-    poses,
-    strengths,
+    Particles,
+    positions=st.lists(positions, max_size=5).map(tuple),
+    pose=poses,
+    radiation_pressure=strengths,
 )
 
 
@@ -92,16 +83,6 @@ def point(x: float, pressure: float = 1.0) -> pc.Point:
 def square(width: float, pose: pc.Pose | None = None, pressure: float = 1.0) -> pc.Surface:
     shape = pc.Rectangle(width, width)
     return pc.Surface(shape=shape, pose=pose or pc.Pose(), radiation_pressure=pressure)
-
-
-def moved(item: Any, pose: pc.Pose) -> Any:
-    """The object after a rigid motion, by SciPy's rotations."""
-    turn = Rotation.from_quat(pose.rotation)
-    if isinstance(item, pc.Point):
-        return replace(item, position=tuple(turn.apply(item.position) + pose.position))
-    position = turn.apply(item.pose.position) + pose.position
-    rotation = (turn * Rotation.from_quat(item.pose.rotation)).as_quat()
-    return replace(item, pose=pc.Pose(tuple(position), tuple(rotation)))
 
 
 def sampled(objects: Any, room: Any = None, **how: Any) -> tuple[Any, Counter[str]]:
@@ -223,9 +204,9 @@ def counted() -> tuple[pc.SDF, Counter[str]]:
     return ball, asked
 
 
-def test_a_moved_object_is_not_covered_again() -> None:
+def test_a_moved_object_is_not_covered_again_and_others_of_its_shape_are_not_at_all() -> None:
     shape, asked = counted()
-    sampler = pc.Sampler()
+    sampler = pc.Sampler(budget=10_000)
     ball = pc.Volume(shape=shape, radiation_pressure=1.0)
     first = sampler.sample(pc.Scene((ball,)))
     before = asked["distance"]
@@ -235,21 +216,9 @@ def test_a_moved_object_is_not_covered_again() -> None:
         assert samples.positions == pytest.approx(first.positions + np.array([x, 0, 0]), abs=1e-15)
     changed = replace(ball, radiation_pressure=7.0, envelope=pc.Sine(200.0), name="ball")
     assert (sampler.sample(pc.Scene((changed,))).radiation_pressure == 7.0).all()
+    many = [replace(ball, pose=pc.Pose((x, 0, 0))) for x in (0.0, 0.1, 0.2)]
+    assert len(sampler.sample(pc.Scene(tuple(many)))) == 3 * len(first)
     assert asked["distance"] == before
-
-
-def test_objects_of_one_shape_share_its_covering() -> None:
-    shape, asked = counted()
-    one = pc.Volume(shape=shape, radiation_pressure=1.0)
-    pc.Sampler(budget=10_000).sample(pc.Scene((one,)))
-    once = asked["distance"]
-    asked.clear()
-    many = tuple(
-        pc.Volume(shape=shape, pose=pc.Pose((x, 0, 0)), radiation_pressure=1.0)
-        for x in (0.0, 0.1, 0.2)
-    )
-    pc.Sampler(budget=10_000).sample(pc.Scene(many))
-    assert asked["distance"] == once
 
 
 def test_the_shell_and_the_interior_of_a_shape_are_covered_apart() -> None:
@@ -271,8 +240,8 @@ def test_one_key_is_one_place_on_an_object_however_finely_it_is_covered() -> Non
     for allowed in (2000, 100, 30):
         sampler.allowed = allowed
         for z in np.linspace(0.1, 1.0, 19).tolist():
-            moved = replace(plate, pose=pc.Pose((0.0, 0.0, z)))
-            samples = sampler.sample(pc.Scene((moved,)))
+            there = replace(plate, pose=pc.Pose((0.0, 0.0, z)))
+            samples = sampler.sample(pc.Scene((there,)))
             for key, at in zip(samples.keys.tolist(), samples.positions - [0, 0, z], strict=True):
                 assert places.setdefault(key, at) == pytest.approx(at, abs=1e-12)
 
@@ -309,9 +278,8 @@ def test_an_object_that_is_updated_arrives_where_it_is() -> None:
     assert x[-1] == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("room", [None, ROOM])
-def test_an_empty_scene_has_no_samples(room: Any) -> None:
-    samples, _ = sampled((), room)
+def test_an_empty_scene_has_no_samples() -> None:
+    samples, _ = sampled((), ROOM)
     assert len(samples) == samples.force == 0
     assert samples.positions.shape == samples.normals.shape == (0, 3)
     assert samples.radiation_pressure.shape == samples.objects.shape == (0,)
@@ -433,13 +401,6 @@ def test_what_is_outside_takes_none_of_the_budget() -> None:
     assert spacing(both, 1) == pytest.approx(0.008)
 
 
-def test_a_scene_outside_of_its_workspace_has_no_samples() -> None:
-    far = pc.Pose((5.0, 0.0, 0.0))
-    samples, skipped = sampled((square(0.05, far), point(3.0)), ROOM)
-    assert len(samples) == 0
-    assert skipped["objects out of reach"] == 2
-
-
 def test_what_is_too_far_from_the_array_is_out_of_reach() -> None:
     sampler = pc.Sampler()
     sampler.prepare(pc.autd(), pc.Air())
@@ -491,15 +452,11 @@ def test_whatever_time_does_there_are_samples_of_at_most_what_was_asked(times: A
         assert (samples.radiation_pressure <= samples.most).all()
 
 
-def test_samples_are_values_that_cannot_be_set() -> None:
-    samples = pc.Sampler().sample(pc.Scene((point(0.0),)))
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        samples.positions = np.zeros((1, 3))  # type: ignore[misc]
-
-
 def test_what_is_done_to_samples_does_not_reach_the_kept_coverings() -> None:
     sampler, scene = pc.Sampler(), pc.Scene((square(0.05),))
     samples = sampler.sample(scene)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        samples.positions = np.zeros((1, 3))  # type: ignore[misc]
     expected = samples.positions.copy()
     for values in (samples.positions, samples.normals, samples.area):
         if values.flags.writeable:
@@ -508,11 +465,6 @@ def test_what_is_done_to_samples_does_not_reach_the_kept_coverings() -> None:
     assert np.array_equal(again.positions, expected)
     assert (again.normals == [0.0, 0.0, 1.0]).all()
     assert again.force == pytest.approx(0.05 * 0.05)
-
-
-def test_whole_numbers_for_pressures_become_floats() -> None:
-    whole = pc.Point(position=(0, 0, 0), radiation_pressure=5)
-    assert pc.Sampler().sample(pc.Scene((whole,))).radiation_pressure.dtype == np.float64
 
 
 def test_a_thousand_objects_are_sampled() -> None:
@@ -548,16 +500,12 @@ def test_a_covering_is_never_taken_for_that_of_a_shape_that_is_gone() -> None:
         assert np.linalg.norm(positions[0]) == pytest.approx(radius)
 
 
-@pytest.mark.parametrize("bad", [0, -1, 2.5, True, math.nan, math.inf, "many", None])
-def test_a_bad_budget_is_refused(bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`budget` "):
-        pc.Sampler(budget=bad)
-
-
-@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, math.inf, 20.0, "wide"])
-def test_a_bad_spacing_is_refused(bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`spacing` "):
-        pc.Sampler(spacing=bad)
+@pytest.mark.parametrize(
+    ("argument", "bad"), [("budget", 0), ("budget", 2.5), ("spacing", 1e-9), ("spacing", 20.0)]
+)
+def test_a_bad_argument_is_refused_by_name(argument: str, bad: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
+        pc.Sampler(**{argument: bad})
 
 
 @pytest.mark.parametrize(
@@ -573,15 +521,6 @@ def test_a_bad_spacing_is_refused(bad: Any) -> None:
 )
 def test_a_big_volume_is_sampled_more_coarsely(big: pc.Volume) -> None:
     assert 0 < len(pc.Sampler().sample(pc.Scene((big,)))) <= 256
-
-
-def test_a_spacing_too_fine_for_memory_is_refused_or_coarsened() -> None:
-    disc = pc.Surface(shape=pc.Disc(0.1), radiation_pressure=1.0)
-    try:
-        samples = pc.Sampler(spacing=1e-9).sample(pc.Scene((disc,)))
-    except pc.ArgumentError:
-        return
-    assert 0 < len(samples) <= 256
 
 
 def test_many_shapes_of_their_own_are_not_covered_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -616,14 +555,10 @@ def test_a_lone_point_is_as_any_object_rendered_whole(
         assert getattr(mine, "dtype", None) == getattr(other, "dtype", None)
 
 
-@pytest.mark.parametrize("x", [-0.11, -0.1, 0.0, 0.1, 0.11])
+@pytest.mark.parametrize("x", [-0.11, -0.1, 0.1, 0.11])
 def test_one_point_is_cut_as_many_are(x: float) -> None:
     room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
     one = pc.Point(position=(x, 0.0, 0.2), radiation_pressure=5.0)
-    pair = Particles(
-        positions=np.array([(0.0, 0.0, 0.0), (x, 0.0, 0.0)]),
-        pose=pc.Pose((0.0, 0.0, 0.2)),
-        radiation_pressure=5.0,
-    )
-    alone = len(pc.Sampler(ramp=0.0).sample(pc.Scene((one,), room)))
-    assert alone == len(pc.Sampler(ramp=0.0).sample(pc.Scene((pair,), room))) - 1
+    pair = Particles(positions=((0.0, 0.0, 0.2), (x, 0.0, 0.2)), radiation_pressure=5.0)
+    alone, both = (len(pc.Sampler(ramp=0.0).sample(pc.Scene((i,), room))) for i in (one, pair))
+    assert alone == both - 1 == (abs(x) <= 0.1)

@@ -85,6 +85,34 @@ def test_it_is_soon_where_its_motion_says(updates: Any) -> None:
     )
 
 
+@given(
+    first=st.integers(0, 2**31),
+    by=st.tuples(*[st.floats(-1.7, 1.7)] * 3),
+    signs=st.tuples(*[st.sampled_from([-1.0, 1.0])] * 2),
+)
+@bounded
+def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
+    first: int, by: Any, signs: tuple[float, float]
+) -> None:
+    """A rotation and its negative are the same one, and trackers give either."""
+    was = Rotation.random(rng=np.random.default_rng(first))
+    now = Rotation.from_rotvec(by) * was  # by 170 degrees at most
+    one, other = (
+        tuple((sign * r.as_quat()).tolist()) for sign, r in zip(signs, (was, now), strict=True)
+    )
+    tracks = Tracks()
+    tracks.pose(ball(rotation=one), 0.0)
+    item, left = ball(rotation=other), []
+    for t in np.linspace(0.0, BLEND, 11):
+        shown = Rotation.from_quat(tracks.pose(item, float(t)).rotation)
+        left.append((now * shown.inv()).magnitude())
+        # on the way from the one to the other, and not by another way
+        assert (shown * was.inv()).magnitude() + left[-1] == pytest.approx(left[0], abs=1e-6)
+    assert left[0] == pytest.approx(np.linalg.norm(by), abs=1e-6)
+    assert left[-1] == pytest.approx(0.0, abs=1e-6)
+    assert (np.diff(left) <= 1e-6).all()
+
+
 def test_a_teleport_is_followed_at_once() -> None:
     tracks = Tracks()
     tracks.pose(ball(), 0.0)
@@ -101,13 +129,9 @@ def test_a_late_update_is_where_it_must_be_by_now() -> None:
 
 def test_without_a_motion_or_a_name_nothing_is_blended() -> None:
     tracks = Tracks()
-    still = ball(motion=None)
-    still = replace(still, motion=None)
-    tracks.pose(still, 0.0)
-    assert tracks.pose(replace(still, pose=pc.Pose((0.01, 0, 0))), TICK).position[0] == 0.01
-    unnamed = ball(name="")
-    tracks.pose(unnamed, 0.0)
-    assert tracks.pose(replace(unnamed, pose=pc.Pose((0.01, 0, 0))), TICK).position[0] == 0.01
+    for item in (replace(ball(), motion=None), ball(name="")):
+        tracks.pose(item, 0.0)
+        assert tracks.pose(replace(item, pose=pc.Pose((0.01, 0, 0))), TICK).position[0] == 0.01
 
 
 @given(times=st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12), d=st.floats(-0.03, 0.03))

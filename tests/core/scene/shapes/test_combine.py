@@ -24,6 +24,8 @@ from pacinian.scene.shapes.combine import (
 )
 from pacinian.scene.shapes.voxels import Voxels
 
+from ..tools import mesh_of
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -55,6 +57,7 @@ combinations = st.one_of(
 )
 
 BALL = pc.Sphere(0.03)
+BALLS = (BALL,)
 CUBE = pc.Box((0.04, 0.04, 0.04))
 APART = 0.03  # [m] of the centres of two balls
 
@@ -142,16 +145,9 @@ def test_a_placed_solid_is_the_solid_moved(solid: Any, pose: pc.Pose, seed: int)
     assert world.normals == pytest.approx(pose.directions(local.normals), abs=1e-12)
     assert np.array_equal(world.area, local.area)
     assert moved.area == solid.area
-
-
-@given(a=placed, b=placed, pose=poses, seed=st.integers(0, 2**31))
-@bounded
-def test_parts_moved_alike_are_the_whole_moved(a: Any, b: Any, pose: Any, seed: int) -> None:
-    points = np.random.default_rng(seed).uniform(-0.1, 0.1, (100, 3))
-    whole = Placed(Difference(a, (b,)), pose)
-    each = Difference(Placed(a, pose), (Placed(b, pose),))
+    each = Difference(Placed(solid, pose), (Placed(BALL, pose),))  # parts moved alike are moved
+    whole = Placed(Difference(solid, (BALL,)), pose)
     assert whole.distance(points) == pytest.approx(each.distance(points), abs=1e-12)
-    assert whole.area == pytest.approx(each.area, rel=1e-9, abs=1e-12)
 
 
 # ------------------------------------------------------------------------------------ areas
@@ -183,11 +179,11 @@ def test_the_area_is_that_of_the_formula(solid: Any, area: float) -> None:
     assert solid.area == pytest.approx(area, rel=0.02)
 
 
-@pytest.mark.parametrize("spacing", [0.006, 0.012])
-def test_each_sample_keeps_about_the_area_that_it_had_on_its_part(spacing: float) -> None:
+def test_each_sample_keeps_about_the_area_that_it_had_on_its_part() -> None:
     solid = Union((BALL, at(BALL, 0, 0, APART)))
-    area = solid.cover(spacing).area
-    assert area == pytest.approx(np.full(len(area), BALL.cover(spacing).area[0]), rel=0.15)
+    for spacing in (0.006, 0.012):
+        area = solid.cover(spacing).area
+        assert area == pytest.approx(np.full(len(area), BALL.cover(spacing).area[0]), rel=0.15)
 
 
 def test_no_part_of_a_shell_is_left_bare() -> None:
@@ -229,17 +225,13 @@ def test_what_has_nothing_left_has_no_samples(nothing: Any) -> None:
 # ------------------------------------------------------------- meshes, functions, voxel grids
 
 
-def mesh(made: trimesh.Trimesh) -> pc.Mesh:
-    return pc.Mesh(vertices=made.vertices, faces=made.faces)  # type: ignore[arg-type]
-
-
 def test_every_solid_can_be_a_part() -> None:
     grid = np.zeros((7, 7, 7))
     grid[1:-1, 1:-1, 1:-1] = 1.0
     solid = Union(
         (
             BALL,
-            at(mesh(trimesh.creation.box((0.04, 0.04, 0.04))), 0.1, 0, 0),
+            at(mesh_of(trimesh.creation.box((0.04, 0.04, 0.04))), 0.1, 0, 0),
             at(pc.SDF(BALL.distance, BALL.extent), 0.2, 0, 0),
             at(Voxels(values=grid, pitch=0.01), 0.3, 0, 0),
         )
@@ -253,7 +245,7 @@ def test_every_solid_can_be_a_part() -> None:
 
 
 def test_near_distances_are_exact_when_far_ones_need_not_be() -> None:
-    box = mesh(trimesh.creation.box((0.06, 0.04, 0.02)))
+    box = mesh_of(trimesh.creation.box((0.06, 0.04, 0.02)))
     solid = Difference(at(BALL, 0.01, 0, 0), (Union((box, CUBE)),))
     points = np.random.default_rng(0).uniform(-0.1, 0.1, (500, 3))
     exact, rough = solid.distance(points), solid.distance(points, 0.01, 0.005)
@@ -267,24 +259,22 @@ def test_near_distances_are_exact_when_far_ones_need_not_be() -> None:
 OPEN = pc.Mesh(vertices=((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0)), faces=((0, 1, 2),))
 
 
-def test_an_open_mesh_is_no_part() -> None:
+def test_an_open_mesh_is_no_part_and_one_in_a_file_is_refused_when_it_is_read(
+    tmp_path: Path,
+) -> None:
     for make in (
         Placed,
         lambda shape: Union((BALL, shape)),
-        lambda shape: Difference(shape, (BALL,)),
+        lambda shape: Difference(shape, BALLS),
     ):
         with pytest.raises(pc.ArgumentError, match="no volume"):
             make(OPEN)
-
-
-def test_an_open_mesh_in_a_file_is_refused_when_it_is_read(tmp_path: Path) -> None:
     path = tmp_path / "open.stl"
     trimesh.Trimesh(OPEN.vertices, OPEN.faces).export(path)
     solid = Union((BALL, Placed(pc.Mesh(file=str(path)))))
-    with pytest.raises(pc.ArgumentError, match="no volume"):
-        _ = solid.area
-    with pytest.raises(pc.ArgumentError, match="no volume"):
-        check_closed(solid)
+    for read in (lambda: solid.area, lambda: check_closed(solid)):
+        with pytest.raises(pc.ArgumentError, match="no volume"):
+            read()
 
 
 # ------------------------------------------------------------------------------- scene files
@@ -293,34 +283,11 @@ MUG = Difference(
     Union((pc.Capsule(0.03, 0.05), Placed(CUBE, pc.Pose.turned("z", 45.0, (0.03, 0.0, 0.0))))),
     (at(pc.Capsule(0.025, 0.05), 0, 0, 0.01), Intersection((BALL, at(BALL, 0.0, 0.0, 0.05)))),
 )
-FILE = """
-type = "difference"
-of = { type = "union", parts = [{ type = "sphere", radius = 0.03 }] }
-[[less]]
-type = "placed"
-shape = { type = "box", size = [0.02, 0.02, 0.02] }
-pose = { position = [0.03, 0, 0] }
-"""
 
 
 @pytest.mark.parametrize("form", [msgspec.json, msgspec.msgpack])
 def test_combinations_are_the_same_after_a_journey(form: Any) -> None:
     assert form.decode(form.encode(MUG), type=SolidShape) == MUG
-
-
-def test_a_scene_file_may_nest_them() -> None:
-    solid = msgspec.toml.decode(FILE, type=SolidShape)
-    assert solid == Difference(Union((BALL,)), (at(pc.Box((0.02, 0.02, 0.02)), 0.03, 0, 0),))
-
-
-def test_their_schema_can_be_made_and_holds_itself() -> None:
-    import jsonschema
-
-    schema = msgspec.json.schema(SolidShape)
-    assert {"Union", "Difference", "Intersection", "Placed", "Voxels"} <= schema["$defs"].keys()
-    jsonschema.validate(msgspec.json.decode(msgspec.json.encode(MUG)), schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({"type": "union", "parts": [{"type": "disc", "radius": 0.1}]}, schema)
 
 
 def nested(depth: int) -> str:
@@ -336,7 +303,7 @@ def test_nesting_has_a_limit() -> None:
             wrap(solid)
 
 
-@pytest.mark.parametrize("depth", [DEEPEST + 1, 300, 200_000])
+@pytest.mark.parametrize("depth", [DEEPEST + 1, 200_000])
 def test_files_nested_too_deep_are_refused(depth: int) -> None:
     with pytest.raises((msgspec.ValidationError, RecursionError)):
         msgspec.json.decode(nested(depth), type=SolidShape)
@@ -358,9 +325,7 @@ def test_the_number_of_parts_has_a_limit() -> None:
     [
         (lambda: Union(()), "parts"),
         (lambda: Union(BALL), "parts"),
-        (lambda: Union((pc.Disc(0.1),)), "parts[0]"),
-        (lambda: Union((BALL, None)), "parts[1]"),
-        (lambda: Intersection(()), "parts"),
+        (lambda: Union((BALL, pc.Disc(0.1))), "parts[1]"),
         (lambda: Intersection((BALL, "ball")), "parts[1]"),
         (lambda: Difference(BALL, ()), "less"),
         (lambda: Difference(None, (BALL,)), "of"),

@@ -154,11 +154,6 @@ def test_rows_and_columns_are_those_of_a_picture() -> None:
     assert surface.distance(np.array(corners) / 2) == pytest.approx(np.zeros(4), abs=1e-15)
 
 
-def test_points_that_are_not_numbers_do_no_harm() -> None:
-    points = np.array([[math.nan, 0.0, 0.0], [0.0, 0.0, 0.1]])
-    assert hilly(4, 4).distance(points)[1] > 0.0
-
-
 # -------------------------------------------------------------------------------- how given
 
 
@@ -180,12 +175,9 @@ def test_a_picture_s_white_is_as_high_as_its_depth(
     assert read.z.max() == pytest.approx(0.01)
     path.unlink()
     assert read.area == pytest.approx(same.area)
-
-
-def test_a_coloured_picture_counts_by_its_lightness(tmp_path: Path) -> None:
-    path = tmp_path / "hill.png"
-    Image.new("RGB", (3, 2), (255, 255, 255)).save(path)
-    assert (HeightMap(file=str(path), width=WIDTH, height=HEIGHT, depth=0.01).z == 0.01).all()
+    Image.new("RGB", (3, 2), (255, 255, 255)).save(path)  # colours count by their lightness
+    white_one = HeightMap(file=str(path), width=WIDTH, height=HEIGHT, depth=0.01)
+    assert (white_one.z == 0.01).all()
 
 
 def test_heights_may_be_lists_arrays_or_a_npy_file(tmp_path: Path) -> None:
@@ -195,18 +187,12 @@ def test_heights_may_be_lists_arrays_or_a_npy_file(tmp_path: Path) -> None:
     assert HeightMap(heights=heights.tolist(), width=WIDTH, height=HEIGHT) == surface
     read = HeightMap(file=str(tmp_path / "hill.npy"), width=WIDTH, height=HEIGHT)
     assert np.array_equal(read.z, surface.z)
-
-
-def test_heights_are_multiplied_by_the_depth() -> None:
+    heights[:] = 1.0
+    assert np.array_equal(read.z, surface.z)  # the array given is left behind
     tall = HeightMap(heights=[[0, 1], [2, 3]], width=WIDTH, height=HEIGHT, depth=0.01)
     assert tall.z == pytest.approx(np.array([[0.02, 0.03], [0.0, 0.01]]))
-
-
-def test_heights_do_not_change_with_the_array_that_they_came_from() -> None:
-    heights = np.zeros((3, 3))
-    surface = HeightMap(heights=heights, width=WIDTH, height=HEIGHT)
-    heights[:] = 1.0
-    assert (surface.z == 0.0).all()
+    points = np.array([[math.nan, 0.0, 0.0], [0.0, 0.0, 0.1]])
+    assert surface.distance(points)[1] > 0.0  # what is no number does no harm to others
 
 
 @pytest.mark.parametrize("form", [msgspec.json, msgspec.msgpack])
@@ -225,27 +211,13 @@ def test_a_scene_file_may_hold_their_numbers() -> None:
     assert surface.distance(np.zeros((1, 3))) == pytest.approx([-0.005 / math.hypot(1, 1 / 9)])
 
 
-def test_their_schema_allows_both() -> None:
-    import jsonschema
-
-    schema = msgspec.json.schema(HeightMap)
-    common = {"type": "height-map", "width": 0.1, "height": 0.1}
-    jsonschema.validate({**common, "heights": [[0.0, 1.0], [0.0, 1.0]]}, schema)
-    jsonschema.validate({**common, "file": "hill.png"}, schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({**common, "heights": [0.0, 1.0]}, schema)
-
-
 @pytest.mark.parametrize(
     ("heights", "problem"),
     [
         (np.zeros(5), "2 dimensions"),
-        (np.zeros((2, 2, 2)), "2 dimensions"),
-        ([], "2 dimensions"),
         (np.zeros((1, 5)), "at least 2 x 2"),
         (np.zeros((5, 1)), "at least 2 x 2"),
         ([[0.0, math.nan], [0.0, 0.0]], "finite"),
-        ([[0.0, math.inf], [0.0, 0.0]], "finite"),
         ([[0.0, 1.0], [0.0]], "numbers on a grid"),
         ([[0.0, 30.0], [0.0, 0.0]], r"metres.*millimetres"),
         ([["a", "b"], ["c", "d"]], "real numbers"),
@@ -271,9 +243,8 @@ def test_files_that_are_none_are_named(tmp_path: Path) -> None:
         assert name in str(caught.value) or name == "dot.png"
 
 
-@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, 20.0, "wide", None])
 @pytest.mark.parametrize("name", ["width", "height", "depth"])
-def test_bad_sizes_are_refused_by_the_argument_s_name(name: str, bad: Any) -> None:
-    sizes = {"width": WIDTH, "height": HEIGHT, name: bad}
-    with pytest.raises(pc.ArgumentError, match=f"^`{name}` "):
-        HeightMap(heights=np.zeros((2, 2)), **sizes)
+def test_bad_sizes_are_refused_by_the_argument_s_name(name: str) -> None:
+    for bad in (0.0, 20.0):
+        with pytest.raises(pc.ArgumentError, match=f"^`{name}` "):
+            HeightMap(heights=np.zeros((2, 2)), **{"width": WIDTH, "height": HEIGHT, name: bad})

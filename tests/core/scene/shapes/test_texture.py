@@ -38,6 +38,9 @@ def test_each_value_is_where_it_is_in_the_picture(repeat: bool) -> None:
     texture = Texture(values=VALUES, size=(WIDTH, HEIGHT), repeat=repeat)
     points = np.array([centre(row, column) for row in range(4) for column in range(6)])
     assert texture.at(points) == pytest.approx(VALUES.ravel())
+    assert texture.at(np.empty((0, 3))).shape == (0,)
+    one = Texture(values=[[0.25]], size=(WIDTH, HEIGHT), repeat=repeat)
+    assert one.at(spread(0)) == pytest.approx(np.full(200, 0.25))
 
 
 @given(seed=st.integers(0, 2**31))
@@ -79,20 +82,10 @@ def test_factors_are_within_the_values_and_the_same_at_every_z(
     assert np.array_equal(texture.at(points + np.array([0.0, 0.0, z])), factors)
 
 
-def test_one_value_is_the_same_everywhere() -> None:
-    for repeat in (True, False):
-        texture = Texture(values=[[0.25]], size=(WIDTH, HEIGHT), repeat=repeat)
-        assert texture.at(spread(0)) == pytest.approx(np.full(200, 0.25))
-
-
-def test_no_points_have_no_factors() -> None:
-    assert Texture(values=VALUES, size=(WIDTH, HEIGHT)).at(np.empty((0, 3))).shape == (0,)
-
-
 # --------------------------------------------------------------------------------- gratings
 
 
-@pytest.mark.parametrize("duty", [0.0, 0.3, 0.5, 0.99, 1.0])
+@pytest.mark.parametrize("duty", [0.0, 0.3, 1.0])
 def test_a_grating_presses_for_its_share(duty: float) -> None:
     points = np.zeros((10_000, 3))
     points[:, 0] = np.linspace(-0.05, 0.05, 10_000, endpoint=False)
@@ -102,16 +95,6 @@ def test_a_grating_presses_for_its_share(duty: float) -> None:
     assert np.mean((factors > 0.01) & (factors < 0.99)) < 0.07  # its edges are sharp
     points[:, 0] += 0.01
     assert grating(0.01, duty).at(points) == pytest.approx(factors, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("how", "argument"),
-    [((0.0,), "period"), ((math.nan,), "period"), ((0.01, -0.1), "duty"), ((0.01, 1.1), "duty")],
-)
-def test_a_grating_that_cannot_be_is_refused(how: tuple[float, ...], argument: str) -> None:
-    with pytest.raises(pc.ArgumentError) as caught:
-        grating(*how)
-    assert caught.value.argument == argument
 
 
 # -------------------------------------------------------------------------------- how given
@@ -152,13 +135,10 @@ def test_a_scene_file_may_hold_its_numbers() -> None:
     ("values", "problem"),
     [
         (np.zeros(5), "2 dimensions"),
-        (np.zeros((0, 5)), "2 dimensions"),
         ([[0.0, math.nan]], "finite"),
         ([[0.0, 1.001]], "from 0 to 1"),
         ([[-0.1, 1.0]], "from 0 to 1"),
         ([[0.0, 1.0], [0.0]], "numbers on a grid"),
-        ([["a"]], "real numbers"),
-        (b"nothing", "numbers on a grid"),
         (None, "`file` must be given"),
     ],
 )
@@ -169,16 +149,18 @@ def test_what_are_no_factors_is_refused(values: Any, problem: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "size",
-    [(0.0, 0.1), (0.1, -0.1), (0.1, math.nan), (0.1,), (0.1,) * 3, 0.1, None, "ab", (20.0, 1.0)],
+    ("argument", "make"),
+    [
+        ("size", lambda: Texture(values=VALUES, size=(0.0, 0.1))),
+        ("size", lambda: Texture(values=VALUES, size=(20.0, 1.0))),
+        ("size", lambda: Texture(values=VALUES, size=(0.1,))),  # type: ignore[arg-type]
+        ("size", lambda: Texture(values=VALUES, size=None)),  # type: ignore[arg-type]
+        ("period", lambda: grating(0.0)),
+        ("duty", lambda: grating(0.01, -0.1)),
+        ("duty", lambda: grating(0.01, 1.1)),
+        ("values` of .*none.png", lambda: Texture(file="none.png", size=(0.1, 0.1)).factors),
+    ],
 )
-def test_bad_sizes_are_refused(size: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`size` "):
-        Texture(values=VALUES, size=size)
-
-
-def test_a_file_that_is_none_is_named(tmp_path: Path) -> None:
-    (tmp_path / "text.png").write_text("no picture")
-    for name in ("text.png", "none.png"):
-        with pytest.raises(pc.ArgumentError, match=name):
-            Texture(file=str(tmp_path / name), size=(WIDTH, HEIGHT)).at(spread(0))
+def test_a_texture_that_cannot_be_is_refused_by_name(argument: str, make: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}"):
+        make()

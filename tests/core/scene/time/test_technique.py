@@ -81,16 +81,14 @@ def test_still_techniques_give_the_very_samples(t: float, M: int) -> None:
 
 @given(frequency=st.floats(0.0, 1e5), depth=st.floats(0.0, 1.0), t=st.floats(-1e300, 1e300))
 @bounded
-def test_am_stays_between_1_less_its_depth_and_1(frequency: float, depth: float, t: float) -> None:
+def test_am_is_a_sine_from_its_lowest_1_less_its_depth(
+    frequency: float, depth: float, t: float
+) -> None:
     factor = AM(frequency, depth).factor(np.array([t]))[0]
-    assert 1.0 - depth - 1e-12 <= factor <= 1.0
-    assert factor >= 0.0
-
-
-def test_am_is_a_sine_from_its_lowest() -> None:
+    assert max(0.0, 1.0 - depth - 1e-12) <= factor <= 1.0
     phase = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-    assert AM(200.0, 0.6).factor(phase / 200.0) == pytest.approx([0.4, 0.7, 1.0, 0.7, 0.4])
-    assert (AM(200.0, 0.0).factor(phase) == 1.0).all()
+    shape = 1.0 - depth * np.array([1.0, 0.5, 0.0, 0.5, 1.0])
+    assert AM(200.0, depth).factor(phase / 200.0) == pytest.approx(shape)
 
 
 @each_moving
@@ -98,6 +96,7 @@ def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
     assert not technique.still
     assert (technique.factor(np.linspace(-1.0, 1.0, 9)) == 1.0).all()
     assert technique.single == isinstance(technique, STM)
+    assert len(technique.present(nothing(), 0.3)) == 0
 
 
 # ------------------------------------------------------------------------------- schedule
@@ -106,15 +105,17 @@ def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
 @given(
     frequency=st.sampled_from([1, 7, 20, 50, 64, 70, 100, 125, 200, 333]),
     places=st.sampled_from([None, 1, 2, 3, 5, 10, 16, 20]),
+    off=st.sampled_from([0.98, 1.0, 1.02]),
     rate=st.sampled_from([1000, 2000, 4000, 40_000]),
     begin=st.integers(-100_000, 10_000_000),
 )
 @bounded
 def test_repeat_rate_and_dwell_are_those_of_exact_arithmetic(
-    frequency: int, places: int | None, rate: int, begin: int
+    frequency: int, places: int | None, off: float, rate: int, begin: int
 ) -> None:
     """Frame by frame, against a schedule in fractions: place floor(n (f t mod 1)) of n."""
-    dwell = None if places is None else 1.0 / (frequency * places)
+    # a dwell that does not divide the period comes to the nearest that does
+    dwell = None if places is None else min(off / places, 1.0) / frequency
     technique = STM(float(frequency), dwell=dwell)
     n = technique.places
     assert n == (places or 720)
@@ -122,13 +123,6 @@ def test_repeat_rate_and_dwell_are_those_of_exact_arithmetic(
         t = Fraction(k, rate)
         exact = math.floor(n * ((frequency * t) % 1))
         assert technique.step(float(t)) == exact
-
-
-def test_a_dwell_that_does_not_divide_the_period_comes_to_the_nearest_that_does() -> None:
-    assert STM(100.0, dwell=0.0024).places == 4
-    assert STM(100.0, dwell=0.0026).places == 4
-    assert STM(100.0, dwell=0.01).places == 1
-    assert STM(100.0, dwell=0.0005).places == 20
 
 
 @given(dwell=st.integers(1, 12), seed=seeds)
@@ -144,12 +138,12 @@ def test_the_focus_stays_for_its_dwell_and_then_moves_on(dwell: int, seed: int) 
 
 
 @each_moving
-@pytest.mark.parametrize("t", [-1e300, -1e6, -1e-20, -0.0, 0.0, 1e-300, 1e6, 1e300])
-def test_steps_are_whole_and_within_bounds_at_any_time(technique: Any, t: float) -> None:
-    step = technique.step(t)
-    assert isinstance(step, int)
-    assert -64 <= step < 720
-    assert len(technique.present(patch(5), t)) == (1 if technique.single else 5)
+def test_steps_are_whole_and_within_bounds_at_any_time(technique: Any) -> None:
+    for t in (-1e300, -1e6, -1e-20, -0.0, 0.0, 1e-300, 1e6, 1e300):
+        step = technique.step(t)
+        assert isinstance(step, int)
+        assert -64 <= step < 720
+        assert len(technique.present(patch(5), t)) == (1 if technique.single else 5)
 
 
 @each_moving
@@ -209,13 +203,34 @@ def test_a_tour_is_short() -> None:
 
 @given(M=counts, seed=seeds, along=st.sampled_from(ROUTES))
 @bounded
-def test_a_route_hardly_changes_with_the_pressures(M: int, seed: int, along: Any) -> None:
+def test_a_focus_is_one_sample_of_its_object_on_a_route_that_hardly_changes_with_the_pressures(
+    M: int, seed: int, along: Any
+) -> None:
     samples, technique = patch(M, seed), STM(100.0, along)
-    rng = np.random.default_rng(seed)
-    little = samples.radiation_pressure * rng.uniform(0.999, 1.001, M)
-    before = positions(path(technique, samples, 90))
-    after = positions(path(technique, samples.with_pressure(little), 90))
-    assert np.abs(after - before).max() < (1e-12 if along == "samples" else 3e-4)
+    p, rng = samples.radiation_pressure, np.random.default_rng(seed)
+    shown = path(technique, samples, 90)
+    for now in shown[::3]:
+        assert len(now) == 1
+        assert now.objects.tolist() == [3]
+        assert now.keys.tolist() == [-4]
+        assert now.keys.dtype == np.int64
+        assert now.most.tolist() == [5.0]
+        if along != "samples":
+            assert now.radiation_pressure[0] == pytest.approx((p * p).sum() / p.sum())
+        assert p.min() - 1e-12 <= now.radiation_pressure[0] <= p.max() + 1e-12
+        assert np.linalg.norm(now.normals) == pytest.approx(1.0)
+    after = positions(path(technique, samples.with_pressure(p * rng.uniform(0.999, 1.001, M)), 90))
+    assert np.abs(after - positions(shown)).max() < (1e-12 if along == "samples" else 3e-4)
+
+
+@pytest.mark.parametrize("along", ROUTES[2:], ids=str)
+def test_samples_that_hardly_press_do_not_count_on_a_curve(along: Any) -> None:
+    samples = patch(9)
+    p = samples.radiation_pressure.copy()
+    p[0] = 0.0
+    with_it = positions(path(STM(100.0, along), samples.with_pressure(p), 30))
+    without = positions(path(STM(100.0, along), samples.only(np.arange(1, 9)), 30))
+    assert with_it == pytest.approx(without, abs=1e-12)
 
 
 @given(M=counts, seed=seeds, along=st.sampled_from(ROUTES))
@@ -273,26 +288,25 @@ def test_an_outline_starts_towards_the_x_axis_and_turns_to_y(M: int, seed: int) 
     assert np.abs(z).max() < 1e-12
 
 
-@pytest.mark.parametrize("facing", [True, False])
-@pytest.mark.parametrize("M", [1, 2, 3, 8])
 @pytest.mark.parametrize("direction", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 2, 3), (0, 0, 0)])
-def test_samples_on_a_line_are_passed_there_and_back(M: int, direction: Any, facing: bool) -> None:
-    samples = patch(M)
+@pytest.mark.parametrize("facing", [True, False])
+def test_samples_on_a_line_are_passed_there_and_back(direction: Any, facing: bool) -> None:
     d = np.array(direction) / max(1.0, float(np.linalg.norm(direction)))
-    s = np.linspace(0.0, 0.03, M)
-    samples = replace(samples, positions=s[:, None] * d + [0.0, 0.0, 0.2])
-    if not facing:
-        samples = replace(samples, normals=np.zeros((M, 3)))
-    elif abs(d[2]) > 0.9:
+    if facing and abs(d[2]) > 0.9:
         return  # no skin is like that
-    q = positions(path(STM(100.0, "outline"), samples)) - [0.0, 0.0, 0.2]
-    length = 0.03 if M > 1 and d.any() else 0.0
-    assert np.linalg.norm(np.cross(q, d), axis=1).max() < 1e-9
-    along = q @ d
-    assert along.min() == pytest.approx(0.0, abs=1e-4)
-    assert along.max() == pytest.approx(length, abs=1e-4)
-    steps = np.abs(np.diff(along, append=along[:1]))
-    assert steps.max() <= 2 * length / 720 + 1e-9
+    for M in (1, 2, 8):
+        samples, s = patch(M), np.linspace(0.0, 0.03, M)
+        samples = replace(samples, positions=s[:, None] * d + [0.0, 0.0, 0.2])
+        if not facing:
+            samples = replace(samples, normals=np.zeros((M, 3)))
+        q = positions(path(STM(100.0, "outline"), samples)) - [0.0, 0.0, 0.2]
+        length = 0.03 if M > 1 and d.any() else 0.0
+        assert np.linalg.norm(np.cross(q, d), axis=1).max() < 1e-9
+        along = q @ d
+        assert along.min() == pytest.approx(0.0, abs=1e-4)
+        assert along.max() == pytest.approx(length, abs=1e-4)
+        steps = np.abs(np.diff(along, append=along[:1]))
+        assert steps.max() <= 2 * length / 720 + 1e-9
 
 
 @given(M=counts, seed=seeds, along=st.sampled_from(ROUTES[2:]))
@@ -322,35 +336,6 @@ def test_a_curve_s_x_axis_is_the_frame_s_in_the_plane() -> None:
     assert math.degrees(math.atan2(y, x)) == pytest.approx(30.0)
 
 
-@given(M=counts, seed=seeds, along=st.sampled_from(ROUTES))
-@bounded
-def test_a_focus_is_one_sample_of_its_object_with_one_key(M: int, seed: int, along: Any) -> None:
-    samples = patch(M, seed)
-    p = samples.radiation_pressure
-    for now in path(STM(100.0, along), samples, 30):
-        assert len(now) == 1
-        assert now.objects.tolist() == [3]
-        assert now.keys.tolist() == [-4]
-        assert now.keys.dtype == np.int64
-        assert now.most.tolist() == [5.0]
-        if along != "samples":
-            assert now.radiation_pressure[0] == pytest.approx((p * p).sum() / p.sum())
-        assert p.min() - 1e-12 <= now.radiation_pressure[0] <= p.max() + 1e-12
-        assert np.linalg.norm(now.normals) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("along", ROUTES, ids=str)
-def test_samples_that_hardly_press_do_not_count(along: Any) -> None:
-    if along in ("samples", "outline"):
-        return  # there they are visited
-    samples = patch(9)
-    p = samples.radiation_pressure.copy()
-    p[0] = 0.0
-    with_it = positions(path(STM(100.0, along), samples.with_pressure(p), 30))
-    without = positions(path(STM(100.0, along), samples.only(np.arange(1, 9)), 30))
-    assert with_it == pytest.approx(without, abs=1e-12)
-
-
 @pytest.mark.parametrize("technique", MOVING, ids=str)
 def test_without_pressure_or_normals_all_is_finite(technique: Any) -> None:
     samples = patch(9)
@@ -363,11 +348,6 @@ def test_without_pressure_or_normals_all_is_finite(technique: Any) -> None:
             assert np.isfinite(now.positions).all()
             assert np.isfinite(now.normals).all()
             assert np.isfinite(now.radiation_pressure).all()
-
-
-@each_moving
-def test_no_samples_stay_none(technique: Any) -> None:
-    assert len(technique.present(nothing(), 0.3)) == 0
 
 
 def test_only_so_many_motions_are_kept() -> None:
@@ -399,8 +379,8 @@ def test_lm_moves_every_sample_to_and_fro_across_its_normal(
         assert now.radiation_pressure is samples.radiation_pressure
 
 
-@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0, 180.0])
 @pytest.mark.parametrize("normal", [(0, 0, 1), (0, 0, -1), (0, 0, 0)])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
 def test_lm_s_angle_is_from_the_frame_s_x_axis_about_the_normal(angle: float, normal: Any) -> None:
     samples = replace(patch(4), normals=np.tile(np.array(normal, dtype=float), (4, 1)))
     d = LM(50.0, 0.002, angle).present(samples, 0.005).positions - samples.positions
@@ -433,19 +413,14 @@ def test_lm_across_a_normal_along_x_uses_the_y_axis() -> None:
     ("make", "argument"),
     [
         (lambda: AM(-1.0), "frequency"),
-        (lambda: AM(math.nan), "frequency"),
         (lambda: AM(10.0, 1.1), "depth"),
-        (lambda: AM(10.0, None), "depth"),  # type: ignore[arg-type]
         (lambda: STM(0.0), "frequency"),
         (lambda: STM(math.inf), "frequency"),
-        (lambda: STM("a"), "frequency"),  # type: ignore[arg-type]
         (lambda: STM(10.0, "outlin"), "along"),  # type: ignore[arg-type]
-        (lambda: STM(10.0, None), "along"),  # type: ignore[arg-type]
         (lambda: STM(10.0, np.zeros((3, 3))), "along"),  # type: ignore[arg-type]
         (lambda: STM(10.0, dwell=0.0), "dwell"),
         (lambda: STM(10.0, dwell=0.2), "dwell"),
         (lambda: STM(10.0, dwell=1e-6), "dwell"),
-        (lambda: STM(10.0, dwell=math.nan), "dwell"),
         (lambda: LM(-1.0, 0.001), "frequency"),
         (lambda: LM(10.0, 0.0), "amplitude"),
         (lambda: LM(10.0, 20.0), "amplitude"),

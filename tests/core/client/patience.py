@@ -1,0 +1,31 @@
+"""What a client waits for at most, so long that only a hang takes longer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import zmq
+
+from pacinian.client import dialogue, link
+from pacinian.client.connected import Connected
+from pacinian.client.emergency import emergency_stop
+
+from ...waiting import PATIENCE
+
+if TYPE_CHECKING:
+    import pytest
+
+BEATS = dict(link.HEARTBEAT)
+"""Heartbeats as they are."""
+
+
+def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the clients of this process wait long for connections, heartbeats, answers and farewells."""
+    milliseconds = int(1e3 * PATIENCE)
+    for option in (zmq.HANDSHAKE_IVL, zmq.CONNECT_TIMEOUT):
+        monkeypatch.setitem(link.OPTIONS, option, milliseconds)
+    for option in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
+        monkeypatch.setitem(link.HEARTBEAT, option, milliseconds)
+    for function in (Connected.__init__, emergency_stop):
+        monkeypatch.setitem(function.__kwdefaults__, "timeout", PATIENCE)
+    monkeypatch.setattr(dialogue, "FAREWELL", PATIENCE)

@@ -1,0 +1,245 @@
+"""Change the code in small ways, one at a time, and count how many changes the tests notice.
+
+    python -m pip install -e ".[mutants]"
+    python tests/mutants.py --report build/mutants.json    # 200 changes, 50 an area, on two cores
+    python tests/mutants.py --again build/mutants.json --report build/after.json
+
+A change (a *mutant*) that no test notices is either harmless or a gap in the tests; the report lists them with their
+diffs. `--again` repeats the changes of an earlier report, so that two states of the tests can be compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from itertools import groupby
+from pathlib import Path
+from queue import SimpleQueue
+
+from cosmic_ray.ast import ast_nodes, get_ast
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.plugins import get_operator, operator_names
+
+ROOT = Path(__file__).parent.parent
+MAX_TEST_SECONDS = 600.0  # a change that makes the tests take longer has been noticed
+LEFT_OUT = re.compile(
+    "Bit|Shift|Mod|FloorDiv|_Pow$|Invert|RemoveDecorator"  # which fail at once, or are the same code
+    "|(?<!_Is)(?<!_IsNot)_Is(Not)?$|_Is(Not)?_(?!Is)"
+)
+TEST = re.compile(r"tests/\S+\.py::\w+")
+KERNEL = re.compile(r"^\s*@compiled\(", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Area:
+    """sources: what is changed. tests: those that should notice. Both are patterns below the project's root."""
+
+    sources: tuple[str, ...]
+    tests: tuple[str, ...]
+
+
+SERVING, WIRE = "core/pacinian/serving", "core/pacinian/wire"
+AREAS = {
+    "solver": Area(
+        ("plugins/pacinian_plugins/solvers/lagrange/**/*.py",),
+        ("tests/plugins", "tests/core/solving", "tests/core/test_session*.py"),
+    ),
+    "contact": Area(
+        ("core/pacinian/scene/sampling/*.py",),
+        ("tests/core/scene/sampling", "tests/core/rendering/test_renderer.py"),
+    ),
+    "guard": Area(
+        (f"{SERVING}/guard*.py", f"{SERVING}/devices.py"),
+        ("tests/core/serving/test_guard*.py", "tests/core/serving/test_devices.py"),
+    ),
+    "wire": Area(
+        (
+            *(f"{WIRE}/{name}.py" for name in ("bulk", "co*", "objects", "protocol", "replies")),
+            *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "within")),
+        ),
+        ("tests/core/wire", "tests/wire"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """The `occurrence`-th place in `path` that `operator` can change."""
+
+    area: str
+    path: str
+    operator: str
+    occurrence: int
+
+    def apply(self, source: str) -> str:
+        """The changed source."""
+        changed = mutate_code(source, get_operator(self.operator)(), self.occurrence)
+        assert changed is not None, f"{self} is not of this source"
+        return str(changed)
+
+
+def find_mutants(area: str, root: Path) -> list[list[Mutant]]:
+    """All changes of an area, those of one place together."""
+    operators = {
+        name: get_operator(name)
+        for name in operator_names()
+        if not LEFT_OUT.search(name) and not get_operator(name).arguments()
+    }
+    found = []
+    for path in sorted(p for pattern in AREAS[area].sources for p in root.glob(pattern)):
+        nodes, name = list(ast_nodes(get_ast(path.read_text("utf-8")))), str(path.relative_to(root))
+        for operator, kind in operators.items():
+            places = [place for node in nodes for place in kind().mutation_positions(node)]
+            found += [
+                ((name, place), Mutant(area, name, operator, i)) for i, place in enumerate(places)
+            ]
+    found.sort(key=lambda f: f[0])
+    return [[m for _, m in group] for _, group in groupby(found, key=lambda f: f[0])]
+
+
+def sample_mutants(area: str, count: int, seed: int, root: Path) -> list[Mutant]:
+    """`count` places of an area, and one change at each."""
+    choose = random.Random(f"{seed} {area}")
+    places = find_mutants(area, root)
+    return [choose.choice(place) for place in choose.sample(places, min(count, len(places)))]
+
+
+class Tree:
+    """A copy of the project, in which one change is made at a time."""
+
+    def __init__(self, root: Path, folder: Path) -> None:
+        self.root = folder
+        parts = shutil.ignore_patterns(".git", ".venv", ".*_cache", "node_modules", "build")
+        shutil.copytree(root, folder, ignore=parts)
+
+    def test(self, area: str, test: str = "") -> tuple[bool, str]:
+        """Whether a test passes, or those of an area, and the last lines of what they say."""
+        patterns = AREAS[area].tests
+        tests = (
+            [test]
+            if test
+            else [str(p) for pattern in patterns for p in sorted(self.root.glob(pattern))]
+        )
+        roots = os.pathsep.join(str(self.root / r) for r in ("core", "plugins"))
+        pytest = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider"]
+        try:
+            done = subprocess.run(
+                [*pytest, *tests], cwd=self.root, env={**os.environ, "PYTHONPATH": roots}, text=True,
+                capture_output=True, timeout=MAX_TEST_SECONDS, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return False, "timeout"
+        if test and done.returncode not in (0, 1):  # there is no such test any more
+            return True, ""
+        return done.returncode == 0, done.stdout[-300:] + done.stderr[-300:]
+
+    def try_mutant(self, mutant: Mutant, test: str) -> dict[str, object]:
+        """Make a change, test, and undo it: what is reported. test: that noticed it the last time, tried first."""
+        path = self.root / mutant.path
+        source, times = path.read_text("utf-8"), path.stat()
+        changed = mutant.apply(source)
+        lines = (text.splitlines(keepends=True) for text in (source, changed))
+        diff = "".join(difflib.unified_diff(*lines, mutant.path, mutant.path, n=0))
+        caches = self._forget_kernels(path) if KERNEL.search(source) else []
+        path.write_text(changed, "utf-8")
+        try:
+            passed, said = self.test(mutant.area, test) if test else (True, "")
+            if passed:
+                passed, said = self.test(mutant.area)
+        finally:
+            path.write_text(source, "utf-8")
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+            for folder, kept in caches:
+                shutil.rmtree(folder)
+                kept.rename(folder)
+        return {**asdict(mutant), "noticed": not passed, "diff": diff, "said": "" if passed else said}  # fmt: skip
+
+    def _forget_kernels(self, changed: Path) -> list[tuple[Path, Path]]:
+        """Forget what was compiled from a module and from those that import it; returns what to put back."""
+        paths = (p for root in ("core", "plugins") for p in (self.root / root).rglob("*.py"))
+        kernels = {p: text for p in paths if KERNEL.search(text := p.read_text("utf-8"))}
+        reached, new = set[Path](), {changed}
+        while new:
+            reached |= new
+            names = re.compile("|".join(rf"import.*\b{p.stem}\b|\b{p.stem} import" for p in new))
+            new = {p for p, text in kernels.items() if names.search(text)} - reached
+        caches = []
+        for folder in {p.parent / "__pycache__" for p in reached}:
+            if folder.exists():
+                kept = folder.with_name("__kept__")
+                shutil.copytree(folder, kept)
+                caches.append((folder, kept))
+                for path in reached:
+                    for file in folder.glob(f"{path.stem}.*.nb?"):
+                        file.unlink()
+        return caches
+
+
+def tell(*words: object) -> None:
+    print(*words, flush=True)  # noqa: T201
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
+    parser.add_argument(
+        "--root", type=Path, default=ROOT, help="of the project that is changed, in copies"
+    )
+    parser.add_argument("--sample", type=int, default=50, help="changes an area")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--again", type=Path, help="an earlier report: the same changes")
+    parser.add_argument("--area", action="append", choices=AREAS)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--report", type=Path, required=True)
+    given = parser.parse_args()
+    areas = given.area or list(AREAS)
+    known = {}  # of each change, the test that noticed it the last time
+    for row in json.loads(given.again.read_text("utf-8")) if given.again else []:
+        if row["area"] in areas:
+            test = TEST.search(row["said"])
+            known[Mutant(**{k: row[k] for k in Mutant.__dataclass_fields__})] = (
+                test[0] if test else ""
+            )
+    for area in [] if given.again else areas:
+        known |= dict.fromkeys(sample_mutants(area, given.sample, given.seed, given.root), "")
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(given.jobs) as pool:
+        trees: SimpleQueue[Tree] = SimpleQueue()
+        first = Tree(given.root, Path(folder) / "0")
+        for area in areas:  # also compiles all kernels
+            passed, said = first.test(area)
+            if not passed:
+                sys.exit(f"the tests of {area} fail without any change:\n{said}")
+        trees.put(first)
+        for i in range(1, given.jobs):
+            trees.put(Tree(first.root, Path(folder) / str(i)))
+
+        def run(mutant: Mutant) -> dict[str, object]:
+            tree = trees.get()
+            try:
+                row = tree.try_mutant(mutant, known[mutant])
+            finally:
+                trees.put(tree)
+            tell("noticed" if row["noticed"] else "MISSED ", mutant)
+            return row
+
+        rows = list(pool.map(run, known))
+    given.report.parent.mkdir(parents=True, exist_ok=True)
+    given.report.write_text(json.dumps(rows, indent=1), "utf-8")
+    counts = Counter(r["area"] for r in rows)
+    noticed = Counter(r["area"] for r in rows if r["noticed"])
+    for area in areas:
+        tell(f"{area}: {noticed[area]} of {counts[area]} noticed")
+
+
+if __name__ == "__main__":
+    main()
