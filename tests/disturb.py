@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -63,16 +64,27 @@ def stop_at_random(
                     process.resume()
 
 
+def parse_amount(text: str) -> float:
+    """Of more than nothing."""
+    if not 0.0 < (amount := float(text)) < float("inf"):
+        raise argparse.ArgumentTypeError(f"more than 0, not {text}")
+    return amount
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--busy", type=int, default=0, help="processes that keep the cores busy")
     parser.add_argument(
-        "--stop", type=float, default=0.0, help="how long the command is stopped [s]"
+        "--stop", type=parse_amount, default=0.0, help="how long the command is stopped [s]"
     )
-    parser.add_argument("--every", type=float, default=10.0, help="mean time between two stops [s]")
+    parser.add_argument(
+        "--every", type=parse_amount, default=10.0, help="mean time between two stops [s]"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of the moments of the stops")
     parser.add_argument("command", nargs="+")
     given = parser.parse_args()
+    if shutil.which(given.command[0]) is None:
+        parser.error(f"there is no program {given.command[0]!r}")
     ended = threading.Event()
     with keep_busy(given.busy), subprocess.Popen(given.command) as process:
         stops = (process.pid, given.stop, given.every, given.seed, ended)

@@ -26,6 +26,7 @@ from dataclasses import asdict, dataclass
 from itertools import groupby
 from pathlib import Path
 from queue import SimpleQueue
+from typing import Any
 
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
@@ -190,21 +191,47 @@ def tell(*words: object) -> None:
     print(*words, flush=True)  # noqa: T201
 
 
+def parse_count(text: str) -> int:
+    """Of one or more."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"a whole number from 1, not {text!r}")
+    return int(text)
+
+
+def parse_project(text: str) -> Path:
+    """A folder that holds the project."""
+    if not (root := Path(text) / "core" / "pacinian").is_dir():
+        raise argparse.ArgumentTypeError(f"there is no {root}")
+    return Path(text)
+
+
+def parse_report(text: str) -> list[dict[str, Any]]:
+    """The changes of an earlier report, and what was said of them."""
+    try:
+        rows: list[dict[str, Any]] = json.loads(Path(text).read_text("utf-8"))
+        assert all(row.keys() >= {"said", *Mutant.__dataclass_fields__} for row in rows)
+    except (OSError, ValueError, AttributeError, AssertionError, TypeError) as error:
+        raise argparse.ArgumentTypeError(f"{text} is no report of this program: {error}") from None
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
     parser.add_argument(
-        "--root", type=Path, default=ROOT, help="of the project that is changed, in copies"
+        "--root", type=parse_project, default=ROOT, help="of the project that is changed, in copies"
     )
-    parser.add_argument("--sample", type=int, default=50, help="changes an area")
+    parser.add_argument("--sample", type=parse_count, default=50, help="changes an area")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--again", type=Path, help="an earlier report: the same changes")
+    parser.add_argument("--again", type=parse_report, help="an earlier report: the same changes")
     parser.add_argument("--area", action="append", choices=AREAS)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--jobs", type=parse_count, default=os.cpu_count() or 1)
     parser.add_argument("--report", type=Path, required=True)
     given = parser.parse_args()
+    given.report.parent.mkdir(parents=True, exist_ok=True)
+    given.report.touch()
     areas = given.area or list(AREAS)
     known = {}  # of each change, the test that noticed it the last time
-    for row in json.loads(given.again.read_text("utf-8")) if given.again else []:
+    for row in given.again or []:
         if row["area"] in areas:
             test = TEST.search(row["said"])
             known[Mutant(**{k: row[k] for k in Mutant.__dataclass_fields__})] = (
@@ -232,9 +259,10 @@ def main() -> None:
             tell("noticed" if row["noticed"] else "MISSED ", mutant)
             return row
 
-        rows = list(pool.map(run, known))
-    given.report.parent.mkdir(parents=True, exist_ok=True)
-    given.report.write_text(json.dumps(rows, indent=1), "utf-8")
+        rows = []
+        for row in pool.map(run, known):
+            rows.append(row)
+            given.report.write_text(json.dumps(rows, indent=1), "utf-8")
     counts = Counter(r["area"] for r in rows)
     noticed = Counter(r["area"] for r in rows if r["noticed"])
     for area in areas:
