@@ -64,14 +64,12 @@ class Game:
         mark = self.log.count
         self.play(lambda: bool(self.log.read(mark)["sounds"].any()))
 
-    def fall_silent(self, mark: int) -> None:
-        """Play until sound has ended since an event of that number, and nothing is heard for a while."""
+    def fall_silent(self) -> None:
+        """Play until nothing has been heard for a while."""
 
         def silent() -> bool:
-            events = self.log.read(mark)
-            if not len(events) or events["sounds"][-1]:
-                return False
-            return bool(time.perf_counter() - events["time"][-1] > QUIET)
+            (last,) = self.log.read(self.log.count - 1)[-1:]
+            return bool(not last["sounds"] and time.perf_counter() - last["time"] > QUIET)
 
         self.play(silent)
 

@@ -33,10 +33,9 @@ def test_a_process_that_is_killed_is_replaced_and_the_game_is_told(game: Game, p
 
 def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> None:
     with Game(server, LEASE) as game:
-        mark = game.log.count
         server.signal("control", signal.SIGSTOP)
         try:
-            game.fall_silent(mark)
+            game.fall_silent()
         finally:
             server.signal("control", signal.SIGCONT)
         game.sound()
@@ -44,11 +43,10 @@ def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> 
 
 def test_a_device_that_is_unplugged_is_a_fault_until_it_is_back_and_reset(game: Game) -> None:
     file = game.server.folder / UNPLUGGED
-    mark = game.log.count
     file.touch()
     try:
         game.play(lambda: game.client.status().output == "faulted")
-        game.fall_silent(mark)
+        game.fall_silent()
     finally:
         file.unlink()
     mark = game.log.count

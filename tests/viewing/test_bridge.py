@@ -6,6 +6,7 @@ import itertools
 import socket
 import threading
 import time
+from contextlib import contextmanager
 from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -37,8 +38,8 @@ def make_shown(message: Any, **fields: Any) -> replies.Shown:
     return replies.Shown(id=message.id, **{**EMPTY, **fields})
 
 
-@pytest.fixture
-def fake() -> Iterator[Fake]:
+@contextmanager
+def publishing() -> Iterator[Fake]:
     """A server that publishes, has an empty scene, and says truly whether it is armed."""
 
     def renewed(message: Any) -> replies.Renewed:
@@ -50,6 +51,12 @@ def fake() -> Iterator[Fake]:
         server.answers[control.Renew] = renewed
         server.stream = state
         server.answers[commands.Show] = make_shown
+        yield server
+
+
+@pytest.fixture
+def fake() -> Iterator[Fake]:
+    with publishing() as server:
         yield server
 
 
@@ -110,9 +117,7 @@ def test_a_server_that_goes_is_lost_and_another_one_is_found(tmp_path: Path) -> 
         refused = page.next("refused")
         assert (refused["action"], refused["advice"]) == ("stop", "switch the array off")
         for _ in range(2):
-            with Fake() as server:
-                server.stream = state
-                server.answers[commands.Show] = make_shown
+            with publishing() as server:
                 server.connection.write(connection)
                 page.next("array")
                 page.next("state")
