@@ -10,6 +10,7 @@ import pytest
 
 from pacinian.wire import replies
 
+from ..waiting import eventually
 from . import test_csharp_client, test_csharp_connecting, test_csharp_server, tools
 from .game import Game, begin
 
@@ -64,12 +65,13 @@ def test_its_threads_do_not_race(server: Fake, game: Game) -> None:
         game.do(line)
     for _ in range(2):
         game.do("arm")
+        before = len(game.told)
         for i in range(200):
             game.do(f"put ball{i % 10} 0 0 0.2 5")
             game.do(f"move ball{i % 10} 0 0 0.3")
         for line in ("field at 0 0 0.2", "solver gs", "stop", "reset", "disarm", "clear"):
             game.do(line)
-        game.wait(lambda told: "field" in told)
+        eventually(lambda n=before: any("field" in told for told in game.told[n:]))
         server.say(replies.Error(code="session", message="again"))
         game.event("lost")
         game.event("connected")

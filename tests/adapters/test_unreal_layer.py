@@ -250,6 +250,7 @@ def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Serve
 
 def test_a_server_that_ends_and_comes_again(play: Callable[..., Game], server: Server) -> None:
     game, other = play(), play("unarmed", "again")
+    connected(other)
     touch(game)
     sounds(game)
     kill(server)

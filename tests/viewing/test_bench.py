@@ -8,19 +8,23 @@ from functools import partial
 import pytest
 from click.testing import CliRunner
 
-from pacinian.bench import view
+from pacinian.bench import pages, view
 from pacinian.bench.view import measure
 from pacinian.cli.main import cli
 from pacinian.serving.settings import Settings
 
 from .conftest import SETTINGS
 
+LIMIT = 600.0  # [s] for a page to be drawn: only ends what hangs
 WINDOW = 5.0  # [s], in which even a browser that draws by a busy processor draws something
 
 
+@pytest.mark.timeout(3.0 * LIMIT)
 @pytest.mark.deep("npm", "chromium")
 def test_all_kinds_of_windows_are_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(view, "SETTLE", 0.5)
+    for module in (view, pages):
+        monkeypatch.setattr(module, "LIMIT", LIMIT)
     monkeypatch.setattr(view, "Settings", partial(Settings, safety=SETTINGS.safety))
     monkeypatch.setattr(view, "HOW", ("closed", "slice"))  # a feed is a slice's without it
     rows = {row.how: row for row in measure(1, WINDOW, 1, shutil.which("chromium") or "")}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import usb.core
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd import UsbAutd
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 LONG = 120.0  # [s]: only ends what hangs
 TIMEOUT = 1.0  # [s] of a transfer: the most there is, as the guest may stand still
 ROW = 1 / 2000  # [s]
+usb.core._DEFAULT_TIMEOUT = round(1e3 * LONG)
 AGAIN = "reset the server, or open the backend again"
 GONE = (
     "usb-autd PUA-1: it is gone: unplugged, reset or without power. It is silent until it is armed: plug it in, "
