@@ -23,7 +23,7 @@ ROOT = HERE.parents[1]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 KERNEL = CACHE / "pacinian" / "kernel"  # as `kernel` leaves it
 APPLETS = "sh", "mount", "insmod", "mkdir", "switch_root"
-LONGEST = 1800.0  # [s] from the start to the last result: only ends what hangs
+MAX_SECONDS = 1800.0  # [s] from the start to the last result: only ends what hangs
 # AVX2, as that processor does not have it, is emulated wrongly by QEMU 7.2: NumPy sorts falsely with it
 PROCESSOR = "Nehalem"
 START = """
@@ -74,9 +74,9 @@ class Machine:
             self._read()
             if case in self._results:
                 break
-            late = time.monotonic() - self._begun > LONGEST
+            late = time.monotonic() - self._begun > MAX_SECONDS
             if ended or late:
-                why = "the guest has ended" if ended else f"not within {LONGEST:g} s"
+                why = "the guest has ended" if ended else f"not within {MAX_SECONDS:g} s"
                 pytest.fail(f"no result of {case}: {why}\n{self._said()}", pytrace=False)
             time.sleep(0.02)
         return self._results[case]

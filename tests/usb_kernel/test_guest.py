@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from .guest.run import names
-from .machine import LONGEST, Machine, need_kernel
+from .machine import MAX_SECONDS, Machine, need_kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,7 +23,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
         yield made
 
 
-@pytest.mark.timeout(1.5 * LONGEST)
+@pytest.mark.timeout(1.5 * MAX_SECONDS)
 @pytest.mark.parametrize("case", names())
 def test_in_the_guest(machine: Machine, case: str) -> None:
     result = machine.result(case)

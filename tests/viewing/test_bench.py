@@ -15,7 +15,7 @@ from pacinian.serving.settings import Settings
 
 from .conftest import SETTINGS
 
-LIMIT = 600.0  # [s] for a page to be drawn: only ends what hangs
+LIMIT = 600.0  # [s] for a page with a slice, which is computed at nice 19: minutes beside busy processes
 WINDOW = 5.0  # [s], in which even a browser that draws by a busy processor draws something
 
 
