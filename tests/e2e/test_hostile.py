@@ -12,7 +12,7 @@ from ..waiting import PATIENCE
 if TYPE_CHECKING:
     import pytest
 
-MESSAGES, SECONDS = 5_000, 20.0
+MESSAGES, SECONDS = 5_000, 600.0
 BUSY = 10  # times what is aimed at: the tests' machine does other things, too
 
 
@@ -20,7 +20,7 @@ def test_a_flood_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     terminate = Server.terminate
     monkeypatch.setattr(Server, "terminate", lambda self, wait=PATIENCE: terminate(self, wait))
     found = run.run(MESSAGES, SECONDS, seed=7)
-    assert found.messages > MESSAGES / 10
+    assert found.messages >= MESSAGES
     assert found.same
     assert found.ended == 0
     assert found.flooded.answers

@@ -19,7 +19,7 @@ from msgspec.structs import asdict
 
 from pacinian.bench.faults.peer import Peer, Silent
 from pacinian.bench.hostile.examples import COMMANDS, CONTROLS
-from pacinian.bench.hostile.packets import packet, throw, within
+from pacinian.bench.hostile.packets import ANSWERS, packet, throw, within
 from pacinian.bench.hostile.spoil import Spoiler
 from pacinian.wire.connection import Connection
 from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL
@@ -100,7 +100,7 @@ class Flood:
             known = self.random.random() < KNOWN
             name, data = within(self.random) if known else packet(self.random)
             address = file[self.random.choice(("control", "command", "state"))]
-            self.failed += not throw(address, data, token if known else None)
+            self.failed += not throw(address, data, token if known else None, ANSWERS.get(name, 0))
             self.sent[name] += 1
             yield
 

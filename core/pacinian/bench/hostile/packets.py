@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 USER = b"pacinian"
 WAIT = 0.5  # [s] for a step of the handshake
+ANSWERS = {
+    "wrong password": 64 + 1
+}  # [bytes] to read before closing: a greeting, and the refusal's beginning
 SIGNATURE = b"\xff\0\0\0\0\0\0\0\x01\x7f"
 HTTP = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
@@ -113,8 +116,8 @@ def _flip(random: Random, data: bytes) -> bytes:
     return bytes(made)
 
 
-def throw(address: str, data: bytes, token: bytes | None = None) -> bool:
-    """Connect, with the password if given, send, close. Whether all could be sent."""
+def throw(address: str, data: bytes, token: bytes | None = None, answer: int = 0) -> bool:
+    """Connect, with the password if given, send, read that many bytes, close. Whether all of it could be done."""
     host, port = address.removeprefix("tcp://").rsplit(":", 1)
     with socket.socket() as raw, contextlib.suppress(OSError):
         raw.settimeout(WAIT)
@@ -127,6 +130,7 @@ def throw(address: str, data: bytes, token: bytes | None = None) -> bool:
             raw.sendall(INITIATE)
             _read(raw, 2)
         raw.sendall(data)
+        _read(raw, answer)
         if token is not None:
             raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 0, 0))
         return True
