@@ -104,10 +104,12 @@ from .scene.time.technique import STM as STM
 from .scene.time.technique import Simultaneous as Simultaneous
 from .session import Session as Session
 from .session import solve as solve
+from .solving.felt import Felt as Felt
 from .solving.problem import Budget as Budget
 from .solving.problem import Limits as Limits
 from .solving.problem import Targets as Targets
 from .solving.propagator import Propagator as Propagator
+from .solving.regions import joint_phases as joint_phases
 from .solving.solution import Solution as Solution
 from .solving.solution import Status as Status
 from .types import Complexes as Complexes

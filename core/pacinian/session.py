@@ -19,10 +19,12 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence, kernels
 from pacinian.solving.blas import one_thread
-from pacinian.solving.evidence import judge, missed, violations
+from pacinian.solving.evidence import judge, missed, reached, violations
+from pacinian.solving.felt import Places
 from pacinian.solving.keep import ROUNDING, keep
-from pacinian.solving.problem import Budget, Limits, Targets
+from pacinian.solving.problem import Budget, Limits, Targets, numbered
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.regions import settle
 from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
@@ -86,6 +88,7 @@ class Session:
         amplitudes: ArrayLike,
         phases: ArrayLike | None = None,
         *,
+        regions: ArrayLike | None = None,
         facing: Facing | None = None,
         limits: Limits | None = None,
         scale: str = "exact",
@@ -96,6 +99,9 @@ class Session:
 
         points: [m], shape (M, 3). amplitudes: peak sound pressure [Pa], real, not negative, shape (M,).
         phases: None where free, else [rad], broadcast to (M,), NaN where free.
+        regions: whole numbers, (M,), the same for the points of one surface; -1 for an isolated point. The
+        free phases of a region are those of one wave (`joint_phases`), so that the field is as asked
+        between its points too, where they are at most half a wavelength apart.
         facing: of the skin at the points: then pressures, asked and achieved, are those that press along
         its normals, by the sound that gets there; where none does, the status is `unreachable`.
         limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
@@ -113,7 +119,7 @@ class Session:
         kind("limits", limits, Limits)
         if facing is not None:
             kind("facing", facing, Facing)
-        q, targets = self._problem(points, amplitudes, phases, scale)
+        q, targets = self._problem(points, amplitudes, phases, scale, regions)
         out = self._checked(out)
         warm, self.last = self.last, None
         self._place(q, facing, limits)
@@ -129,7 +135,8 @@ class Session:
 
     def _there(self, warm: Solution) -> Solution:
         """The last solution as it is heard at the points of now: those that stay keep their phases."""
-        return dataclasses.replace(warm, sound_pressure=self.propagator.apply(warm.gains))
+        p = self.propagator.apply(warm.gains)
+        return dataclasses.replace(warm, sound_pressure=p, multipliers=None, asked_phases=None)
 
     def forget(self) -> None:
         """Forget all that was solved and cached: the next solve is a cold one."""
@@ -163,7 +170,7 @@ class Session:
         if last.targets.scale == "max":
             objective = math.nan
         broken = violations(self.propagator, limits, last.targets, p, g)
-        return dataclasses.replace(
+        certified = dataclasses.replace(
             last,
             gains=g,
             sound_pressure=p,
@@ -180,10 +187,28 @@ class Session:
             objective=objective,
             violations=broken,
         )
+        return self.felt(certified)
+
+    def felt(self, solution: Solution) -> Solution:
+        """The last solution with what is felt of its regions, and a status that holds between samples too."""
+        targets = solution.targets
+        if targets.regions is None or not targets.norm:
+            return solution
+        propagator = Propagator(self.array, self.medium, self.propagator.precision)
+        places = Places.of(self.propagator.points, targets, self.propagator.facing)
+        propagator.place(places.points, places.facing)
+        p = propagator.apply(solution.gains)
+        multiple = 1.0 if targets.scale == "exact" else reached(targets, solution.sound_pressure)
+        felt, status = places.felt(p, multiple), solution.status
+        if status is Status.ok and not all(part.even for part in felt):
+            held = solution.saturation > 0.0
+            status = Status.limited if held else Status.approximate
+        return dataclasses.replace(solution, felt=felt, status=status)
 
     def _problem(
-        self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str
-    ) -> tuple[Floats, Targets]:
+        self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str,
+        regions: ArrayLike | None,
+    ) -> tuple[Floats, Targets]:  # fmt: skip
         """The points, (M, 3), and what is asked there, checked: in one pass where they are arrays."""
         plain = phases is None and type(scale) is str and scale == "exact"
         if plain and isinstance(points, np.ndarray) and isinstance(amplitudes, np.ndarray):
@@ -196,10 +221,10 @@ class Session:
                 and t.flags.c_contiguous
                 and kernels.furthest(q, self.propagator.origin, t) <= FAR * FAR
             ):
-                return q, Targets.simple(t)
+                return q, Targets.simple(t, numbered(len(t), regions))
         q = numbers("points", points, (None, 3))
         near("points", q, self.propagator.origin)
-        return q, Targets.checked(len(q), amplitudes, phases, scale)
+        return q, Targets.checked(len(q), amplitudes, phases, scale, regions)
 
     def _place(self, q: Floats, facing: Facing | None, limits: Limits) -> None:
         """Put the points, and the quiet points, where they are now; those are in the free field."""
@@ -227,8 +252,9 @@ class Session:
             return math.nan
         c = targets.multiple(base.targets)
         if c == 1.0:
-            return c if base.status not in (Status.deadline, Status.failed) else math.nan
+            return c if not base.late and base.status is not Status.failed else math.nan
         met = base.status in (Status.ok, Status.approximate) and targets.scale == "exact"
+        met = met and not (base.late and base.targets.regions is not None)
         if (
             not (met and self._solver.linear)
             or limits.asked
@@ -253,6 +279,7 @@ class Session:
             out, targets, c * base.sound_pressure, base.status, base.solver, 0,
             c * c * base.bound, c * c * base.objective, None if y is None else c * y, base.mu,
             base.violations, self._clock() - start, base.note, base.gain_limit,
+            asked_phases=base.asked_phases,
         )  # fmt: skip
 
     def _solved(
@@ -265,11 +292,13 @@ class Session:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # apart from `out`, which may hold the gains of `warm`
         g[:] = 0.0
-        version, result = propagator.version, SILENCE
+        version, result, asked = propagator.version, SILENCE, targets
         propagator.work.solved += 1
         if targets.norm:
+            if targets.regions is not None:
+                asked = settle(propagator, targets, warm)
             with one_thread(len(targets.amplitudes) * len(g)):
-                result = solver.solve(propagator, targets, limits, warm, budget, cast("Gains", g))
+                result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
@@ -291,7 +320,8 @@ class Session:
         return Solution(
             out, targets, p, status, result.solver or solver.name, result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
-            self._clock() - start, result.note, _top(limits),
+            self._clock() - start, result.note, _top(limits), late=result.late,
+            asked_phases=None if asked is targets else asked.phases,
         )  # fmt: skip
 
     def _checked(self, out: Complexes | None) -> Complexes:
@@ -316,6 +346,7 @@ def solve(
     phases: ArrayLike | None = None,
     *,
     solver: str | Solver = "auto",
+    regions: ArrayLike | None = None,
     facing: Facing | None = None,
     limits: Limits | None = None,
     scale: str = "exact",
@@ -337,8 +368,9 @@ def solve(
     session.solver = solver
     solution = session.solve(
         points, amplitudes, phases,
-        facing=facing, limits=limits, scale=scale, deadline=deadline, out=out,
+        regions=regions, facing=facing, limits=limits, scale=scale, deadline=deadline, out=out,
     )  # fmt: skip
+    solution = session.felt(solution)
     session.forget()
     give(key, session, len(solution.sound_pressure) * len(array))
     return solution

@@ -13,6 +13,7 @@ from pacinian.cli.bench_bus import bus
 from pacinian.cli.bench_devices import devices
 from pacinian.cli.bench_expiry import expiry
 from pacinian.cli.bench_faults import faults, hostile
+from pacinian.cli.bench_regions import regions
 from pacinian.cli.bench_scenes import scenes
 from pacinian.cli.bench_view import view
 
@@ -235,5 +236,5 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-for command in (scenes, bus, view, devices, expiry, faults, hostile):
+for command in (scenes, regions, bus, view, devices, expiry, faults, hostile):
     bench.add_command(command)

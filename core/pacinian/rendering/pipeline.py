@@ -13,7 +13,7 @@ from pacinian.rendering.governor import Governor
 from pacinian.rendering.player import Player
 from pacinian.rendering.turns import Turns
 from pacinian.rendering.warming import load, try_out
-from pacinian.scene.sampling.samples import nothing
+from pacinian.scene.sampling.samples import ISOLATED, nothing
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
 
@@ -38,8 +38,8 @@ class Pipeline:
     """Makes the frames of one loop.
 
     session: solves. sampler: samples. smoothing: from row to row. capability: of the device. period: of a
-    tick [s]. governed: whether there are fewer samples where ticks would be late. stages: tells how long
-    each took, and has the report to count in. Raises ArgumentError.
+    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. stages: tells
+    how long each took, and has the report to count in. Raises ArgumentError.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class Pipeline:
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("solve")
         before = skipped[kept]
-        self.player.solve(samples, t, limits, SHARE * self.period)
+        self.player.solve(samples, t, limits, SHARE * self.period, self.turns.solves)
         if not self.turns.solves:  # whether anything has moved was not looked at
             skipped[kept] = before
         self._look()
@@ -146,6 +146,8 @@ class Pipeline:
         fresh = self.player.fresh
         if self.governor is None or self.turns.tick(seconds, bool(fresh)) or not fresh:
             return
+        if any((one.samples.regions != ISOLATED).any() for one in fresh):
+            return  # a region of fewer samples would have holes
         samples = max(len(one.samples) for one in fresh)
         self.sampler.allowed = self.governor.tick(seconds, samples)
 

@@ -89,6 +89,7 @@ class Player:
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
         self._followed: list[Solved] = []
         self._limited = False  # anew: what kept other limits may not fade
+        self._further = True  # with what there was no time for
         self.retime(times, gap)
 
     def retime(self, times: Floats, gap: float) -> None:
@@ -107,8 +108,14 @@ class Player:
         self.solved, self._followed, self.placed = [], [], None
         self.smoother.reset()
 
-    def solve(self, samples: Samples, t: float, limits: Limits, deadline: float) -> None:
-        """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now."""
+    def solve(
+        self, samples: Samples, t: float, limits: Limits, deadline: float, further: bool = True
+    ) -> None:
+        """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now.
+
+        further: whether to go on with what there was no time for.
+        """
+        self._further = further
         key = samples, limits, self.session.solver
         if self._key != key:
             self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
@@ -122,13 +129,17 @@ class Player:
         for now in (t + self.times).tolist():
             step = tuple(item.technique.step(now) for item, _ in parts)
             kept = self._steps.get(step)
-            if kept is None or not kept.final:
+            if kept is None or not self._done(kept):
                 row = joined([base, *(_presented(item, part, now) for item, part in parts)])
                 kept = self._found(step, row, t, limits, deadline / len(self.times))
             else:
                 self.skipped["solve, step of a modulation known"] += 1
             solved.append(kept)
         self.solved = solved
+
+    def _done(self, kept: Solved) -> bool:
+        """Whether what is kept will do for now."""
+        return kept.final or not self._further
 
     def rows(self, t: float) -> Gains:
         """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused."""
@@ -192,7 +203,7 @@ class Player:
             strength = voices.strength(t + self.times).mean(axis=1)
             P, step = P * strength[voices.index], (*step, strength.tobytes())
         kept = self._steps.get(step)
-        if kept is not None and kept.final:
+        if kept is not None and self._done(kept):
             self.skipped["solve, nothing moved"] += 1
             return kept
         q = samples.positions
@@ -213,12 +224,14 @@ class Player:
             limits=limits,
             deadline=deadline,
             facing=facing,
+            regions=samples.regions,
         )
         voices.index = index
         parts = None
         if len(voices) > 1 and not joint and len(q):
             parts = contributions(solution, self.session.propagator, index, len(voices))
-        final = solution.status is not Status.deadline
+        late = solution.late and solution.targets.regions is not None
+        final = not late and solution.status is not Status.deadline
         steady, sounding = voices.steady and final, None if joint else voices
         made = Solved(solution.gains, sounding, parts, solution, samples, steady, final)
         if kept is not None and solution.error > BETTER * kept.solution.error:

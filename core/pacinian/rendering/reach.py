@@ -57,8 +57,7 @@ class Reach:
     def share(self, q: Floats, facing: Facing, skipped: Counter[str]) -> Floats:
         """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
         self._propagator.place(q, facing)
-        power: Floats = self._propagator.gram.diagonal().real.astype(np.float64)
-        seen = power / self._free(q)
+        seen = self._propagator.powers / self._free(q)
         if seen.min() >= WELL:
             return np.ones(len(q))
         share = grazing(seen)

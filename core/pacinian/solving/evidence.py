@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
+EVEN = 0.03  # the same where there are regions: at their samples, 6 % of the pressure that is felt
 ROUNDED = 1e-5  # of a limit: what rounding to levels or to single precision adds
 QUIETEST = 1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
 
@@ -64,8 +65,12 @@ def missed(targets: Targets, p: Complexes) -> float:
     """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; with `scale="max"`, of p at the strength asked."""
     if targets.scale == "exact" or not targets.norm:
         return targets.miss(p)
-    reached = float(np.linalg.norm(p)) / targets.norm
-    return targets.miss(p / (reached or 1.0))
+    return targets.miss(p / (reached(targets, p) or 1.0))
+
+
+def reached(targets: Targets, p: Complexes) -> float:
+    """The multiple of the targets that pressures p, (M,) [Pa], are as strong as."""
+    return float(np.linalg.norm(p)) / targets.norm
 
 
 def judge(
@@ -87,7 +92,7 @@ def judge(
         if late:
             return Status.deadline
         scaled = False
-    if miss <= TOLERANCE:
+    if miss <= (TOLERANCE if targets.regions is None else EVEN):
         return Status.ok
     asked = targets.amplitudes > 0.0
     if not propagator.B[asked].any(axis=1).all():

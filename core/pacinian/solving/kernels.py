@@ -70,15 +70,6 @@ GIVEN = numba.types.Array(numba.float64, 1, "C", readonly=True)
 GIVEN_POINTS = numba.types.Array(numba.float64, 2, "C", readonly=True)
 
 
-@compiled(numba.float64(SEALED))
-def trace(G: Complexes) -> float:
-    """The trace of a Hermitian matrix, (M, M)."""
-    total = 0.0
-    for m in range(G.shape[0]):
-        total += G[m, m].real
-    return total
-
-
 @compiled(numba.void(SEALED, numba.boolean[::1], numba.int64, numba.complex128[::1]))
 def gerchberg_saxton(G: Complexes, free: Flags, steps: int, p: Complexes) -> None:
     """Repeat p <- |p| exp(j arg(G p)) in place where `free`, (M,); a point that nothing reaches stays."""
@@ -169,6 +160,20 @@ def power(g: Complexes) -> float:
         re, im = np.float64(g[n].real), np.float64(g[n].imag)
         total += re * re + im * im
     return total
+
+
+@compiled("void(c8[:, ::1], f8[::1])", "void(c16[:, ::1], f8[::1])")
+def powers(B: Complexes, out: Floats) -> None:
+    """Write sum_n |B_mn|^2 of each row, (M,); summed in single precision for 64 columns at most."""
+    M, N = B.shape
+    for m in range(M):
+        row, total = B[m], 0.0
+        for first in range(0, N, 64):
+            part = row[0].real * 0
+            for n in range(first, min(first + 64, N)):
+                part += row[n].real * row[n].real + row[n].imag * row[n].imag
+            total += part
+        out[m] = total
 
 
 @compiled("void(c8[::1], f8, f8)", "void(c16[::1], f8, f8)")

@@ -16,7 +16,7 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Reals
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs, Reals
 
 Scale = Literal["exact", "max"]
 
@@ -29,6 +29,7 @@ def _anything(count: int) -> Floats:
     return phi
 
 
+ISOLATED = -1  # the number of a point that belongs to no region
 QUIETEST, LOUDEST = 1e-30, 1e30  # [Pa]: what single precision can work with
 
 
@@ -39,15 +40,23 @@ class Targets:
     amplitudes: peak sound pressure [Pa], shape (M,), not negative; below 1e-30 Pa counts as 0.
     phases: [rad], shape (M,), NaN where free.
     scale: "exact" (these pressures) or "max" (as strong as the limits allow in these proportions).
+    regions: the region of each point, shape (M,), -1 for an isolated one; None where all are. When a solver
+    is asked, the phases of a region's points are given: those of one wave (`pacinian.joint_phases`).
     """
 
     amplitudes: Floats
     phases: Floats
     scale: Scale = "exact"
+    regions: Longs | None = None
 
     @classmethod
     def checked(
-        cls, count: int, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str
+        cls,
+        count: int,
+        amplitudes: ArrayLike,
+        phases: ArrayLike | None,
+        scale: str,
+        regions: ArrayLike | None = None,
     ) -> Targets:
         """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
         t = numbers("amplitudes", amplitudes, (count,)).copy()
@@ -76,7 +85,8 @@ class Targets:
             if np.isinf(phi).any():
                 raise ArgumentError("phases", "must be finite, or NaN where free")
         t.flags.writeable = phi.flags.writeable = False
-        return cls(t, phi, "exact" if str(scale) == "exact" else "max")
+        number = numbered(count, regions)
+        return cls(t, phi, "exact" if str(scale) == "exact" else "max", number)
 
     @functools.cached_property
     def norm(self) -> float:
@@ -94,11 +104,11 @@ class Targets:
         return bool(self.free.all())
 
     @classmethod
-    def simple(cls, amplitudes: Floats) -> Targets:
-        """Targets of free phase that have been checked; the caller keeps the array."""
+    def simple(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
+        """Targets of free phase that have been checked; the caller keeps the arrays."""
         t, phi = amplitudes.copy(), _anything(len(amplitudes))
         t.flags.writeable = False
-        return cls(t, phi)
+        return cls(t, phi, regions=regions)
 
     def multiple(self, other: Targets) -> float:
         """The c for which these targets are c times `other`, in the same phases; NaN if there is none."""
@@ -110,6 +120,8 @@ class Targets:
         if not (self.all_free and other.all_free) and not np.array_equal(
             self.phases, other.phases, equal_nan=True
         ):
+            return math.nan
+        if not _alike(self.regions, other.regions):
             return math.nan
         k = int(before.argmax())
         c = float(t[k] / before[k]) if before[k] else math.nan
@@ -127,6 +139,31 @@ class Targets:
         return float(
             kernels.miss(p.astype(np.complex128, copy=False), self.amplitudes, self.phases)
         )
+
+
+def numbered(count: int, regions: ArrayLike | None) -> Longs | None:
+    """The region of each of `count` points, (count,); None where all are isolated. Raises ArgumentError."""
+    if regions is None:
+        return None
+    try:
+        given = np.asarray(regions)
+    except ValueError:
+        given = np.empty(0)
+    if given.shape != (count,) or (count and given.dtype.kind not in "iu"):
+        raise ArgumentError(
+            "regions", f"must be {count} whole numbers, one for each point; -1 for an isolated one"
+        )
+    if not count or not (given >= 0).any():
+        return None
+    number = np.unique(np.where(given < 0, ISOLATED, given), return_inverse=True)[1]
+    number = number.astype(np.int64) - int((given < 0).any())
+    number.flags.writeable = False
+    return number
+
+
+def _alike(a: Longs | None, b: Longs | None) -> bool:
+    """Whether points belong to the same regions."""
+    return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -71,7 +71,7 @@ class Propagator:
         self._rows = np.arange(count)
         self._fresh = True  # nothing is kept of what was before
         self._gram: Complexes | None = None
-        self._power: float | None = None
+        self._powers: Floats | None = None
         self._factors: dict[float, Factor] = {}
         self._spent: list[Factor] = []  # of points that have moved: their space is used again
         self._stale = np.ones(count, dtype=bool)  # rows of the Gram matrix
@@ -104,7 +104,7 @@ class Propagator:
         self.version += 1
         self._spent.extend(self._factors.values())
         self._factors.clear()
-        self._power = None
+        self._powers = None
         every = count == len(points)
         here = points if every else points[moved]
         where = slice(None) if every else moved
@@ -179,13 +179,20 @@ class Propagator:
     @property
     def power(self) -> float:
         """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
-        if self._power is None:
-            M = len(self._points)
-            if len(self.array) >= M:
-                self._power = kernels.trace(self.gram) / max(1, M)
+        return float(self.powers.sum()) / max(1, len(self._points))
+
+    @property
+    def powers(self) -> Floats:
+        """The diagonal of B B^H [Pa^2], (M,); not to be written to."""
+        if self._powers is None:
+            made = np.empty(len(self._points))
+            if self._gram is not None and not self._moved:
+                made[:] = self._gram.diagonal().real
             else:
-                self._power = float(np.vdot(self._B, self._B).real) / M
-        return self._power
+                kernels.powers(self._B, made)
+            made.flags.writeable = False
+            self._powers = made
+        return self._powers
 
     def factor(self, mu: float) -> Factor:
         """A Cholesky factor of B B^H + mu I; mu: [Pa^2]."""

@@ -14,6 +14,7 @@ from pacinian.notebook import Card, card
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from pacinian.solving.felt import Felt
     from pacinian.solving.problem import Targets
     from pacinian.types import Complexes, Floats, Gains
 
@@ -68,7 +69,10 @@ class Solution:
     violations: of limits that are not kept: "quiet", the loudest point over its limit, less 1 (a limit below
     1 % of full drive counts as that); "exact", the relative error of the samples to be met exactly;
     "gain" and "power", which only `Session.certify` can find broken, over their limits, less 1.
-    gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
+    felt: of each region, what is felt between its samples; where there are regions, from `pacinian.solve` and
+    `Session.certify`. gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
+    late: whether the time was up before the solver was done. asked_phases: what the solver was given [rad], (M,),
+    where there are regions: to go on from.
     note: what the solver has to say, such as why `auto` chose it.
     """
 
@@ -86,6 +90,9 @@ class Solution:
     seconds: float = 0.0
     note: str = ""
     gain_limit: float = math.inf
+    felt: tuple[Felt, ...] = ()
+    late: bool = False
+    asked_phases: Floats | None = None
 
     @property
     def asked(self) -> Complexes:
@@ -109,7 +116,7 @@ class Solution:
 
     @property
     def error(self) -> float:
-        """||residual|| / ||amplitudes||; 0 where nothing was asked."""
+        """||residual|| / ||amplitudes|| at the points; 0 where nothing was asked. Between them: `felt`."""
         return self.targets.miss(self.sound_pressure)
 
     @property
@@ -137,7 +144,8 @@ class Solution:
     def _repr_html_(self) -> Card:
         rows = {
             "status": f"{self.status.name}: {self.status.advice}",
-            "error": f"{100.0 * self.error:.2g} %; of the proportions {100.0 * self.shape_error:.2g} %",
+            "error at the points": f"{100.0 * self.error:.2g} %; "
+            f"of the proportions {100.0 * self.shape_error:.2g} %",
             "points": len(self.sound_pressure),
             "transducers": f"{len(self.gains)}, {self.saturation:.0%} at their limit",
             "iterations": self.iterations,
@@ -145,6 +153,8 @@ class Solution:
         }
         if not math.isnan(self.gap):
             rows["proof"] = f"objective {self.objective:.4g} Pa², optimum at least {self.bound:.4g}"
+        for number, felt in enumerate(self.felt):
+            rows[f"felt of region {number}"] = str(felt)
         rows |= {f"broken: {name}": f"by {by:.2%}" for name, by in self.violations.items()}
         rows |= {"note": self.note} if self.note else {}
         draw = self._draw if len(self.sound_pressure) else None

@@ -14,9 +14,10 @@ from pacinian.plugins.solver import Result, Solver
 from pacinian.session import AIR, Session
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.regions import joint_phases
 from pacinian.solving.solution import Solution, Status
 from pacinian.testing.conformance import a, called, require, tried
-from pacinian.testing.problems import Problem, named, ordinary
+from pacinian.testing.problems import Problem, named, ordinary, region
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 LIMIT = 120.0  # [s] that a call may take: it may have to be compiled
 SINGLE = 1e-4  # of the strongest pressure, that single precision may be off
 KEPT = 2e-3  # relative, by which a limit may be missed
+ALIKE = 0.99  # of |sum p exp(-j phi)| / sum |p|: a region's phases are those of one wave
 NEAR = 1e-3  # relative, by which a bound may be off
 
 
@@ -56,6 +58,7 @@ def check_solver(
             "linear": kit.linear,
             "quiet": kit.quiet,
             "exact": kit.exact,
+            "regions": kit.regions,
         },
     )
 
@@ -118,7 +121,13 @@ class _Kit:
         session = Session(self.array, solver=self.make())
         return called(
             "Session.solve()",
-            lambda: session.solve(problem.q, problem.t, problem.phases, limits=problem.limits),
+            lambda: session.solve(
+                problem.q,
+                problem.t,
+                problem.phases,
+                limits=problem.limits,
+                regions=problem.regions,
+            ),
             self._limit,
         )
 
@@ -285,3 +294,15 @@ class _Kit:
         p = np.abs(self.reference(problem.q) @ solution.gains.astype(np.complex128))
         off = abs(float(p[1]) / float(problem.t[1]) - 1.0)
         require(off <= KEPT, f"an exact sample is {off:.2%} off (status {solution.status.name})")
+
+    def regions(self) -> None:
+        """The phases of a region's points are those of the one wave that it is given, or it does not say `ok`."""
+        problem = region(self.array, 0.1)
+        solution = self.session(replace(problem, phases=None))
+        p = self.reference(problem.q) @ solution.gains.astype(np.complex128)
+        wave = np.exp(1j * joint_phases(self.array, problem.q))
+        alike = abs(complex(np.vdot(wave, p))) / max(float(np.abs(p).sum()), 1e-30)
+        require(
+            solution.status is not Status.ok or alike > ALIKE,
+            f"the phases of a region are only {alike:.0%} alike, with status ok",
+        )

@@ -20,14 +20,14 @@ LARGE = 200_000_000  # M M N from which another solver is asked where `lagrange`
 
 @dataclass(frozen=True)
 class Auto(pc.Solver):
-    """One point: `single-focus`. Up to as many as transducers: `lagrange`. More: `pseudo-inverse` first.
+    """One point: `single-focus`. Regions, and no more points than transducers: `lagrange`. Else others.
 
     error: relative error that will do; a cheaper solver's answer is kept where it is met without a
     limit broken. focus, several, many, dense: the solvers that it passes on to, by name.
 
     `lagrange` is the pseudo-inverse while no limit is touched, and costs less than any other solver that
-    meets 1 %. With more samples than transducers least squares without limits are 2 to 3 times cheaper,
-    and its optimum too where they keep the limits: then `lagrange` is not asked. Hundreds of samples closer than
+    meets 1 %. With more samples than transducers, without regions, `pseudo-inverse` is asked first: it is
+    2 to 3 times cheaper, and the optimum too where it keeps the limits. Hundreds of samples closer than
     the array resolves are where `lagrange` gives up at some percent and `lbfgs` gets on, in seconds.
     """
 
@@ -74,6 +74,8 @@ class Auto(pc.Solver):
         solver, why = self._several, "several points"
         if limits.asked or limits.power is not None:
             why = "limits besides that of gains"
+        elif targets.regions is not None:
+            why = "regions"
         elif count == 1:
             solver, why = self._focus, "one point"
         elif count > len(out) and targets.scale == "exact":
@@ -85,7 +87,8 @@ class Auto(pc.Solver):
             out[:] = 0.0
             why = "more points than transducers, at their limit"
         result = solver.solve(propagator, targets, limits, warm, budget, out)
-        simple = not limits.asked and limits.power is None and targets.scale == "exact"
+        simple = targets.regions is None and targets.scale == "exact"
+        simple = simple and not limits.asked and limits.power is None
         if simple and count <= len(out) and count * count * len(out) > LARGE and not budget.spent:
             return self._better(result, propagator, targets, limits, budget, out)
         return _named(result, solver, why)

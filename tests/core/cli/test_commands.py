@@ -55,8 +55,8 @@ def test_demo_tells_one_json_object(tmp_path: Path) -> None:
     seen = told("demo", "--seconds", "0.1", "--dummy", "--out", str(picture))
     assert seen["ticks"] == seen["dummy"]["ticks"] == 100
     assert seen["transducers"] == 2241
-    assert seen["samples"] == 20
-    assert seen["error"] < 0.01
+    assert seen["samples"] > 100  # a region
+    assert seen["error"] < 0.05  # at the samples of a region that moves
     assert seen["fault_count"] == 0
     assert {"late_ticks", "tick_p50_ms", "tick_p99_ms"} <= seen.keys()
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -74,7 +74,8 @@ def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
     seen = told(
         "render", str(EXAMPLE), "--seconds", "0.1", "--record", str(record), "--out", str(picture)
     )
-    assert (seen["ticks"], seen["statuses"]) == (100, {"silent": 1, "ok": seen["solves"] - 1})
+    assert (seen["ticks"], sum(seen["statuses"].values())) == (100, seen["solves"])
+    assert seen["statuses"].keys() <= {"silent", "ok", "limited", "deadline"}
     assert picture.exists()
     assert told("replay", str(record))["frames"] == 100
     said = "100 frames of 2241 transducers played on simulated"

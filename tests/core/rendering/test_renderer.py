@@ -523,9 +523,10 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
     governed: bool, technique: Any
 ) -> None:
     clock = ManualClock()
+    side = (0.0085 * np.arange(-5.5, 6.0)).tolist()
     plates = [
-        pc.Surface(
-            shape=pc.Rectangle(0.1, 0.1),
+        pc.Particles(
+            positions=tuple((u, v, 0.0) for u in side for v in side),
             pose=pc.Pose((x, 0, 0.2)),
             radiation_pressure=0.1,
             technique=technique,
@@ -678,9 +679,10 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
 ) -> None:
     clock = Busy()
     clock.cost = 4e-4
-    shape, pose = pc.Rectangle(0.06, 0.06), pc.Pose((0, 0, 0.2))
-    plate = pc.Surface(shape=shape, pose=pose, radiation_pressure=level)
-    renderer, _, _ = make(pc.Scene((plate,)), clock=clock, solver="lbfgs", governed=False)
+    side = 0.0085 * np.arange(-3.0, 4.0)
+    places = tuple((x, y, 0.2) for x in side.tolist() for y in side.tolist())
+    points = pc.Particles(positions=places, radiation_pressure=level)
+    renderer, _, _ = make(pc.Scene((points,)), clock=clock, solver="lbfgs", governed=False)
     errors, solves = [], []
     with renderer:
         for _ in range(40):

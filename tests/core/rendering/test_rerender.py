@@ -60,15 +60,23 @@ def test_every_built_in_scene_comes_out_the_same(tmp_path: Path, name: str) -> N
     assert again(tmp_path / "run.pac") == (40, 0)
 
 
-@pytest.mark.parametrize("name", ["palm", "crowd", "stm-circle", "rain"])
+def grid(t: float) -> pc.Scene:
+    """Points that all move."""
+    side = (0.01 * np.arange(-4.0, 5.0)).tolist()
+    places = tuple((x, y, 0.2 + 0.01 * t) for x in side for y in side)
+    return pc.Scene((pc.Particles(positions=places, radiation_pressure=1.0),))
+
+
+@pytest.mark.parametrize("name", ["palm", "crowd", "stm-circle", "rain", "grid"])
 def test_it_comes_out_the_same_where_time_decides(tmp_path: Path, name: str) -> None:
-    renderer = make(tmp_path / "run.pac", SCENES[name], Slow())
+    renderer = make(tmp_path / "run.pac", SCENES.get(name, grid), Slow())
     with renderer:
         for k in range(60):
             renderer.tick(3.0 + k * TICK)
         assert not renderer.report.faults
         if name == "palm":
             assert renderer.report.statuses["deadline"] > 3
+        if name == "grid":
             assert renderer.sampler.allowed < renderer.sampler.budget
     assert again(tmp_path / "run.pac") == (60, 0)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.sampling.sources import Source
 
-FINER = 2.6  # times as many must fit before the spacing gets finer again: a step doubles them
+FINER = 1.3  # times as many as there would be must fit before the spacing gets finer again
 COARSEST = 40  # levels
 
 
@@ -88,7 +88,7 @@ def _fitting(
     count = number(made)
     if level and count * FINER <= left and _whole(members, level - 1) <= many:
         finer = every(level - 1)
-        if number(finer) <= left:
+        if FINER * number(finer) <= left:
             return finer, level - 1
     while count > left and more(level):
         level += 1

@@ -43,12 +43,12 @@ def near(bounds: Floats, t: float, boxes: Floats) -> Indices:
     return found[: _near(bounds, t, boxes, found)]
 
 
-@compiled("i8(f8[:, ::1], f8[::1], f8[::1], i8[::1], i8[::1], f8, f8[::1], f8[::1], b1[::1])")
+@compiled("i8(f8[:, ::1], f8[::1], f8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8[::1], b1[::1])")
 def merge(
-    points: Floats, P: Floats, area: Floats, source: Indices, voice: Indices, radius: float,
+    points: Floats, P: Floats, area: Floats, source: Indices, voice: Indices, radius: Floats,
     pressed: Floats, stands: Floats, kept: Flags,
 ) -> int:  # fmt: skip
-    """Merge samples of different sources and one voice, nearer than `radius` [m], into the first of them.
+    """Merge samples of different sources and one voice, nearer than both their `radius` [m], into the first of them.
 
     points: (M, 3) [m], in order of importance. P: (M,) [Pa]. area: (M,) [m^2]. source, voice: (M,). Writes
     pressures, areas (a sample that takes another has both areas and the sum of the forces), and which
@@ -64,7 +64,8 @@ def merge(
                 dx = points[i, 0] - points[j, 0]
                 dy = points[i, 1] - points[j, 1]
                 dz = points[i, 2] - points[j, 2]
-                if dx * dx + dy * dy + dz * dz < radius * radius:
+                near = min(radius[i], radius[j])
+                if dx * dx + dy * dy + dz * dz < near * near:
                     force = pressed[i] * stands[i] + P[j] * area[j]
                     stands[i] += area[j]
                     pressed[i] = force / stands[i]

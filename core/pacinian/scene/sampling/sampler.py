@@ -17,9 +17,9 @@ from pacinian.scene.sampling.covers import Covers
 from pacinian.scene.sampling.distances import Distances
 from pacinian.scene.sampling.perception import faintest
 from pacinian.scene.sampling.ramps import Ramps
-from pacinian.scene.sampling.resolving import Resolving
-from pacinian.scene.sampling.samples import Samples, joined, nothing
-from pacinian.scene.sampling.sources import FINEST, Lone, Source, Spots, Whole, contact
+from pacinian.scene.sampling.resolving import COARSER, Resolving
+from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
+from pacinian.scene.sampling.sources import FINEST, Lone, Source, Spots, Whole, contact, dense
 from pacinian.scene.sampling.tracks import HandTrack, Tracks
 from pacinian.scene.time.technique import AM
 from pacinian.scene.time.waves import Constant
@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 WAVELENGTH = 0.0085  # [m], where there is no array to ask
 NAMES = 1 << 31
 OFF = Constant(0.0)
+DENSE = (
+    0.5 / COARSER
+)  # of that, within a region: from half a wavelength on it is uneven between samples
 MERGED = 0.5  # of the spacing: what of different objects is nearer is one sample
 MOST = 2048  # samples that are looked at for that
 
@@ -46,9 +49,10 @@ class Sampler:
 
     budget: at most so many samples; where a scene has more, the objects of lowest priority are covered
     more coarsely, then dropped. spacing: [m]; unless given, a wavelength, or what the array can resolve at
-    the place if that is coarser. ramp: [s] in which a pressure comes up or goes; 0 for at once.
+    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that.
+    ramp: [s] in which a pressure comes up or goes; 0 for at once.
     perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
-    time is short. Raises ArgumentError.
+    time is short; not beside regions, which would have holes. Raises ArgumentError.
     """
 
     def __init__(
@@ -113,9 +117,11 @@ class Sampler:
         )  # fmt: skip
         if not sources:
             return nothing(scene.objects, capsules)
+        solid = any(dense(source.item) for source, _ in sources)
+        budget = self.budget if solid else min(self.budget, self.allowed)
         parts = allot(
             sources,
-            min(self.budget, self.allowed),
+            budget,
             self._levels,
             self._cut(scene.workspace),
             self.skipped,
@@ -180,7 +186,7 @@ class Sampler:
             if not skin:
                 of = Lone if isinstance(item, Point) else Whole
                 whole = of(item, i, name, pose, self._covers, objects)
-                sources.append((whole, self._spacing(pose.position)))
+                sources.append((whole, self._spacing(item, pose.position)))
                 continue
             least = faintest(_vibration(item)) if self.perception else 0.0
             for hand, share in hands:
@@ -213,15 +219,16 @@ class Sampler:
                         least,
                     )
                 if source is not None:
-                    sources.append((source, self._spacing(hand.centre)))
+                    sources.append((source, self._spacing(item, hand.centre)))
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources
 
-    def _spacing(self, place: tuple[float, float, float]) -> float:
-        """How far apart samples are at `place` [m]."""
+    def _spacing(self, item: Object, place: tuple[float, float, float]) -> float:
+        """How far apart the samples of an object at `place` are [m]."""
         if self.spacing is not None:
             return self.spacing
-        return WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
+        resolved = WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
+        return DENSE * resolved if dense(item) else resolved
 
     def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
         """What leaves out the samples outside of a workspace."""
@@ -249,7 +256,11 @@ class Sampler:
         voice = np.repeat(_voices(items), counts)
         P, area = np.empty(len(whole)), np.empty(len(whole))
         kept = np.empty(len(whole), dtype=np.bool_)
-        radius = MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
+        radius = np.full(
+            len(whole), MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
+        )
+        if self.spacing is None:
+            radius[whole.regions != ISOLATED] *= DENSE
         gone = merge(
             whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
             P, area, kept,

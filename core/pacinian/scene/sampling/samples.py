@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices, Longs
 
 
+ISOLATED = -1  # the region of a sample of none, as in `pacinian.Targets`
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """M samples of a scene.
@@ -21,7 +24,8 @@ class Samples:
     positions: (M, 3) [m]. radiation_pressure: at full envelope, (M,) [Pa]. normals: outward, of the
     skin, or without a hand of the object; (M, 3), zero for points. area: what each stands for, (M,)
     [m^2]. objects: index of each sample's object among `items`, (M,). keys: which sample each is from
-    tick to tick, (M,). most: the most that each one's object presses with, (M,) [Pa]. items: the objects:
+    tick to tick, (M,). most: the most that each one's object presses with, (M,) [Pa]. regions: the surface that
+    each is of, (M,), -1 for an isolated one; see `pacinian.Targets`. items: the objects:
     the scene's, then those that are gone and still fade. capsules: of the hands on whose skin they lie, and
     which hide what is behind them, (C, 7) [m]; None without hands.
     """
@@ -33,6 +37,7 @@ class Samples:
     objects: Indices
     keys: Longs
     most: Floats
+    regions: Longs
     items: tuple[Object, ...] = ()
     capsules: Floats | None = None
 
@@ -71,6 +76,7 @@ class Samples:
             objects=self.objects[kept],
             keys=self.keys[kept],
             most=self.most[kept],
+            regions=self.regions[kept],
         )
 
     def with_pressure(self, radiation_pressure: Floats) -> Samples:
@@ -82,7 +88,8 @@ def nothing(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> S
     """No samples."""
     return Samples(
         np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0),
-        np.empty(0, dtype=np.intp), np.empty(0, dtype=np.int64), np.empty(0), items, capsules,
+        np.empty(0, dtype=np.intp), np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64),
+        items, capsules,
     )  # fmt: skip
 
 
@@ -99,6 +106,7 @@ def joined(parts: list[Samples]) -> Samples:
         np.concatenate([part.objects for part in parts]),
         np.concatenate([part.keys for part in parts]),
         np.concatenate([part.most for part in parts]),
+        np.concatenate([part.regions for part in parts]),
         first.items,
         first.capsules,
     )

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
+from pacinian.scene.objects import Body
 from pacinian.scene.sampling.resolving import grazing
-from pacinian.scene.sampling.samples import Samples
+from pacinian.scene.sampling.samples import ISOLATED, Samples
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 ANYWHERE = np.empty((0, 3))
 UNTURNED = np.zeros((1, 3))
-UNTURNED.flags.writeable = False
+LONE = np.array([ISOLATED])
+UNTURNED.flags.writeable = LONE.flags.writeable = False
 FINEST = 1e-4  # [m], a hundredth of a wavelength
 
 
@@ -69,8 +71,8 @@ class Whole:
             P *= texture.at(local.points)
         return Samples(
             local.points @ R + self.pose.position, P, normals, local.area,
-            np.full(K, self.index), keys(self.name, _apart(item, spacing), np.arange(K)), np.full(K, item.pressure),
-            self.items,
+            np.full(K, self.index), keys(self.name, _apart(item, spacing), np.arange(K)),
+            np.full(K, item.pressure), np.full(K, region(item, self.name)), self.items,
         )  # fmt: skip
 
 
@@ -83,7 +85,7 @@ class Lone(Whole):
         P = np.array([item.pressure])
         return Samples(
             np.array([self.pose.position]), P, UNTURNED, np.array([item.area]),
-            np.array([self.index]), np.array([self.name << 31]), P, self.items,
+            np.array([self.index]), np.array([self.name << 31]), P, LONE, self.items,
         )  # fmt: skip
 
 
@@ -120,7 +122,7 @@ class Spots:
         return Samples(
             on[kept], P[kept], normals[kept], local.area[near[kept]],
             np.full(len(kept), self.index), keys(self.name, _apart(item, spacing), near[kept]),
-            np.full(len(kept), item.pressure),
+            np.full(len(kept), item.pressure), np.full(len(kept), ISOLATED),
             self.items, self.hand.capsules,
         )  # fmt: skip
 
@@ -156,7 +158,8 @@ class Contact:
             nodes, P, area = nodes[felt], P[felt], area[felt]
         return Samples(
             hand.points[nodes], P, hand.normals[nodes], area, np.full(K, self.index),
-            keys(self.name, 0.0, nodes), np.full(K, self.item.pressure), self.items, self.hand.capsules,
+            keys(self.name, 0.0, nodes), np.full(K, self.item.pressure),
+            np.full(K, region(self.item, self.name)), self.items, self.hand.capsules,
         )  # fmt: skip
 
 
@@ -197,6 +200,16 @@ def keys(name: int, spacing: float, which: Indices) -> Longs:
 
 def _apart(item: Object, spacing: float) -> float:
     return spacing if hasattr(item, "shape") else 0.0
+
+
+def dense(item: Felt) -> bool:
+    """Whether an object's samples are of one surface that all sounds at once, so that they are a region."""
+    return isinstance(item, Body) and not apart(item)
+
+
+def region(item: Felt, name: int) -> int:
+    """The region of an object's samples, `name` being a number of its own; -1 if they are isolated."""
+    return name if dense(item) else ISOLATED
 
 
 def apart(item: Felt) -> bool:

@@ -11,7 +11,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import count, length
-from pacinian.scene.shapes.local import GOLDEN, Local, centred
+from pacinian.scene.shapes.local import EDGE, Local, centred, spanned
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -42,10 +42,11 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
         return beside(outside(points, self.width, self.height), points[:, 2])
 
     def cover(self, spacing: float) -> Local:
-        """A centred grid, `spacing` [m] apart or a little more."""
+        """A grid with its outline in it, at most `spacing` [m] apart."""
         count(self.area, spacing, 2)
-        X, Y = np.meshgrid(centred(self.width, spacing), centred(self.height, spacing))
-        return _facing_up(X.ravel(), Y.ravel(), self.area)
+        (x, width), (y, height) = spanned(self.width, spacing), spanned(self.height, spacing)
+        X, Y = np.meshgrid(x, y)
+        return _facing_up(X.ravel(), Y.ravel(), np.outer(height, width).ravel())
 
 
 class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="disc"):
@@ -72,11 +73,18 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
         return beside(np.maximum(np.hypot(x, y) - self.radius, 0.0), z)
 
     def cover(self, spacing: float) -> Local:
-        """A sunflower: equal areas, about `spacing` [m] apart."""
-        K = max(1, round(count(self.area, spacing, 2)))
-        i = np.arange(K)
-        r, phi = self.radius * np.sqrt((i + 0.5) / K) if K > 1 else np.zeros(1), i * GOLDEN
-        return _facing_up(r * np.cos(phi), r * np.sin(phi), self.area)
+        """Rings with the outline among them, at most `spacing` [m] apart, and in each of them."""
+        count(self.area, spacing, 2)
+        radius = self.radius if self.radius >= spacing / 2.0 else 0.0
+        steps = math.ceil(radius / spacing - EDGE)
+        r = np.linspace(0.0, radius, steps + 1)
+        edges = np.concatenate([[0.0], (r[1:] + r[:-1]) / 2.0, [self.radius]])
+        counts = np.ceil(2.0 * math.pi * r / spacing - EDGE).clip(1.0).astype(np.intp)
+        ring = np.repeat(np.arange(steps + 1), counts)
+        nth = np.arange(len(ring)) - np.repeat(np.cumsum(counts) - counts, counts)
+        phi = 2.0 * math.pi * (nth + ring % 2 / 2.0) / counts[ring]
+        area = math.pi * np.diff(edges**2) / counts
+        return _facing_up(r[ring] * np.cos(phi), r[ring] * np.sin(phi), area[ring])
 
 
 class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="box"):
@@ -114,11 +122,11 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
         return np.asarray(np.sqrt(x * x + y * y + z * z) + np.minimum(nearest, 0.0))
 
     def cover(self, spacing: float) -> Local:
-        """A centred grid on each of the six faces, none on an edge."""
+        """A centred grid on each of the six faces, `spacing` [m] apart or a little more, none on an edge."""
         x, y, z = self.size
         sides: list[Local] = []
         for axis, (width, height) in enumerate(((y, z), (z, x), (x, y))):
-            face = Rectangle(width, height).cover(spacing)
+            face = _inner(width, height, spacing)
             for side in (-1.0, 1.0):
                 # (u, v, 0) to the face's own two axes, in turn
                 points = np.roll(face.points, axis + 1, axis=1)
@@ -126,6 +134,13 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
                 normals = np.roll(side * face.normals, axis + 1, axis=1)
                 sides.append(Local(points, normals, face.area))
         return Local(*(np.concatenate(values) for values in zip(*sides, strict=True)))
+
+
+def _inner(width: float, height: float, spacing: float) -> Local:
+    """A centred grid, half a step from the outline."""
+    count(width * height, spacing, 2)
+    X, Y = np.meshgrid(centred(width, spacing), centred(height, spacing))
+    return _facing_up(X.ravel(), Y.ravel(), np.full(X.size, width * height / X.size))
 
 
 def outside(points: Floats, width: float, height: float) -> Floats:
@@ -139,7 +154,7 @@ def beside(outside: Floats, height: Floats) -> Floats:
     return np.where(outside > 0.0, np.hypot(outside, height), height)
 
 
-def _facing_up(x: Floats, y: Floats, area: float) -> Local:
+def _facing_up(x: Floats, y: Floats, area: Floats) -> Local:
     K = len(x)
     points = np.stack([x, y, np.zeros(K)], axis=-1)
-    return Local(points, np.tile([0.0, 0.0, 1.0], (K, 1)), np.full(K, area / K))
+    return Local(points, np.tile([0.0, 0.0, 1.0], (K, 1)), area)

@@ -99,7 +99,7 @@ class HeightMap(
         return beside(outside(points, self.width, self.height), d)
 
     def cover(self, spacing: float) -> Local:
-        """A centred grid in x and y, `spacing` [m] apart or a little more: farther apart on a slope."""
+        """A grid in x and y with the outline in it, at most `spacing` [m] apart: farther on a slope."""
         points, _, area = Rectangle(self.width, self.height).cover(spacing)
         points[:, 2], x, y = self._at(points)
         stretch = np.sqrt(1.0 + x * x + y * y)

@@ -36,6 +36,19 @@ def grid(extent: Vector, spacing: float) -> Floats:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
+def spanned(extent: float, spacing: float) -> tuple[Floats, Floats]:
+    """Equal steps of at most `spacing` over a centred interval, both ends among them; and what each stands for [m].
+
+    One in the middle, where the interval is shorter than half of that.
+    """
+    if extent < spacing / 2.0:
+        return np.zeros(1), np.full(1, extent)
+    K = math.ceil(extent / spacing - EDGE) + 1
+    share = np.full(K, extent / (K - 1))
+    share[[0, -1]] /= 2.0
+    return np.linspace(-extent / 2.0, extent / 2.0, K), share
+
+
 def centred(extent: float, spacing: float) -> Floats:
     """Equal steps of at least `spacing`, half a step from both ends of a centred interval [m]."""
     K = max(1, math.floor(extent / spacing + EDGE))

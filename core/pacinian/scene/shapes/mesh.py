@@ -16,6 +16,7 @@ from pacinian.acoustics.pose import Vector
 from pacinian.checks import count, length, numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.local import Local
+from pacinian.scene.shapes.solids import scaled, shares
 from pacinian.scene.shapes.thin import APART, thin
 from pacinian.scene.shapes.triangles import Triangles, read
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 TRIES = 12  # random candidates for each sample
+RIM = 8  # candidates on a spacing of an open mesh's rim
 
 Stamp = tuple[int, int]  # when a file was changed [ns], and its size
 # what is at hand of files, by file, scale and stamp, as long as a mesh has it
@@ -102,7 +104,7 @@ class Mesh(
         return self.triangles.distance(points, beyond, deep)
 
     def cover(self, spacing: float) -> Local:
-        """Random samples (always the same), thinned to about `spacing` [m]."""
+        """Random samples (always the same), thinned to about `spacing` [m], those of an open mesh's rim first."""
         from trimesh import Trimesh
         from trimesh.sample import sample_surface
 
@@ -110,9 +112,13 @@ class Mesh(
         tries = TRIES * max(1, round(count(TRIES * t.area, spacing, 2) / TRIES))
         mesh = Trimesh(t.vertices, t.faces, process=False)
         points, face = sample_surface(mesh, tries, face_weight=t.areas, seed=0)[:2]
-        kept = thin(points, APART * spacing)
-        share = np.full(len(kept), t.area / len(kept))
-        return Local(np.asarray(points[kept], dtype=np.float64), t.normals[face[kept]], share)
+        rim, of = t.rim(spacing / RIM)
+        every = np.concatenate([rim, np.asarray(points, dtype=np.float64)])
+        face = np.concatenate([of, np.asarray(face, dtype=np.int64)])
+        kept = thin(every, APART * spacing, len(rim))
+        whole = np.repeat([0.0, t.area / tries], [len(rim), tries])
+        area = scaled(shares(every, whole, kept), t.area)
+        return Local(every[kept], t.normals[face[kept]], area)
 
     @property
     def triangles(self) -> Triangles:

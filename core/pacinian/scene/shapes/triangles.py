@@ -64,6 +64,21 @@ class Triangles:
 
         return MeshDistance(self)
 
+    def rim(self, spacing: float) -> tuple[Floats, Longs]:
+        """Points at most `spacing` [m] apart on the edges of one triangle alone: (K, 3) [m], and which that is, (K,).
+
+        Ends of edges come first, so that corners are kept.
+        """
+        face, corner = np.nonzero(self.sharing[self.edges] == 1)
+        a = self.vertices[self.faces[face, (corner + 1) % 3]]
+        b = self.vertices[self.faces[face, (corner + 2) % 3]]
+        counts = np.ceil(np.sqrt(((b - a) ** 2).sum(axis=1)) / spacing).clip(1.0).astype(np.int64)
+        which = np.repeat(np.arange(len(face)), counts)
+        nth = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+        points = a[which] + (nth / counts[which])[:, None] * (b - a)[which]
+        order = np.argsort(nth > 0, kind="stable")
+        return points[order], face[which[order]]
+
     @classmethod
     def of(cls, vertices: Floats, faces: Longs, name: str) -> Triangles:
         """Make triangles of vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError about `name`."""

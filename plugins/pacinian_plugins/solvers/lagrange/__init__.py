@@ -15,6 +15,7 @@ from pacinian.solving.evidence import violations
 from pacinian.solving.keep import keep
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
+from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.polish import Polish
 from pacinian_plugins.solvers.lagrange.room import SMALL, Room
 from pacinian_plugins.solvers.lagrange.small import begin, within
@@ -30,13 +31,15 @@ WHOLE = 1.0 + 1e-6  # of the power limit: this much is rounding
 class Lagrange(pc.Solver):
     """min 1/2 ||p - B g||^2 + mu/2 ||g||^2 subject to `limits`: gain, power, exact samples, quiet points.
 
-    mu: regularisation, relative to trace(B B^H) / M. rounds: how often free phases are chosen anew where
+    mu: regularisation, relative to trace(B B^H) / M. mu_regions: the same where there are regions, whose
+    samples lie closer than the array resolves. rounds: how often free phases are chosen anew where
     more than the gain limit keeps targets from being met.
 
     Under the gain limit alone phases and gains are found together (`polish`); the other limits are then
     looked at, and where one is broken, or there are more samples than transducers, convex problems are
     solved for one choice of phases after the other (`constrained`). Where no limit is reached it is the
-    regularised pseudo-inverse. `scale="max"`: the largest multiple of the targets.
+    regularised pseudo-inverse. Targets with regions, whose phases are all given, are solved by `regions`.
+    `scale="max"`: the largest multiple of the targets; of regions, the largest that is even.
     """
 
     name: ClassVar[str] = "lagrange"
@@ -44,10 +47,13 @@ class Lagrange(pc.Solver):
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     mu: float = 1e-6
+    mu_regions: float = 5e-3
     rounds: int = 20
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mu", number("mu", self.mu, low=0.0, high=1.0, above=True))
+        for name in ("mu", "mu_regions"):
+            value = number(name, getattr(self, name), low=0.0, high=1.0, above=True)
+            object.__setattr__(self, name, value)
         object.__setattr__(self, "rounds", integer("rounds", self.rounds, low=1))
 
     def solve(
@@ -60,10 +66,12 @@ class Lagrange(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
+        if targets.regions is not None:
+            return self._regions(propagator, targets, limits, warm, budget, out)
+        strongest = targets.scale == "max"
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
-        strongest = targets.scale == "max"
         if len(targets.amplitudes) > len(out) or (
             strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
@@ -81,6 +89,17 @@ class Lagrange(pc.Solver):
                 out[:] = first
                 return result
         return second
+
+    def _regions(
+        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
+        warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains,
+    ) -> pc.Result:  # fmt: skip
+        """Write the gains for targets with regions, all of given phase."""
+        result = regions.solve(propagator, targets, limits, warm, budget, out, self.mu_regions)
+        if budget.spent or not self._broken(propagator, targets, limits, out):
+            return result
+        mu = self.mu_regions * propagator.power
+        return self._constrained(propagator, targets, limits, budget, out, mu)
 
     def _broken(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains

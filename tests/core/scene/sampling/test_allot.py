@@ -196,4 +196,4 @@ def test_what_may_not_sound_takes_none_of_the_budget() -> None:
         return samples.only(samples.positions[:, 0] > 0.0)
 
     parts = allot(given_by(disc(0.05)), 41, {}, right, Counter())
-    assert 30 <= len(parts[0]) <= 41
+    assert 20 <= len(parts[0]) <= 41

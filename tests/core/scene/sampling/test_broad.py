@@ -56,7 +56,8 @@ def merged(seed: int, count: int, radius: float) -> tuple[Any, ...]:
     source, voice = np.sort(rng.integers(0, 4, count)), rng.integers(0, 2, count)
     pressed, stands = np.empty(count), np.empty(count)
     kept = np.empty(count, dtype=np.bool_)
-    gone = broad.merge(points, P, area, source, voice, radius, pressed, stands, kept)
+    radii = np.full(count, radius)
+    gone = broad.merge(points, P, area, source, voice, radii, pressed, stands, kept)
     return points, P, area, source, voice, pressed, stands, kept, gone
 
 
@@ -75,6 +76,15 @@ def test_merging_keeps_the_force_and_the_area_of_each_voice(
     if count:
         assert pressed[kept].min() >= P.min() - 1e-9
         assert pressed[kept].max() <= P.max() + 1e-9
+
+
+def test_two_samples_are_merged_where_they_are_near_for_both() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [0.003, 0.0, 0.0], [0.006, 0.0, 0.0]])
+    one, kept, source = np.ones(3), np.empty(3, np.bool_), np.arange(3)
+    radii, voice = np.array([0.002, 0.004, 0.004]), np.zeros(3, np.intp)
+    gone = broad.merge(points, one, one, source, voice, radii, np.empty(3), np.empty(3), kept)
+    assert gone == 1
+    assert kept.tolist() == [True, True, False]
 
 
 @given(seed=seeds, count=st.integers(0, 80), radius=st.floats(0.0, 0.03))

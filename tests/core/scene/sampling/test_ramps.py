@@ -34,6 +34,7 @@ def samples(what: dict[int, tuple[float, float]], items: Any = ITEMS) -> Samples
         objects,
         np.array(list(what), dtype=np.int64),
         most,
+        np.full(M, -1),
         items,
     )
 

@@ -117,13 +117,14 @@ def test_samples_lie_on_it_with_normals_upward_and_stand_for_all_of_it(
     surface: HeightMap, spacing: float
 ) -> None:
     points, normals, area = surface.cover(spacing)
-    flat = pc.Rectangle(WIDTH, HEIGHT).cover(spacing).points
-    assert np.array_equal(points[:, :2], flat[:, :2])
+    flat = pc.Rectangle(WIDTH, HEIGHT).cover(spacing)
+    assert np.array_equal(points[:, :2], flat.points[:, :2])
     assert np.abs(surface.distance(points)).max() < 1e-12
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)))
     assert normals[:, 2].min() > 0.0
     assert area.sum() == pytest.approx(surface.area, rel=1e-9)
-    assert area * normals[:, 2] == pytest.approx(np.full(len(area), (area * normals[:, 2])[0]))
+    stretched = area * normals[:, 2] / flat.area
+    assert stretched == pytest.approx(np.full(len(area), stretched[0]))
 
 
 @given(surface=maps)

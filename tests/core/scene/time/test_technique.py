@@ -51,6 +51,7 @@ def patch(M: int, seed: int = 0, flat: bool = False, item: int = 3) -> Samples:
         objects=np.full(M, item),
         keys=rng.permutation(1000)[:M].astype(np.int64),
         most=np.full(M, 5.0),
+        regions=np.full(M, -1),
     )
 
 

@@ -1,0 +1,156 @@
+"""What is felt of regions, at places between and beside the samples: those that the solver was not given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.acoustics.facing import Facing
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+    from pacinian.solving.problem import Targets
+    from pacinian.types import Complexes, Flags, Floats, Indices, Longs
+
+NEIGHBOURS = 1.5  # times as far as the nearest sample, in the region's median
+BESIDE = 0.003, 0.004, 0.005  # [m]
+AROUND = 12  # directions in which is looked there
+HOLE = 0.5  # of what was asked: less is a hole
+EVEN_FORCE, EVEN_RMS = 0.05, 0.10  # off by more is not what was asked
+
+
+class Felt(NamedTuple):
+    """What is felt of one region, against what was asked; pressures are radiation pressures.
+
+    force: over what was asked, 1 if right. rms: root mean square of the difference, over that of what
+    was asked. holes: the share of the region with less than half. spill: the highest pressure 3 to 5 mm beside
+    it, over the mean that was asked. All between the samples; 1, 0, 0, 0 of a region where nothing is asked.
+    """
+
+    force: float = 1.0
+    rms: float = 0.0
+    holes: float = 0.0
+    spill: float = 0.0
+
+    def __str__(self) -> str:
+        return (
+            f"force {self.force:.1%} of what was asked, rms error {self.rms:.1%}, "
+            f"{self.holes:.1%} holes, {self.spill:.0%} beside it"
+        )
+
+    @property
+    def even(self) -> bool:
+        """Whether that is what was asked: force within 5 %, rms at most 0.10, no holes."""
+        return abs(self.force - 1.0) <= EVEN_FORCE and self.rms <= EVEN_RMS and not self.holes
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Places between the samples of regions, and beside these.
+
+    points: (K, 3) [m]. asked: square of the sound pressure amplitude, (K,) [Pa^2]; 0 beside. region: of
+    each, (K,). facing: of the skin there.
+    """
+
+    points: Floats
+    asked: Floats
+    region: Longs
+    beside: Flags
+    facing: Facing | None
+
+    @classmethod
+    def of(cls, points: Floats, targets: Targets, facing: Facing | None) -> Places:
+        """For samples at `points`, (M, 3) [m]: half way between neighbours, and 3 to 5 mm beside the region.
+
+        Half way, the mean of both is asked. A region of one sample is looked at there.
+        """
+        from scipy.spatial import KDTree
+
+        assert targets.regions is not None
+        P, tree = targets.amplitudes**2, KDTree(points)
+        first, second = np.empty((2, 0), np.intp)
+        outside, of = np.empty((0, 3)), np.empty(0, np.intp)
+        for number in range(int(targets.regions.max()) + 1):
+            own = np.flatnonzero(targets.regions == number)
+            a, b, spacing = _neighbours(points[own])
+            first, second = np.append(first, own[a]), np.append(second, own[b])
+            if len(own) > 1:
+                near, at = _around(points[own], NEIGHBOURS * spacing, tree)
+                outside, of = np.concatenate([outside, near]), np.append(of, own[at])
+        inside = len(first)
+        seen = None
+        if facing is not None:
+            n = facing.normals
+            between = n[first] + n[second]
+            size = np.sqrt((between * between).sum(axis=1, keepdims=True))
+            between = np.where(size > 0.0, between / np.where(size > 0.0, size, 1.0), n[first])
+            seen = Facing(np.concatenate([between, n[of]]), facing.capsules, facing.edge)
+        return cls(
+            np.concatenate([(points[first] + points[second]) / 2.0, outside]),
+            np.concatenate([(P[first] + P[second]) / 2.0, np.zeros(len(of))]),
+            targets.regions[np.append(first, of)],
+            np.arange(inside + len(of)) >= inside,
+            seen,
+        )
+
+    def felt(self, p: Complexes, multiple: float = 1.0) -> tuple[Felt, ...]:
+        """The figures of each region, in their order, for sound pressures p, (K,) [Pa].
+
+        multiple: of the amplitudes that count as asked.
+        """
+        made, asked = np.abs(p).astype(np.float64) ** 2, self.asked * multiple**2
+        figures: list[Felt] = []
+        for number in range(int(self.region.max(initial=-1)) + 1):
+            own = self.region == number
+            figures.append(_figures(made, asked, own & ~self.beside, own & self.beside))
+        return tuple(figures)
+
+
+def _figures(made: Floats, asked: Floats, inside: Flags, beside: Flags) -> Felt:
+    """Those of one region; made, asked: (K,) [Pa^2]."""
+    P, t = made[inside], asked[inside]
+    if not t.any():
+        return Felt()
+    force, mean = float(P.sum() / t.sum()), float(t.mean())
+    rms = float(np.sqrt(((P - t) ** 2).mean() / (t * t).mean()))
+    holes = float((P[t > 0.0] < HOLE * t[t > 0.0]).mean())
+    return Felt(force, rms, holes, float(made[beside].max(initial=0.0) / mean))
+
+
+def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
+    """Pairs of neighbours among the samples of a region, (M, 3) [m], and how far apart they are [m]."""
+    from scipy.spatial import KDTree
+
+    if len(points) == 1:
+        return np.zeros(1, np.intp), np.zeros(1, np.intp), 0.0
+    tree = KDTree(points)
+    nearest = np.asarray(tree.query(points, 2)[0])
+    spacing = float(np.median(nearest[:, 1]))
+    pairs = tree.query_pairs(NEIGHBOURS * spacing, output_type="ndarray")
+    return pairs[:, 0], pairs[:, 1], spacing
+
+
+def _around(points: Floats, radius: float, every: KDTree) -> tuple[Floats, Indices]:
+    """Places 3 to 5 mm from samples of a region, along its surface, and no nearer to any other of `every`.
+
+    radius: in which neighbours tell how the surface lies [m]. Returns also beside which sample each is.
+    """
+    from scipy.spatial import KDTree
+
+    tree = KDTree(points)
+    turns = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    places, at = [np.empty((0, 3))], [np.empty(0, np.intp)]
+    for i, near in enumerate(tree.query_ball_point(points, radius)):
+        away = points[near] - points[i]
+        _, axes = np.linalg.eigh(away.T @ away)
+        u, v = axes[:, 2], axes[:, 1]
+        ring = np.cos(turns)[:, None] * u + np.sin(turns)[:, None] * v
+        places.append(np.concatenate([points[i] + r * ring for r in BESIDE]))
+        at.append(np.full(len(BESIDE) * AROUND, i))
+    found, which = np.concatenate(places), np.concatenate(at)
+    wanted = np.tile(np.repeat(BESIDE, AROUND), len(points))
+    free = every.query(found)[0] >= 0.99 * wanted
+    return found[free], which[free]

@@ -1,0 +1,121 @@
+"""Regions: samples of one surface, whose phases belong together.
+
+Where phases of neighbours differ by pi there is a zero between them, however near they are. So the samples
+of a region have the phases of one wave, and only the region's phase as a whole is free. Of all waves that come
+from the array to the region we take one that converges beyond it, because many transducers then share the work:
+phases as of a wave from the array's centre make those near the centre do most of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+from numba import complex64 as c8
+from numba import complex128 as c16
+from numba import int64 as i8
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import Array
+from pacinian.acoustics.compiled import compiled
+from pacinian.checks import kind, numbers
+from pacinian.solving import kernels
+from pacinian.solving.phases import beginning
+from pacinian.solving.problem import ISOLATED
+from pacinian.solving.propagator import gram
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Targets
+    from pacinian.solving.propagator import Propagator
+    from pacinian.solving.solution import Solution
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
+
+
+def joint_phases(array: Array, points: ArrayLike, medium: Air | None = None) -> Floats:
+    """Phases of a region's points, phi_m = k |q_m - f| [rad], (M,): of a wave that converges to a point beyond.
+
+    The point f = 2 m - c is as far beyond the region's middle m as the array's centre c is before it. With these
+    phases a field is even between points at most half a wavelength apart. array: whose centre counts. points: q, of one
+    region, (M, 3) [m]. medium: `Air()` unless given. Raises ArgumentError.
+    """
+    kind("array", array, Array)
+    q = numbers("points", points, (None, 3))
+    k = (Air() if medium is None else medium).wavenumber(array.transducer.frequency)
+    return _converging(q, array.centre, k) if len(q) else np.empty(0)
+
+
+def _converging(q: Floats, centre: Floats, k: float) -> Floats:
+    away = q - (2.0 * q.mean(axis=0) - centre)
+    return np.asarray(k * np.sqrt(np.einsum("mk,mk->m", away, away)))
+
+
+def settle(propagator: Propagator, targets: Targets, warm: Solution | None) -> Targets:
+    """The same targets with every phase given, for points where some belong to regions.
+
+    Within a region the phases are those of `joint_phases`, turned as a whole by the region's own phase. Those,
+    and the phases of isolated samples, are chosen by Gerchberg-Saxton steps, as in `phases`: from those
+    that `warm` made, so that none jumps. Phases that were given stay.
+    """
+    assert targets.regions is not None
+    t, given = targets.amplitudes, ~targets.free
+    M = len(t)
+    k = propagator.medium.wavenumber(propagator.array.transducer.frequency)
+    wave = np.zeros(M)
+    for number in range(int(targets.regions.max()) + 1):
+        own = targets.regions == number
+        wave[own] = _converging(propagator.points[own], propagator.origin, k)
+    group, count = _groups(targets.regions, given)
+    alone = (targets.regions == ISOLATED) & ~given
+    start, steps = beginning(M, None if warm is None else _phases(warm))
+    if warm is None:
+        start = np.where(alone, start, wave)
+    phi = np.where(given, targets.phases, np.where(alone, start, wave))
+    p = t * np.exp(1j * phi)
+    # by how much each group is turned: the mean over its samples of what `start` has beyond `phi`
+    z = np.zeros(count, np.complex128)
+    np.add.at(z, group, t * np.exp(1j * (start - phi)))
+    size = np.abs(z)
+    z = np.where(size > 0.0, z / np.where(size > 0.0, size, 1.0), 1.0)
+    fixed = bool(given.any())
+    if fixed:
+        z[0] = 1.0
+    if count > 1:
+        rows = np.empty((count, len(propagator.array)), propagator.dtype)
+        backward(propagator.B, p.astype(np.complex128), group, rows)
+        turns = np.ones(count, np.bool_)
+        turns[0] = not fixed
+        kernels.gerchberg_saxton(gram(rows), turns, steps, z)
+    phases = np.where(given, targets.phases, phi + np.angle(z)[group])
+    phases.flags.writeable = False
+    return replace(targets, phases=phases)
+
+
+def _phases(warm: Solution) -> Floats:
+    """What was asked last, if that is known, else what was made of it [rad], (M,)."""
+    return warm.phases if warm.asked_phases is None else warm.asked_phases
+
+
+def _groups(regions: Longs, given: Flags) -> tuple[Longs, int]:
+    """What turns as one: the group of each sample, (M,), and how many there are.
+
+    Samples of given phase are group 0, if there are any.
+    """
+    own = np.where(regions == ISOLATED, regions.max() + 1 + np.arange(len(regions)), regions)
+    names, group = np.unique(np.where(given, ISOLATED, own), return_inverse=True)
+    return group.astype(np.int64), len(names)
+
+
+def _sealed(number: numba.types.Complex) -> numba.types.Array:
+    return numba.types.Array(number, 2, "C", readonly=True)
+
+
+@compiled(*(numba.void(_sealed(c), c16[::1], i8[::1], c[:, ::1]) for c in (c8, c16)))
+def backward(B: Complexes, p: Complexes, group: Longs, rows: Complexes) -> None:
+    """Write p_g^H B_g for the samples of each group g, (R, N)."""
+    rows[:] = 0.0
+    for m in range(B.shape[0]):
+        to, row, z = rows[group[m]], B[m], np.conj(p[m])
+        for n in range(B.shape[1]):
+            to[n] += z * row[n]

@@ -1,0 +1,233 @@
+"""Least squares under the gain limit where every phase is given, without the Gram matrix: for regions.
+
+Samples of a region lie closer than the array resolves, so B B^H is nearly singular and its regularisation
+mu is felt. The dual is that of `convex.dual`: y is where F(y) = p - y - B h(B^H y) = 0. Newton steps find it,
+each the solution of (1 + B W B^H) d = F by conjugate gradients, W = dh/dx: 1 / mu in both directions
+where a gain is below its limit, 1 / |x| along its phase where it is held. One product reads B once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy import float32 as f4
+
+import pacinian as pc
+from pacinian.acoustics.compiled import compiled
+from pacinian.solving.evidence import EVEN
+from pacinian.solving.passes import TILE, backward, forward, load
+from pacinian.solving.rooms import give, take
+from pacinian_plugins.solvers.lagrange.attempt import certify, deliver
+from pacinian_plugins.solvers.lagrange.double import newton
+from pacinian_plugins.solvers.lagrange.small import within
+from pacinian_plugins.solvers.lagrange.sweeps import evaluate
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Floats, Gains, Singles
+
+ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: less changes nothing that is felt
+INEXACT = 0.1  # of ||F||: how well a Newton step is solved for
+STEPS, PASSES = 30, 300  # Newton steps at most; conjugate gradients at most, for each
+LEAST = 4  # of the first, whatever the time: to go on from, where it was too short
+ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
+WEAK, CLOSE = 1e3, 0.005  # under full drive towards one sample; relative, of the strongest
+AS_EVEN = 1.5  # times the error of a weak field: the strongest's
+REFINED = 16  # Newton steps in double precision
+
+
+@compiled("void(c8[:, ::1], f4[:, ::1], f4[:, ::1], f4, f8[:, ::1], f4[:, :, ::1])")
+def bend(B: Gains, d: Singles, h: Singles, mu: np.float32, p: Floats, tile: Singles) -> None:
+    """Write p = B W B^H d, (2, M); arguments as in `sweeps`, W at the gains h."""
+    N = B.shape[1]
+    xr, xi = np.empty(TILE, f4), np.empty(TILE, f4)
+    p[:] = 0.0
+    for first in range(0, N, TILE):
+        count = min(TILE, N - first)
+        load(B, first, count, tile)
+        backward(tile, count, d, xr, xi)
+        hr, hi = h[0, first : first + count], h[1, first : first + count]
+        size = h[2, first : first + count]
+        for n in range(count):
+            held = size[n] > mu
+            weight = f4(1.0) / max(size[n], mu)
+            along = (xi[n] * hr[n] - xr[n] * hi[n]) * weight
+            xr[n] = -along * hi[n] if held else xr[n] * weight
+            xi[n] = along * hr[n] if held else xi[n] * weight
+        forward(tile, count, xr, xi, p)
+
+
+class Space(NamedTuple):
+    """Space for the kernels, for M samples and N transducers."""
+
+    tile: Singles
+    h: Singles  # gains and |x_n|, (3, N)
+    planes: Singles  # a vector of M, real and imaginary parts, (2, M rounded up to 4)
+    made: Floats  # (2, M)
+
+    @classmethod
+    def of(cls, M: int, N: int) -> Space:
+        """Space for M samples and N transducers."""
+        rows = M + -M % 4
+        return cls(
+            np.zeros((2, rows, TILE), np.float32),
+            np.zeros((3, N), np.float32),
+            np.zeros((2, rows), np.float32),
+            np.zeros((2, M)),
+        )
+
+
+class Descent:
+    """Newton steps on y, (M,), from where it is given, for targets p, (M,) [Pa per unit limit]."""
+
+    def __init__(
+        self, B: Gains, p: Complexes, y: Complexes, mu: float, space: Space, budget: pc.Budget
+    ) -> None:
+        self.B, self.p, self.y, self.mu = B, p, y, mu
+        self.space, self.budget = space, budget
+        self.steps = 0
+        self.cost = 0.0
+        """The sum of c(x_n) at y."""
+
+    def run(self) -> None:
+        """Go on until F is short, or nothing improves; the gains are in the space."""
+        size, last = float(np.linalg.norm(self.p)), self.steps + STEPS
+        F, value = self._look(self.y)
+        while (missed := float(np.linalg.norm(F))) > ENOUGH * size:
+            if self.steps == last or (self.steps > last - STEPS and self.budget.spent):
+                break
+            d = self._direction(F, max(INEXACT * missed, ENOUGH * size / 2.0))
+            slope, step = float(np.vdot(F, d).real), 1.0
+            at, before = self.y, value
+            while step > SHORTEST:
+                F, value = self._look(at + step * d)
+                if value >= before + ARMIJO * step * slope:
+                    break
+                step /= 2.0
+            else:
+                self._look(at)
+                break
+            self.steps += 1
+
+    def uneven(self) -> float:
+        """|| |p| - |B h| || / ||p||."""
+        size = np.abs(self.p)
+        return float(np.linalg.norm(size - np.abs(self._made())) / np.linalg.norm(size))
+
+    def _look(self, y: Complexes) -> tuple[Complexes, float]:
+        """F and the dual's value D at y, which is kept with its gains."""
+        space, self.y = self.space, y
+        self.cost = evaluate(self.B, self._planes(y), f4(self.mu), space.h, space.made, space.tile)
+        value = float(np.vdot(y, self.p).real - np.vdot(y, y).real / 2.0) - self.cost
+        return self.p - y - self._made(), value
+
+    def _direction(self, F: Complexes, enough: float) -> Complexes:
+        """The d of (1 + B W B^H) d = F with a residual of at most `enough`."""
+        space = self.space
+        d, r = np.zeros_like(F), F.copy()
+        q, square = r.copy(), float(np.vdot(r, r).real)
+        for done in range(PASSES):
+            bend(self.B, self._planes(q), space.h, f4(self.mu), space.made, space.tile)
+            Hq = q + self._made()
+            a = square / float(np.vdot(q, Hq).real)
+            d += a * q
+            r -= a * Hq
+            last, square = square, float(np.vdot(r, r).real)
+            if square <= enough * enough or (done >= LEAST and self.budget.spent):
+                break
+            q = r + (square / last) * q
+        return d
+
+    def _planes(self, y: Complexes) -> Singles:
+        """A vector (M,) as the kernels take it."""
+        planes = self.space.planes
+        planes[0, : len(y)], planes[1, : len(y)] = y.real, y.imag
+        return planes
+
+    def _made(self) -> Complexes:
+        """What the last kernel wrote, (M,)."""
+        return np.asarray(self.space.made[0] + 1j * self.space.made[1])
+
+
+def solve(
+    propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, warm: pc.Solution | None,
+    budget: pc.Budget, out: pc.Gains, relative: float,
+) -> pc.Result:  # fmt: skip
+    """Write the gains nearest to targets of given phase that the gain limit allows; or the strongest even ones.
+
+    relative: mu over trace(B B^H) / M. Multipliers are carried on from `warm`, where they are for as many samples.
+    """
+    B = propagator.single
+    M, N = B.shape
+    mu = relative * propagator.power
+    if not mu:
+        return pc.Result(note="no transducer reaches the points")
+    p, norm = targets.complex(targets.phases), targets.norm
+    # without a limit none is to be felt: ||g|| <= ||p|| / (2 sqrt(mu))
+    unit = limits.gain or norm / math.sqrt(mu)
+    share = within(norm / unit, relative, mu, N)
+    p *= share / unit
+    key = Space, M, N
+    space = take(key, lambda: Space.of(M, N))
+    descent = Descent(B, p, begin(targets, warm) * (share / unit), mu, space, budget)
+    strongest = targets.scale == "max"
+    if strongest:
+        climb(descent)
+        share = max(share, 1.0)  # of any strength
+    else:
+        descent.run()
+    p, y, scale = descent.p, descent.y, unit / max(share, 1.0)
+    proof, free = np.zeros(8), np.zeros(M, np.bool_)
+    if out.dtype == np.complex64:
+        deliver(space.h, scale, out)
+        certify(p, free, mu, y, space.h, space.made, descent.cost, proof)
+        bound, objective = proof[5:7].tolist()
+    else:
+        fine = newton(propagator.B, propagator.gram, p, free, mu, y, REFINED, budget)
+        out[:] = scale * fine.h
+        y, bound, objective = fine.y, fine.bound, fine.objective
+    held = int((space.h[2] > mu).sum())
+    give(key, space, M * N)
+    proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
+    return pc.Result(
+        iterations=descent.steps,
+        limited=held > 0 and limits.gain is not None,
+        late=budget.spent,
+        bound=bound * proven,
+        objective=objective * proven,
+        multipliers=None if strongest else y * (unit / share),
+        mu=mu,
+        note=f"{held / N:.0%} of the transducers at their limit" if held else "",
+    )
+
+
+def climb(descent: Descent) -> None:
+    """The largest multiple of the targets that is made as evenly as a weak one, or within `EVEN`."""
+    p, B = descent.p, descent.B
+    asked = np.abs(p) > 0.0
+    top = float((np.abs(B[asked]).sum(axis=1) / np.abs(p[asked])).min())  # all towards one sample
+    if not top:
+        return
+    low, high = math.log(top / WEAK), math.log(top)
+    enough, at, best = 0.0, low, low
+    while True:
+        descent.y = descent.y * (math.exp(at) * np.linalg.norm(p) / np.linalg.norm(descent.p))
+        descent.p = math.exp(at) * p
+        descent.run()
+        error = descent.uneven()
+        enough = enough or max(EVEN, AS_EVEN * error)
+        best, high = (at, high) if error <= enough else (best, at)
+        if descent.budget.spent or (high - best < CLOSE and best == at):
+            return
+        at = best if high - best < CLOSE else (best + high) / 2.0
+
+
+def begin(targets: pc.Targets, warm: pc.Solution | None) -> Complexes:
+    """Multipliers to start from, (M,) [Pa]: those of `warm`, turned with the phases; else 0."""
+    y = None if warm is None else warm.multipliers
+    before = None if warm is None else warm.asked_phases
+    if warm is None or y is None or before is None or not warm.targets.norm:
+        return np.zeros(len(targets.amplitudes), np.complex128)
+    turn = np.exp(1j * (targets.phases - before))
+    return np.asarray(y * turn * (targets.norm / warm.targets.norm), np.complex128)

@@ -1,0 +1,187 @@
+"""Regions: one wave's phases within, free between, and what is felt of them."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.solving.felt import Places
+from pacinian.solving.problem import Targets
+from pacinian.solving.propagator import Propagator
+from pacinian.solving.regions import settle
+
+ARRAY = pc.autd()
+AIR = pc.Air()
+K = 2.0 * math.pi * 40e3 / 340.0  # [rad/m]
+
+
+def patch(x=0.0, y=0.0, z=0.15, count=4, spacing=0.0034):
+    """A square of points."""
+    side = spacing * (np.arange(count) - (count - 1) / 2.0)
+    X, Y = np.meshgrid(x + side, y + side)
+    return np.c_[X.ravel(), Y.ravel(), np.full(count * count, z)]
+
+
+def settled(q, regions, amplitudes=None, phases=None, warm=None, array=ARRAY):
+    t = np.ones(len(q)) if amplitudes is None else amplitudes
+    propagator = Propagator(array, AIR)
+    propagator.place(q)
+    return settle(propagator, Targets.checked(len(q), t, phases, "exact", regions), warm)
+
+
+def off(a, b):
+    """By how much angles differ [rad]."""
+    return np.abs(np.angle(np.exp(1j * (np.asarray(a) - b))))
+
+
+def test_joint_phases_are_those_of_a_wave_that_converges_beyond():
+    q = np.array([[0.01, -0.02, 0.1], [0.0, 0.0, 0.3]])
+    focus = np.array([0.01, -0.02, 0.4]) - ARRAY.positions.mean(axis=0)
+    away = np.sqrt(((q - focus) ** 2).sum(axis=1))
+    assert pc.joint_phases(ARRAY, q) == pytest.approx(K * away)
+    assert pc.joint_phases(ARRAY, q, pc.Air(speed_of_sound=170.0)) == pytest.approx(2 * K * away)
+    assert pc.joint_phases(ARRAY, np.empty((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("bad", [[0.0], [[0, 0]], [0], [0, 1, 2], ["a", "b"], [1, [2]], 0])
+def test_regions_are_whole_numbers_one_for_each_point(bad):
+    with pytest.raises(pc.ArgumentError, match="regions"):
+        pc.solve(ARRAY, patch(count=2)[:2], [100.0, 100.0], regions=bad)
+
+
+def test_points_of_no_region_are_solved_as_before():
+    q, t = patch(count=3, spacing=0.02), np.full(9, 200.0)
+    apart = pc.solve(ARRAY, q, t, regions=np.full(9, -1))
+    assert apart.targets.regions is None
+    assert np.array_equal(apart.gains, pc.solve(ARRAY, q, t).gains)
+
+
+@given(st.lists(st.integers(-2, 3), min_size=6, max_size=6), st.integers(0, 2**31))
+def test_the_phases_of_a_region_are_the_waves_turned_as_a_whole(regions, seed):
+    rng = np.random.default_rng(seed)
+    q = rng.uniform([-0.05, -0.05, 0.1], [0.05, 0.05, 0.2], (6, 3))
+    phases = np.where(rng.random(6) < 0.3, rng.uniform(-3.0, 3.0, 6), np.nan)
+    if not (np.array(regions) >= 0).any():
+        return
+    found = settled(q, regions, rng.uniform(0.0, 2.0, 6), phases).phases
+    assert np.isfinite(found).all()
+    given_ = ~np.isnan(phases)
+    assert np.array_equal(found[given_], phases[given_])
+    for number in set(regions) - {-1, -2}:
+        own = np.array(regions) == number
+        turn = found[own] - pc.joint_phases(ARRAY, q[own])
+        assert (off(turn[~given_[own]], turn[~given_[own]][:1]) < 1e-9).all()
+
+
+def test_regions_are_turned_to_where_they_take_the_least_power():
+    q = np.concatenate([patch(-0.02), patch(0.02, z=0.1537)])
+    regions = np.repeat([3, 8], 16)
+    found = settled(q, regions).phases
+    B = pc.matrix(ARRAY, q)
+    wave = np.concatenate([pc.joint_phases(ARRAY, part) for part in (q[:16], q[16:])])
+
+    def strength(turn):
+        """What comes back at the array."""
+        return np.linalg.norm(B.conj().T @ np.exp(1j * (wave + turn * (regions == 8))))
+
+    best = max(strength(turn) for turn in np.linspace(0.0, 2.0 * np.pi, 361))
+    assert strength((found - wave)[16] - (found - wave)[0]) >= 0.998 * best
+
+
+def test_a_region_that_moves_keeps_its_phase():
+    q = np.concatenate([patch(-0.02), patch(0.02), [[0.0, 0.04, 0.2]]])
+    regions = np.append(np.repeat([0, 1], 16), -1)
+    session, t = pc.Session(ARRAY), np.full(33, 300.0)
+    last = session.solve(q, t, regions=regions)
+    for step in range(1, 6):
+        moved = q + 0.0004 * step * np.array([1.0, 0.0, 1.0])
+        now = session.solve(moved, t, regions=regions)
+        turned = np.exp(1j * (now.phases - last.phases))
+        for part in (slice(0, 16), slice(16, 32), slice(32, 33)):
+            assert abs(np.angle(turned[part].mean())) < 0.1
+        last = now
+
+
+def test_the_strength_of_a_region_only_scales_the_last_solution():
+    session, q, regions = pc.Session(ARRAY), patch(), np.zeros(16, int)
+    first = session.solve(q, np.full(16, 100.0), regions=regions)
+    second = session.solve(q, np.full(16, 50.0), regions=regions)
+    assert session.propagator.work.solutions_scaled == 1
+    assert second.gains == pytest.approx(0.5 * first.gains, rel=1e-5)
+    session.solve(q, np.full(16, 50.0), regions=np.repeat([0, 1], 8))
+    assert session.propagator.work.solved == 2
+
+
+# ---------------------------------------------------------------------- what is felt
+
+
+def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
+    q, targets = patch(), Targets.checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int))
+    places = Places.of(q, targets, None)
+    away = np.sqrt(((places.points[:, None] - q) ** 2).sum(axis=2)).min(axis=1)
+    inside, beside = ~places.beside, places.beside
+    assert (np.abs(places.points[inside, :2]) <= 1.5 * 0.0034 + 1e-12).all()
+    assert (away[inside] > 0.0016).all()
+    assert (away[beside] > 0.00297).all()
+    assert (away[beside] < 0.00501).all()
+    assert places.points[:, 2] == pytest.approx(0.15)
+    assert len(np.unique(np.sign(places.points[beside, :2]), axis=0)) == 4  # on all sides
+    assert (places.asked[inside] == 9.0).all()
+    assert not places.asked[beside].any()
+
+
+def test_the_figures_of_what_is_felt():
+    q = np.concatenate([patch(), patch(0.05)])
+    targets = Targets.checked(32, np.repeat([3.0, 0.0], 16), None, "exact", np.repeat([0, 1], 16))
+    places = Places.of(q, targets, None)
+    own = places.region == 0
+    p = np.where(places.beside, 1.5, 3.0) + 0j
+    assert places.felt(p) == (pc.Felt(1.0, 0.0, 0.0, 0.25), pc.Felt())
+    p[np.flatnonzero(own & ~places.beside)[::2]] = 0.0
+    count = int((own & ~places.beside).sum())
+    gone = math.ceil(count / 2) / count
+    first = places.felt(p)[0]
+    assert first == pytest.approx((1.0 - gone, math.sqrt(gone), gone, 0.25))
+    assert not first.even
+    assert places.felt(2.0 * p, multiple=2.0)[0] == pytest.approx(first)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_region_of_few_samples_is_felt_too(count):
+    q = patch()[:count]
+    solution = pc.solve(ARRAY, q, np.full(count, 300.0), regions=np.zeros(count, int))
+    assert solution.felt[0].force == pytest.approx(1.0, abs=0.15)  # more between two than at them
+
+
+def test_free_phases_are_met_at_the_samples_and_not_between():
+    q = patch(count=5, spacing=0.0085)
+    t = np.full(25, 150.0)
+    free = pc.Session(ARRAY)
+    assert free.solve(q, t).error < 1e-3
+    free.last = pc.Session(ARRAY).solve(q, t, regions=np.zeros(25, int))
+    coarse = pc.solve(ARRAY, q, t, regions=np.zeros(25, int))
+    fine = patch(count=11, spacing=0.0034)
+    dense = pc.solve(ARRAY, fine, np.full(121, 150.0), regions=np.zeros(121, int))
+    assert dense.felt[0].rms < 0.05 < coarse.felt[0].rms
+    assert dense.status is pc.Status.ok
+
+
+def test_a_status_of_ok_holds_between_the_samples():
+    q = patch(count=4, spacing=0.012)  # too far apart to say anything of the field between
+    solution = pc.solve(ARRAY, q, np.full(16, 150.0), regions=np.zeros(16, int))
+    assert solution.error < 0.03
+    assert not solution.felt[0].even
+    assert solution.status is pc.Status.approximate
+
+
+def test_a_certificate_tells_what_is_felt_of_the_gains_as_emitted():
+    session, q = pc.Session(ARRAY), patch()
+    solution = session.solve(q, np.full(16, 300.0), regions=np.zeros(16, int))
+    assert solution.felt == ()
+    whole, half = session.certify(solution.gains), session.certify(solution.gains / 2.0)
+    assert whole.felt[0].even
+    assert half.felt[0].force == pytest.approx(whole.felt[0].force / 4.0, rel=1e-4)
+    assert "felt of region 0" in whole._repr_html_()

@@ -1,0 +1,253 @@
+"""`lagrange` at regions: optimal by CVXPY, even between the samples, warm as cold."""
+
+import math
+
+import cvxpy as cp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.solving.evidence import EVEN
+
+from ..problems import ARRAY, optimum
+
+AIR = pc.Air()
+ONE, NINE = pc.autd(), pc.autd(3, 3)
+MU = 5e-3
+SPACING = 0.0034  # [m], 0.4 wavelengths
+
+
+def edged(extent, spacing=SPACING):
+    """Points along an edge, both ends among them."""
+    return np.linspace(-extent / 2, extent / 2, math.ceil(extent / spacing - 1e-9) + 1)
+
+
+def rectangle(width, height, spacing=SPACING):
+    X, Y = np.meshgrid(edged(width, spacing), edged(height, spacing))
+    return np.c_[X.ravel(), Y.ravel()]
+
+
+def ringed(outer, inner=0.0, spacing=SPACING):
+    """Rings of points, the outline among them."""
+    count = max(1, math.ceil((outer - inner) / spacing - 1e-9))
+    made = []
+    for r in np.linspace(inner, outer, count + 1):
+        around = max(1, math.ceil(2 * math.pi * r / spacing))
+        turn = 2 * math.pi * (np.arange(around) + 0.5 * (len(made) % 2)) / around
+        made.append(np.c_[r * np.cos(turn), r * np.sin(turn)])
+    return np.concatenate(made)
+
+
+SHAPES = {
+    "disc": (ringed(0.015), lambda x, y: np.hypot(x, y) <= 0.015),
+    "small disc": (ringed(0.005), lambda x, y: np.hypot(x, y) <= 0.005),
+    "ring": (
+        ringed(0.02, 0.012),
+        lambda x, y: (np.hypot(x, y) <= 0.02) & (np.hypot(x, y) >= 0.012),
+    ),
+    "strip": (rectangle(0.008, 0.03), lambda x, y: (abs(x) <= 0.004) & (abs(y) <= 0.015)),
+    "square": (rectangle(0.04, 0.04), lambda x, y: (abs(x) <= 0.02) & (abs(y) <= 0.02)),
+}
+
+
+def at(points, height=0.2):
+    return np.c_[points, np.full(len(points), height)]
+
+
+def grid(inside, height=0.2):
+    """A grid of 1 mm over a shape, and of what lies 3 to 10 mm beside it."""
+    side = np.arange(-0.035, 0.035, 0.001) + 0.00037
+    X, Y = (a.ravel() for a in np.meshgrid(side, side))
+    own = inside(X, Y)
+    away = np.sqrt((X[:, None] - X[own]) ** 2 + (Y[:, None] - Y[own]) ** 2).min(axis=1)
+    every = at(np.c_[X, Y], height)
+    return every[own], every[(away > 0.003) & (away < 0.01)]
+
+
+def pressure(array, gains, points):
+    """Radiation pressure, by B in double precision."""
+    p = pc.matrix(array, points, AIR) @ gains.astype(complex)
+    return pc.radiation_pressure(p, AIR)
+
+
+def whole(points):
+    return np.zeros(len(points), int)
+
+
+def solve(array, points, P, **options):
+    t = pc.sound_pressure(np.full(len(points), P), AIR)
+    return pc.solve(array, points, t, regions=whole(points), solver="lagrange", **options)
+
+
+@pytest.mark.parametrize(
+    ("array", "P", "most"), [(ONE, 0.5, 1.3), (NINE, 1.5, 0.8)], ids=["one unit", "nine"]
+)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_pressure_is_even_between_the_samples_and_little_beside(shape, array, P, most):
+    points, inside = SHAPES[shape]
+    solution = solve(array, at(points), P)
+    within, beside = grid(inside)
+    made = pressure(array, solution.gains, within)
+    assert solution.status is pc.Status.ok
+    assert made.sum() / (P * len(made)) == pytest.approx(1.0, abs=0.025)
+    assert np.sqrt(((made - P) ** 2).mean()) / P < 0.04
+    assert made.min() > 0.8 * P
+    assert pressure(array, solution.gains, beside).max() < most * P  # one unit resolves 10 mm
+    # and what a solution tells of itself is that
+    assert solution.felt[0].rms == pytest.approx(np.sqrt(((made - P) ** 2).mean()) / P, abs=0.012)
+    assert solution.felt[0].force == pytest.approx(made.sum() / (P * len(made)), abs=0.012)
+
+
+@given(st.integers(0, 10**6), st.floats(0.05, 3.0), st.sampled_from([1.0, None, 0.3]))
+def test_the_answer_is_the_optimum_under_the_gain_limit(seed, level, gain):
+    rng = np.random.default_rng(seed)
+    q = at(rng.uniform(-0.015, 0.015, (12, 2)), 0.15)
+    t = rng.uniform(0.3, 1.0, 12) * level * np.abs(pc.matrix(ARRAY, q)).sum(axis=1).mean() / 4.0
+    phases = pc.joint_phases(ARRAY, q)
+    session = pc.Session(ARRAY, solver="lagrange")
+    session.solve(q, t, phases, regions=whole(q), limits=pc.Limits(gain=gain))
+    assert session.last is not None
+    solution = session.certify(session.last.gains)
+    B, p = pc.matrix(ARRAY, q), t * np.exp(1j * phases)
+    assert solution.mu == pytest.approx(MU * (np.abs(B) ** 2).sum() / 12, rel=1e-4)
+    g = cp.Variable(len(ARRAY), complex=True)
+    unit = np.linalg.norm(p)
+    cost = cp.sum_squares((p - B @ g) / unit) / 2 + solution.mu / unit**2 / 2 * cp.sum_squares(g)
+    best = optimum(cost, [] if gain is None else [cp.abs(g) <= gain]) * unit**2
+    size = unit**2 / 2
+    assert solution.bound <= best + 1e-5 * size
+    assert solution.objective >= best - 1e-5 * size
+    assert solution.objective - best < 1e-3 * size
+    assert best - solution.bound < 1e-3 * size
+    if gain is not None:
+        assert np.abs(solution.gains).max() <= gain
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_a_warm_solve_ends_where_a_cold_one_does_in_fewer_steps(precision):
+    q, P = at(SHAPES["square"][0]), 2.5  # a part is at its limit
+    t = pc.sound_pressure(np.full(len(q), P), AIR)
+    session = pc.Session(NINE, solver="lagrange", precision=precision)
+    cold = session.solve(q, t, regions=whole(q))
+    steps = []
+    for step in range(1, 4):
+        moved = q + 0.0004 * step * np.array([1.0, 0.5, 0.0])
+        warm = session.solve(moved, t, regions=whole(q))
+        again = pc.solve(NINE, moved, t, regions=whole(q), solver="lagrange", precision=precision)
+        a, b = (pressure(NINE, s.gains, moved) for s in (warm, again))
+        assert np.abs(a - b).max() < 0.03 * P
+        steps.append(warm.iterations)
+    assert max(steps) < cold.iterations
+
+
+def test_the_strongest_region_is_even_and_no_stronger_one_is():
+    q = at(SHAPES["disc"][0])
+    solution = pc.solve(ONE, q, np.ones(len(q)), regions=whole(q), scale="max")
+    assert solution.felt[0].even
+    assert np.abs(solution.gains).max() == pytest.approx(1.0, abs=1e-3)
+    P = pressure(ONE, solution.gains, q).mean()
+    assert solve(ONE, q, P).error < 1.2 * EVEN
+    assert solve(ONE, q, 1.5 * P).error > 1.2 * EVEN
+    assert solve(ONE, q, 1.5 * P).status is pc.Status.limited
+
+
+def test_without_a_limit_none_is_felt():
+    q = at(SHAPES["disc"][0])
+    t = pc.sound_pressure(np.full(len(q), 100.0), AIR)
+    free = pc.solve(ONE, q, t, regions=whole(q), limits=pc.Limits(gain=None), solver="lagrange")
+    weak = pc.solve(ONE, q, 1e-3 * t, regions=whole(q), solver="lagrange")
+    assert free.felt[0].even
+    assert np.abs(free.gains).max() > 1.0
+    assert np.abs(free.gains - 1e3 * weak.gains).max() < 0.02 * np.abs(free.gains).max()
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e-12, 1e-3, 1e12, 1e30])
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_targets_of_any_size(size, precision):
+    q = at(ringed(0.006))
+    t = np.full(len(q), size)
+    solution = pc.solve(ONE, q, t, regions=whole(q), solver="lagrange", precision=precision)
+    assert np.isfinite(solution.gains).all()
+    assert np.abs(solution.gains).max() <= 1.0
+    if size < 1.0:
+        assert solution.felt[0].even
+
+
+ONE_DISC = at(ringed(0.006))
+AWKWARD = {
+    "in one place": np.repeat(ONE_DISC[:1], 20, axis=0),
+    "in pairs": np.repeat(ONE_DISC, 2, axis=0),
+    "on a line": at(np.c_[edged(0.03), np.zeros(len(edged(0.03)))]),
+    "behind": ONE_DISC * [1, 1, -1],
+    "10 m wide": at(rectangle(10.0, 10.0, 1.0)),
+    "upright": ONE_DISC[:, [0, 2, 1]] - np.array([0, 0.2, -0.2]),
+    "as many as transducers": at(rectangle(0.05, 0.05, 0.0032)),
+    "of 1000": at(rectangle(0.04, 0.04, 0.00128)),
+}
+
+
+@pytest.mark.parametrize("what", AWKWARD)
+def test_awkward_regions_have_an_answer(what):
+    q = AWKWARD[what]
+    t = pc.sound_pressure(np.full(len(q), 0.3), AIR)
+    solution = pc.solve(ONE, q, t, regions=whole(q))
+    assert np.isfinite(solution.gains).all()
+    assert np.abs(solution.gains).max() <= 1.0
+    if what not in ("10 m wide", "behind"):
+        assert solution.felt[0].force == pytest.approx(1.0, abs=0.05)
+    if what == "10 m wide":
+        assert solution.status is not pc.Status.ok
+
+
+def test_two_regions_and_a_point_each_get_their_own():
+    disc = ringed(0.008)
+    q = np.concatenate(
+        [at(disc - np.array([0.03, 0])), at(disc + np.array([0.03, 0]), 0.22), [[0.0, 0.04, 0.2]]]
+    )
+    regions = np.append(np.repeat([0, 1], len(disc)), -1)
+    asked = np.append(np.repeat([1.0, 3.0], len(disc)), 2.0)
+    solution = pc.solve(NINE, q, pc.sound_pressure(asked, AIR), regions=regions)
+    assert solution.status is pc.Status.ok
+    assert all(felt.even for felt in solution.felt)
+    assert pressure(NINE, solution.gains, q[-1:]) == pytest.approx(2.0, rel=0.03)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.0017, 0.0034])
+def test_regions_that_touch_or_overlap_have_no_dark_line_between(gap):
+    half = np.array([0.006 + gap / 2, 0.0])
+    left, right = rectangle(0.012, 0.02) - half, rectangle(0.012, 0.02) + half
+    q = at(np.concatenate([left, right]))
+    t = pc.sound_pressure(np.full(len(q), 1.5), AIR)
+    solution = pc.solve(NINE, q, t, regions=np.repeat([0, 1], len(left)))
+    line = at(np.c_[np.zeros(19), np.linspace(-0.009, 0.009, 19)])
+    assert pressure(NINE, solution.gains, line).min() > 0.8 * 1.5
+
+
+def test_phases_that_are_given_win():
+    q = at(ringed(0.01))
+    tilt = 150.0 * q[:, 0]
+    t = pc.sound_pressure(np.full(len(q), 0.5), AIR)
+    solution = pc.solve(ONE, q, t, tilt, regions=whole(q))
+    turned = np.exp(1j * (solution.phases - tilt))
+    assert abs(turned.mean()) > 0.98
+    assert solution.felt[0].even
+
+
+def test_a_quiet_point_beside_a_region_is_kept():
+    q = at(ringed(0.01))
+    ear = np.array([[0.05, 0.0, 0.2]])
+    t = pc.sound_pressure(np.full(len(q), 0.5), AIR)
+    loud = np.abs(pc.matrix(ONE, ear) @ solve(ONE, q, 0.5).gains)[0]
+    limits = pc.Limits(quiet=(ear, loud / 10.0))
+    solution = pc.solve(ONE, q, t, regions=whole(q), limits=limits)
+    assert np.abs(pc.matrix(ONE, ear) @ solution.gains)[0] < 1.01 * loud / 10.0
+    assert solution.felt[0].force == pytest.approx(1.0, abs=0.05)
+
+
+def test_no_time_is_a_finite_answer_in_time():
+    q = at(SHAPES["square"][0])
+    solution = solve(NINE, q, 10.0, deadline=0.0)
+    assert solution.status is pc.Status.deadline
+    assert np.isfinite(solution.gains).all()
