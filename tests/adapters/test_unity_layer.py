@@ -134,7 +134,7 @@ def test_what_is_changed_while_it_runs(game: Game) -> None:
 
     def is_weak(status: dict[str, Any]) -> bool:
         """Wherever the hand is."""
-        weak.append(0.0 < status["emitted"] < 2.5)
+        weak.append(0.0 < status["emitted"] < 3.0)  # at the rim it may be a third more than asked
         return all(weak[-STATES:])
 
     game.until(is_weak)

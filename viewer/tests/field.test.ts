@@ -73,14 +73,16 @@ test("scales are round and not below what is seen", () => {
 
 test("a scale grows at once, shrinks slowly, and stays where it is told to", () => {
   const scale = new Scale();
-  assert.ok(scale.see(11));
+  assert.ok(scale.see(11, 0));
   assert.equal(scale.most, 15);
-  assert.ok(!scale.see(9));
-  let seen = 0;
-  while (!scale.see(2)) seen += 1;
-  assert.ok(seen > 20 && scale.most < 15);
+  assert.ok(!scale.see(9, 0.5));
+  let time = 0.5;
+  while (!scale.see(2, time)) time += 0.1;
+  assert.ok(time > 1 && time < 5 && scale.most < 15);
+  assert.ok(scale.see(2, 60), "after a minute without a slice, one is enough");
+  assert.equal(scale.most, 2);
   scale.auto = false;
-  assert.ok(!scale.see(500));
+  assert.ok(!scale.see(500, 61));
 });
 
 test("axes hold what they are around", () => {

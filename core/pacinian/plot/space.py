@@ -27,6 +27,7 @@ Colour = tuple[float, float, float]
 LIGHT = np.array([0.3, -0.4, 0.9])
 DARKEST = 0.5  # share of its colour that a side away from the light has
 FINE, MANY = 0.002, 4000  # [m] between discs on an object; so many of them at most
+DISCS = 3.5e-3  # [m] between those of a skin
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 
 
@@ -74,8 +75,9 @@ def array_of(array: Array) -> Discs:
 
 def skin(hand: Hand, eye: Floats) -> Discs:
     """A hand, which is not lost."""
-    placed = skin_of(hand).place(hand)
-    return Discs.of(placed.points, SKIN, 0.0065).lit(placed.normals, eye)
+    skin = skin_of(hand)
+    placed, nodes = skin.place(hand), skin.counts[skin.level(DISCS)]
+    return Discs.of(placed.points[:nodes], SKIN, 0.0065).lit(placed.normals[:nodes], eye)
 
 
 def thing(item: Object, pose: Pose, eye: Floats) -> Discs:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
-EVEN = 0.03  # the same where there are regions: at their samples, 6 % of the pressure that is felt
+EVEN = 0.05  # the same where there are regions: at their samples, 10 % of the pressure that is felt
 ROUNDED = 1e-5  # of a limit: what rounding to levels or to single precision adds
 QUIETEST = 1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
 

@@ -34,7 +34,11 @@ def felt(scene: pc.Scene) -> pc.Samples:
 
 SAMPLES = felt(SCENE)
 GAINS = pc.solve(
-    ARRAY, SAMPLES.positions, pc.sound_pressure(SAMPLES.radiation_pressure, AIR), medium=AIR
+    ARRAY,
+    SAMPLES.positions,
+    pc.sound_pressure(SAMPLES.radiation_pressure, AIR),
+    regions=SAMPLES.regions,
+    medium=AIR,
 ).gains
 
 

@@ -1,7 +1,7 @@
 /** A scale from nothing to a round number, which does not change with every value. */
 
 const ROUND = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
-const FADE = 0.985; // of what is held, each time
+const FADE = 0.8; // of what is held, each second
 const ROOM = 0.5; // share of a scale below which it is too large
 
 /** The next round number that is not below x; 1 of nothing. */
@@ -18,11 +18,13 @@ export class Scale {
   /** Whether it follows what is seen. */
   auto = true;
   private held = 0;
+  private seen = -Infinity;
 
-  /** Another most has been seen; whether the scale is another. */
-  see(most: number): boolean {
+  /** Another most has been seen, at a time [s]; whether the scale is another. */
+  see(most: number, time = performance.now() / 1000): boolean {
     if (!Number.isFinite(most)) return false;
-    this.held = Math.max(most, FADE * this.held);
+    this.held = Math.max(most, FADE ** (time - this.seen) * this.held);
+    this.seen = time;
     if (!this.auto) return false;
     const small = this.held > this.most;
     const large = this.held > 0 && this.held < ROOM * this.most;

@@ -34,19 +34,25 @@ class CapsuleSkin(Skin):
     to the little finger's. A bone of no length keeps its parent's frame; a palm of no extent the world's.
     A left hand is placed as the mirror image of a right one.
 
-    At rest the fingers are straight: bending them uncovers skin on the backs of the joints, on which
-    there are no points.
+    At rest the fingers are straight. Bending them uncovers skin on the backs of the joints: of the two capsules'
+    spheres there, the larger. Its points are of the finest level only, and inside of the flesh at rest.
     """
 
     def __init__(self) -> None:
         shapes = flesh.capsules(Hand.open())
-        parts = [_around(shapes, c) for c in range(len(shapes))]
-        bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
-        points, normals, area, along, mantle = map(np.concatenate, zip(*parts, strict=True))
-        surface = Surface(points, normals, FINGERS[bone])
-        order, apart, nearest = spread(surface)
-        super().__init__(surface.only(order), apart, gathered(nearest, area), bone[order])
-        self.along, self.mantle = along[order], mantle[order]
+        every = [_around(shapes, c) for c in range(len(shapes))]
+        shown = [part.only(_shown(shapes, c, part.points)) for c, part in enumerate(every)]
+        backs = [part.only(_back(shapes, c, part)) for c, part in enumerate(every)]
+        kinds = [_Spread.of(parts) for parts in (shown, backs)]
+        surface = Surface(
+            *(np.concatenate(v) for v in zip(*(k.surface for k in kinds), strict=True))
+        )
+        apart, area, bone, along, mantle = (
+            np.concatenate(v) for v in zip(*(k[1:] for k in kinds), strict=True)
+        )
+        hidden = np.arange(len(bone)) >= len(kinds[0].area)
+        super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone, hidden)
+        self.along, self.mantle = along, mantle
         axes = shapes[:, 3:6] - shapes[:, :3]
         self.length = np.linalg.norm(axes, axis=1)
         self.radius = shapes[:, 6].copy()
@@ -68,8 +74,8 @@ class CapsuleSkin(Skin):
         return placed
 
     def exposed(self, placed: Placed, which: Indices) -> Flags:
-        """Which of the points `which`, (I,), are not more than half a millimetre inside of other flesh, (I,)."""
-        return ~flesh.buried(placed.capsules, placed.points, self.bone, which)
+        """Which of the points `which`, (I,), are not deeper inside of other flesh than their slack, (I,)."""
+        return ~flesh.buried(placed.capsules, placed.points, self.bone, self.slack, which)
 
     def closest(self, hand: Hand, points: Floats) -> flesh.Nearest:
         """The hand's nearest skin to points, (P, 3) [m]."""
@@ -77,7 +83,7 @@ class CapsuleSkin(Skin):
 
 
 class _Around(NamedTuple):
-    """Points all around a capsule but for those inside of others.
+    """Points around a capsule.
 
     points, normals: (N, 3). area: of each, (N,) [m^2]. along: from 0 to 1 along the axis, (N,). mantle:
     whether on the mantle, not on a cap, (N,).
@@ -88,6 +94,32 @@ class _Around(NamedTuple):
     area: Floats
     along: Floats
     mantle: Flags
+
+    def only(self, kept: Flags) -> _Around:
+        """Those of its points."""
+        points, normals, area, along, mantle = self
+        return _Around(points[kept], normals[kept], area[kept], along[kept], mantle[kept])
+
+
+class _Spread(NamedTuple):
+    """K points that are evenly spread, as for `Skin`, each with its place on its bone's capsule."""
+
+    surface: Surface
+    apart: Floats
+    area: Floats
+    bone: Indices
+    along: Floats
+    mantle: Flags
+
+    @classmethod
+    def of(cls, parts: list[_Around]) -> _Spread:
+        """Choose among points around each bone."""
+        bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
+        points, normals, area, along, mantle = map(np.concatenate, zip(*parts, strict=True))
+        surface = Surface(points, normals, FINGERS[bone])
+        order, apart, nearest = spread(surface)
+        area = gathered(nearest, area)
+        return cls(surface.only(order), apart, area, bone[order], along[order], mantle[order])
 
 
 def _around(shapes: Floats, c: int) -> _Around:
@@ -103,10 +135,35 @@ def _around(shapes: Floats, c: int) -> _Around:
     normals = np.asarray(local.normals @ np.stack([x, np.cross(z, x), z]), dtype=np.float64)
     points = a + along[:, None] * (b - a) + r * normals
     area = np.full(len(along), shape.area / len(along))
-    # Where two surfaces coincide the skin is of the first.
+    return _Around(points, normals, area, along, up == 0.0)
+
+
+def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
+    """Which of a capsule's points are not inside of others; where two surfaces coincide the skin is of the first."""
     free = flesh.distance_to_skin(shapes[:c], points) > ON
     free &= flesh.distance_to_skin(shapes[c + 1 :], points) > -ON
-    return _Around(points[free], normals[free], area[free], along[free], up[free] == 0.0)
+    return free
+
+
+def _back(shapes: Floats, c: int, around: _Around) -> Flags:
+    """Which points of a capsule's caps bending may uncover: those that are inside of nothing but what moves there.
+
+    Of the palm's capsules all points that only fingers hide; of a finger's at each joint those that the other
+    bone there hides, if its sphere is no larger.
+    """
+    r, every = shapes[:, 6], np.arange(len(shapes))
+    if not FINGERS[c]:
+        joints = [(FINGERS > 0, 0.0), (FINGERS > 0, 1.0)]
+    else:
+        joints = [(every == k, 1.0) for k in np.flatnonzero(c == PARENTS) if r[c] >= r[k]]
+        parent = PARENTS[c]
+        joints += [(every == parent, 0.0)] if FINGERS[parent] and r[c] > r[parent] else []
+    back = np.zeros(len(around.area), dtype=np.bool_)
+    for moves, end in joints:
+        hidden = flesh.distance_to_skin(shapes[moves], around.points) <= -ON
+        free = flesh.distance_to_skin(shapes[~moves & (every != c)], around.points) > -ON
+        back |= hidden & free & (around.along == end)
+    return back & ~around.mantle
 
 
 @compiled("void(f8[:, ::1], f8, f8[:, ::1])")

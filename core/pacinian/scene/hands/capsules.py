@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
     from pacinian.types import Flags, Floats, Indices
 
-BURIED = 5e-4  # [m]; what lies deeper within another capsule is not skin
+ROUNDING = 1e-10  # [m]: what lies so deep inside may be on it
 SEARCH = 1000  # steps from inside of the union to its surface
 TURNS = 50  # of them may each go out of the capsule that is deepest there
 ARRIVED = 1e-12  # [m]
@@ -76,13 +76,13 @@ def _found(capsules: Floats, points: Floats, steps: int) -> Nearest:
     return out
 
 
-def buried(capsules: Floats, points: Floats, bone: Indices, which: Indices) -> Flags:
-    """Whether each of the points `which`, (K,), lies more than 0.5 mm inside of a capsule, (K,).
+def buried(capsules: Floats, points: Floats, bone: Indices, slack: Floats, which: Indices) -> Flags:
+    """Whether each of the points `which`, (K,), lies inside of a capsule, deeper than its slack, (K,).
 
-    points: (P, 3). bone: each point's own capsule, which does not count, (P,).
+    points: (P, 3). bone: each point's own capsule, which does not count, (P,). slack: (P,) [m].
     """
     out = np.empty(len(which), dtype=np.bool_)
-    buried_in(capsules, points, bone, np.ascontiguousarray(which), out)
+    buried_in(capsules, points, bone, slack, np.ascontiguousarray(which), out)
     return out
 
 
@@ -188,8 +188,10 @@ def _nearest(
         normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
 
 
-@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], b1[::1])")
-def buried_in(capsules: Floats, points: Floats, bone: Indices, which: Indices, out: Flags) -> None:
+@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], f8[::1], i8[::1], b1[::1])")
+def buried_in(
+    capsules: Floats, points: Floats, bone: Indices, slack: Floats, which: Indices, out: Flags
+) -> None:
     """The kernel of `buried`. out: (I,)."""
     C = capsules.shape[0]
     balls = np.empty((C, 4))
@@ -206,14 +208,13 @@ def buried_in(capsules: Floats, points: Floats, bone: Indices, which: Indices, o
             if c != other and dx * dx + dy * dy + dz * dz < reach * reach:
                 touching[c, touched[c]] = other
                 touched[c] += 1
-    u, inverse, square = np.empty((C, 3)), np.empty(C), np.empty(C)
+    u, inverse = np.empty((C, 3)), np.empty(C)
     for c in range(C):
         length = 0.0
         for x in range(3):
             u[c, x] = capsules[c, 3 + x] - capsules[c, x]
             length += u[c, x] * u[c, x]
         inverse[c] = 1.0 / length if length > 0.0 else 0.0
-        square[c] = max(capsules[c, 6] - BURIED, 0.0) ** 2
     for i in range(which.size):
         k = which[i]
         c = bone[k]
@@ -226,6 +227,7 @@ def buried_in(capsules: Floats, points: Floats, bone: Indices, which: Indices, o
             t = (dx * u[other, 0] + dy * u[other, 1] + dz * u[other, 2]) * inverse[other]
             t = min(max(t, 0.0), 1.0)
             dx, dy, dz = dx - t * u[other, 0], dy - t * u[other, 1], dz - t * u[other, 2]
-            if dx * dx + dy * dy + dz * dz < square[other]:
+            within = capsules[other, 6] - max(slack[k], ROUNDING)
+            if within > 0.0 and dx * dx + dy * dy + dz * dz < within * within:
                 out[i] = True
                 break

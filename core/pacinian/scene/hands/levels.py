@@ -15,12 +15,12 @@ from pacinian.acoustics.compiled import compiled
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
-FINEST = 3.5e-3  # [m]
-SPACINGS = FINEST * np.sqrt(2.0) ** np.arange(7)
-"""Of the levels, fine to coarse, (7,) [m]."""
-GRAIN = 1.3e-3  # [m] between the points that those of a skin are chosen from
+FINEST = 1.75e-3  # [m], a fifth of a wavelength: pressure falls from full to nothing within 3 mm of a rim
+SPACINGS = FINEST * np.sqrt(2.0) ** np.arange(9)
+"""Of the levels, fine to coarse, (9,) [m]."""
+GRAIN = 0.9e-3  # [m] between the points that those of a skin are chosen from
 SHARERS = 3  # nodes that a point is shared among
-FAR = 1e300
+FAR = 1e150  # its square is a number
 
 
 class Surface(NamedTuple):
@@ -125,14 +125,16 @@ def _share(
             continue
         best[:] = FAR
         for n in range(nodes):
-            cosine = _cosine(points, normals, fingers, k, n)
-            if cosine <= 0.0:
-                continue
             dx = points[k, 0] - points[n, 0]
             dy = points[k, 1] - points[n, 1]
             dz = points[k, 2] - points[n, 2]
-            D = np.sqrt((dx * dx + dy * dy + dz * dz) / cosine)
-            i = SHARERS
+            square, i = dx * dx + dy * dy + dz * dz, SHARERS
+            if best[i] * best[i] <= square:  # D is no less
+                continue
+            cosine = _cosine(points, normals, fingers, k, n)
+            if cosine <= 0.0:
+                continue
+            D = np.sqrt(square / cosine)
             if best[i] <= D:
                 continue
             while i > 0 and best[i - 1] > D:

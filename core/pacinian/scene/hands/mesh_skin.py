@@ -57,7 +57,10 @@ class MeshSkin(Skin):
         away = np.linalg.norm(middle[:, None] - surface.points[:PATCHES], axis=2)
         self.patch = away.argmin(axis=1)
         area = np.full(N, total / N)
-        super().__init__(surface, apart, gathered(nearest, area), self.patch[self.face])
+        bone = self.patch[self.face]
+        super().__init__(
+            surface, apart, gathered(nearest, area), bone, np.zeros(len(bone), np.bool_)
+        )
 
     def place(self, hand: Hand) -> Placed:
         """Where the points are on a hand of this kind, which is not lost."""

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.levels import Surface
     from pacinian.types import Flags, Floats, Indices
 
+CREASE = 5e-4  # [m]; what lies deeper within another part of the hand is not skin
+
 
 class Placed(NamedTuple):
     """A skin's K points now.
@@ -35,16 +37,20 @@ class Placed(NamedTuple):
 class Skin(ABC):
     """K points fixed on a kind of hand, in an order of which every beginning is evenly spread.
 
-    levels: how far apart the nodes of each level are at rest, fine to coarse, (7,) [m]. counts: how many
-    points from the first on are its nodes, (7,). share: what each point gives to a level's nodes. bone:
-    the capsule, or the patch of a mesh, that each point is of, (K,). surface, area: the points, and
+    levels: how far apart the nodes of each level are at rest, fine to coarse, (9,) [m]. counts: how many
+    points from the first on are its nodes, (9,). share: what each point gives to a level's nodes. bone:
+    the capsule, or the patch of a mesh, that each point is of, (K,). hidden: whether it is inside of the flesh
+    at rest, (K,). slack: how deep inside of other flesh each is skin still, (K,) [m]. surface, area: the points, and
     the area that each stands for, (K,) [m^2], at rest.
     """
 
     levels: Floats = SPACINGS
 
-    def __init__(self, surface: Surface, apart: Floats, area: Floats, bone: Indices) -> None:
-        self.surface, self.area, self.bone = surface, area, bone
+    def __init__(
+        self, surface: Surface, apart: Floats, area: Floats, bone: Indices, hidden: Flags
+    ) -> None:
+        self.surface, self.area, self.bone, self.hidden = surface, area, bone, hidden
+        self.slack = np.where(hidden, 0.0, CREASE)
         self.counts = tuple(int((apart >= spacing).sum()) for spacing in self.levels)
         self.share = tuple(share(surface, count) for count in self.counts)
 
@@ -59,9 +65,11 @@ class Skin(ABC):
     @cached_property
     def node_area(self) -> tuple[Floats, ...]:
         """For each level, the area at rest that each node stands for, (count,) [m^2]."""
-        return tuple(
-            gathered(indices.ravel(), (weights * self.area[:, None]).ravel(), count)
-            for (indices, weights), count in zip(self.share, self.counts, strict=True)
+        shown = np.where(self.hidden, 0.0, self.area)[:, None]
+        coarser = zip(self.share[1:], self.counts[1:], strict=True)
+        return self.area[: self.counts[0]], *(
+            gathered(indices.ravel(), (weights * shown).ravel(), count)
+            for (indices, weights), count in coarser
         )
 
     @cached_property
@@ -75,7 +83,7 @@ class Skin(ABC):
 
     @abstractmethod
     def exposed(self, placed: Placed, which: Indices) -> Flags:
-        """Which of the points `which`, (I,), are not more than half a millimetre inside of other flesh, (I,)."""
+        """Which of the points `which`, (I,), are not deeper inside of other flesh than their slack, (I,)."""
 
     @abstractmethod
     def closest(self, hand: Hand, points: Floats) -> Nearest:

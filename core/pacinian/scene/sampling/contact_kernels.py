@@ -90,22 +90,22 @@ def _seen(point: Floats, normal: Floats, some: Floats, enough: float) -> float:
 
 
 @compiled(
-    "i8(f8[::1], i8[::1], f8, f8, f8, f8[:, ::1], f8[:, ::1], f8[::1], i8[::1], f8[:, ::1], f8[:, ::1],"
-    " f8, f8, i8[::1], f8[::1])"
+    "i8(f8[::1], i8[::1], f8, f8, f8, f8[:, ::1], f8[:, ::1], f8[::1], i8[::1], f8[::1], f8[:, ::1],"
+    " f8[:, ::1], f8, f8, i8[::1], f8[::1])"
 )
 def press(
     d: Floats, which: Indices, reach: float, stiffness: float, most: float,
-    points: Floats, normals: Floats, area: Floats, bone: Indices, capsules: Floats,
+    points: Floats, normals: Floats, area: Floats, bone: Indices, slack: Floats, capsules: Floats,
     some: Floats, hardly: float, well: float,
     inside: Indices, force: Floats,
 ) -> int:  # fmt: skip
     """Write which points of a skin are pressed, and with how much.
 
     d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's
-    law. points, normals, area, bone: of the skin, (K, 3), (K,). capsules: of the hand, (C, 7), inside of which
-    there is no skin; none for a mesh. some: places that must see the skin, (V, 3); none for any. hardly,
-    well: as in `resolving.grazing`. inside: indices into `which`, (I,). force: of each [N], (I,). Returns how
-    many are pressed.
+    law. points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 7), inside of
+    which, deeper than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3);
+    none for any. hardly, well: as in `resolving.grazing`. inside: indices into `which`, (I,). force: of each [N],
+    (I,). Returns how many are pressed.
     """
     count = 0
     touched = np.empty(which.size, dtype=np.int64)
@@ -117,7 +117,7 @@ def press(
             count += 1
     deep = np.zeros(count, dtype=np.bool_)
     if capsules.shape[0]:
-        buried(capsules, points, bone, touched[:count], deep)
+        buried(capsules, points, bone, slack, touched[:count], deep)
     kept = 0
     for n in range(count):
         k = touched[n]

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.samples import Samples, joined, nothing
+from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
-    from pacinian.types import Flags, Floats
+    from pacinian.types import Flags, Floats, Indices
 
 JUMP = 0.02  # [m] in one tick: the sample fades where it was, and rises where it is
 LONGEST = 0.02  # [s] that one tick may count for: time may jump
@@ -22,7 +22,8 @@ class Ramps:
     """Follows the samples asked for, no pressure changing faster than from 0 to its most in `ramp` [s].
 
     Its most is that of its object, or its pressure where that is more. What is no longer asked for fades
-    out where it was last. 0: follows at once.
+    out where it was last. 0: follows at once. Where the samples of a region change, because it moves over the skin
+    or is covered more finely, the new ones go on from what was felt there, and the old ones end.
     """
 
     def __init__(self, ramp: float) -> None:
@@ -95,7 +96,25 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
     near = found & _near(asked.positions, last.positions[index])
     jumped[index[found & ~near]] = True
     gone[index[near]] = False
-    return np.where(near, last.radiation_pressure[index], 0.0), gone, jumped
+    was = np.where(near, last.radiation_pressure[index], 0.0)
+    new = np.flatnonzero(~found & (asked.regions != ISOLATED))
+    if len(new):
+        under = _under(asked.only(new), last)
+        there = under >= 0
+        new, under = new[there], under[there]
+        was[new] = np.minimum(asked.radiation_pressure[new], last.radiation_pressure[under])
+    left = np.flatnonzero(gone & ~jumped & (last.regions != ISOLATED))
+    if len(left):
+        gone[left[_under(last.only(left), asked) >= 0]] = False
+    return was, gone, jumped
+
+
+def _under(samples: Samples, others: Samples) -> Indices:
+    """For each sample of a region the nearest of the others, of the same region, whose area it is on; else -1."""
+    d = samples.positions[:, None] - others.positions
+    square = np.einsum("mok,mok->mo", d, d)
+    on = (samples.regions[:, None] == others.regions) & (square <= others.area)
+    return np.where(on.any(axis=1), np.where(on, square, np.inf).argmin(axis=1), -1)
 
 
 def _near(a: Floats, b: Floats) -> Flags:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections import Counter
 from dataclasses import replace
@@ -19,7 +20,16 @@ from pacinian.scene.sampling.perception import faintest
 from pacinian.scene.sampling.ramps import Ramps
 from pacinian.scene.sampling.resolving import COARSER, Resolving
 from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
-from pacinian.scene.sampling.sources import FINEST, Lone, Source, Spots, Whole, contact, dense
+from pacinian.scene.sampling.sources import (
+    FINEST,
+    Contact,
+    Lone,
+    Source,
+    Spots,
+    Whole,
+    contact,
+    dense,
+)
 from pacinian.scene.sampling.tracks import HandTrack, Tracks
 from pacinian.scene.time.technique import AM
 from pacinian.scene.time.waves import Constant
@@ -40,6 +50,9 @@ OFF = Constant(0.0)
 DENSE = (
     0.5 / COARSER
 )  # of that, within a region: from half a wavelength on it is uneven between samples
+NARROW, WIDE = 0.2, 0.3  # of that, within a contact: its pressure falls to nothing at the rim
+ENOUGH = 128  # samples of a contact
+STEADY = 1.3  # a contact that grows or shrinks by less keeps its spacing
 MERGED = 0.5  # of the spacing: what of different objects is nearer is one sample
 MOST = 2048  # samples that are looked at for that
 
@@ -49,7 +62,8 @@ class Sampler:
 
     budget: at most so many samples; where a scene has more, the objects of lowest priority are covered
     more coarsely, then dropped. spacing: [m]; unless given, a wavelength, or what the array can resolve at
-    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that.
+    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that, and where
+    a hand touches them 0.2 to 0.3 times that, the smaller the contact is.
     ramp: [s] in which a pressure comes up or goes; 0 for at once.
     perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
     time is short; not beside regions, which would have holes. Raises ArgumentError.
@@ -82,6 +96,7 @@ class Sampler:
         self._asked: tuple[object, ...] = ()
         self._target = nothing()
         self._levels: dict[int, int] = {}
+        self._wanted: dict[int, float] = {}  # spacing of each contact [m]
         self._still = False
         self._rooms: tuple[object, Floats] = (self, np.empty(6))
 
@@ -178,6 +193,7 @@ class Sampler:
     ) -> list[tuple[Source, float]]:  # fmt: skip
         """What gives samples, highest priority first, each with the spacing wanted [m]."""
         objects, sources = scene.objects, list[tuple[Source, float]]()
+        wanted, self._wanted = self._wanted, {}
         for i in found:
             item = objects[i]
             if not item.pressure > 0.0 or item.envelope == OFF:
@@ -219,7 +235,11 @@ class Sampler:
                         least,
                     )
                 if source is not None:
-                    sources.append((source, self._spacing(item, hand.centre)))
+                    spacing = self._spacing(item, hand.centre)
+                    if isinstance(source, Contact) and self.spacing is None and dense(item):
+                        spacing = _fitting(source.extent, spacing / DENSE, wanted.get(own))
+                        self._wanted[own] = source.fine = spacing
+                    sources.append((source, spacing))
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources
 
@@ -269,6 +289,16 @@ class Sampler:
             return whole
         self.skipped["samples merged"] += gone
         return replace(whole, radiation_pressure=P, area=area).only(kept)
+
+
+def _fitting(extent: float, resolved: float, last: float | None) -> float:
+    """How far apart the samples of a contact are [m]: about 128 of them, none nearer than is of use.
+
+    extent: of the contact [m^2]. resolved: by the array, there [m]. last: how far apart they were.
+    """
+    wanted = min(max(math.sqrt(extent / ENOUGH), NARROW * resolved), WIDE * resolved)
+    steady = last is not None and wanted / STEADY < last < wanted * STEADY
+    return last if last is not None and steady else wanted
 
 
 def _name(item: Object, index: int) -> int:

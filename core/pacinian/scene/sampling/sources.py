@@ -131,9 +131,10 @@ class Spots:
 class Contact:
     """Where the skin of a hand is inside, or within reach, of a surface or a volume.
 
-    touched: indices of the skin's points. force: on each [N]. The force of each point is shared out among
-    the nodes of a level of the skin, so that the total is kept and nothing jumps as the contact moves.
-    least: what no one feels below [Pa]; faint: how many nodes that leaves out.
+    touched: indices of the skin's points. force: on each [N]. Samples at most `fine` [m] apart press as the
+    material does there. Farther apart, the force of each point is shared out among the nodes of a level of the skin,
+    so that the total is kept and nothing jumps as the contact moves. least: what no one feels below [Pa]; faint: how
+    many nodes that leaves out.
     """
 
     item: Surface | Volume
@@ -144,12 +145,19 @@ class Contact:
     touched: Indices
     force: Floats
     least: float
+    fine: float = 0.0
     faint: int = 0
+
+    @property
+    def extent(self) -> float:
+        """Area of the skin that is touched [m^2]."""
+        return float(self.hand.area[self.touched].sum())
 
     def at(self, spacing: float) -> Samples:
         """As for every source."""
         hand = self.hand
-        nodes, force, area = hand.shared(self.touched, self.force, spacing)
+        among = hand.thinned if spacing <= self.fine else hand.shared
+        nodes, force, area = among(self.touched, self.force, spacing)
         P = force / area
         felt = self.least <= P
         K = int(felt.sum())

@@ -68,7 +68,7 @@ class Touchable:
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
         count = press(
             d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
-            self.capsules, some, HARDLY, WELL, inside, force,
+            self.skin.slack, self.capsules, some, HARDLY, WELL, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 
@@ -85,6 +85,20 @@ class Touchable:
         """Where the skin is nearest to points (K, 3) [m], its normals there, and how far it is [m]."""
         found = self.skin.closest(self.hand, points)
         return found.points, found.normals, found.distance
+
+    def thinned(
+        self, touched: Indices, force: Floats, spacing: float
+    ) -> tuple[Indices, Floats, Floats]:
+        """Those of the points, (K,), that are nodes of the level nearest to `spacing` [m], pressed as they are.
+
+        As for `shared`; the forces [N] are those on the larger areas.
+        """
+        level = self.skin.level(spacing)
+        own = touched < self.skin.counts[level]
+        own[own] = self.exposed(touched[own])
+        nodes = touched[own]
+        stretch = self.skin.node_area[level][nodes] / self.skin.area[nodes]
+        return nodes, force[own] * stretch, self.area[nodes] * stretch
 
     def shared(
         self, touched: Indices, force: Floats, spacing: float
@@ -107,5 +121,10 @@ class Touchable:
         kept *= force.sum() / max(
             kept.sum(), TINY
         )  # what buried nodes would get goes to the others
-        stretch = self.area[nodes] / skin.area[nodes]
-        return nodes, kept, skin.node_area[level][nodes] * stretch
+        area = skin.node_area[level][nodes] * self.area[nodes] / skin.area[nodes]
+        uncovered = touched[skin.hidden[touched]]
+        if level and len(uncovered):  # skin that was inside of the flesh at rest
+            more, which = np.empty(count), np.empty(count, dtype=np.intp)
+            share_out(uncovered, self.area[uncovered], *skin.share[level], 0.0, more, which)
+            area += more[nodes]
+        return nodes, kept, area

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 REST = Hand.open()
 SKIN = skin_of(REST)
 ALL = np.arange(len(SKIN))
+SHOWN = np.flatnonzero(
+    ~SKIN.hidden
+)  # the others are on the backs of joints, which bending uncovers
 LEVELS = range(len(SPACINGS))
 
 
@@ -59,13 +62,14 @@ def hands(draw: st.DrawFn) -> Hand:
 def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> None:
     placed = SKIN.place(REST)
     away = to_capsules(placed.capsules, placed.points)
-    np.testing.assert_allclose(away.min(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(away.min(axis=1)[SHOWN], 0.0, atol=1e-12)
     np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-12)
-    assert SKIN.exposed(placed, ALL).all()
+    np.testing.assert_array_equal(SKIN.exposed(placed, ALL), ~SKIN.hidden)
     np.testing.assert_allclose(placed.points, SKIN.surface.points, atol=1e-12)
-    assert 1500 < len(SKIN) < 4000
+    assert 6000 < len(SKIN) < 12_000
     out = distance_to_skin(placed.capsules, placed.points + 1e-4 * placed.normals)
-    assert (out > 0.5e-4).all()
+    # the others are in creases, where another part of the hand begins
+    assert (out[SHOWN] > 0.5e-4).mean() > 0.998
 
 
 def test_the_area_is_that_of_the_skin() -> None:
@@ -75,8 +79,22 @@ def test_the_area_is_that_of_the_skin() -> None:
     points = np.random.default_rng(2).uniform(low, high, (1_500_000, 3))
     near = np.abs(distance_to_skin(placed.capsules, points)) < 5e-4
     area = near.mean() * np.prod(high - low) / 1e-3
-    assert placed.area.sum() == pytest.approx(area, rel=0.015)
+    assert placed.area[SHOWN].sum() == pytest.approx(area, rel=0.015)
     assert 0.035 < area < 0.055  # [m^2]; a hand has 2 to 2.5 % of a body's skin, some 1.8 m^2
+
+
+def test_a_bent_joint_has_skin_on_its_back() -> None:
+    """Wherever one comes from, at joints bent by 70 degrees, the skin one meets has a point near by."""
+    turns = [np.zeros(3)] * 14
+    turns[1:4] = [np.array([-1.2, 0.0, 0.0])] * 3  # of the ring finger
+    hand = Hand(bent(REST.joints, turns))  # type: ignore[arg-type]
+    placed = SKIN.place(hand)
+    exposed = placed.points[SKIN.exposed(placed, ALL)]
+    out = np.random.default_rng(4).normal(size=(4000, 3))
+    out *= 0.03 / np.linalg.norm(out, axis=1, keepdims=True)
+    for joint in (17, 18, 19):
+        met = closest(placed.capsules, hand.carriers[joint] + out).points
+        assert KDTree(exposed).query(met)[0].max() < 1.5 * SPACINGS[0]
 
 
 def test_the_skin_has_no_holes() -> None:
@@ -98,8 +116,9 @@ def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-9)
     np.testing.assert_array_equal(placed.capsules, capsules(hand))
     away[ALL, SKIN.bone] = np.inf
-    clear = np.abs(away.min(axis=1) + 5e-4) > 1e-9
-    shown = away.min(axis=1) > -5e-4
+    slack = np.where(SKIN.hidden, 0.0, 5e-4)
+    clear = np.abs(away.min(axis=1) + slack) > 1e-9
+    shown = away.min(axis=1) > -slack
     np.testing.assert_array_equal(SKIN.exposed(placed, ALL)[clear], shown[clear])
     some = ALL[::7]
     np.testing.assert_array_equal(SKIN.exposed(placed, some), SKIN.exposed(placed, ALL)[some])
@@ -199,14 +218,14 @@ def same_side(skin: Skin, points: Any) -> Any:
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_the_nodes_of_a_level_are_its_spacing_apart(level: int) -> None:
-    nodes = np.arange(SKIN.counts[level])
+    nodes = np.intersect1d(np.arange(SKIN.counts[level]), SHOWN)
     points = SKIN.surface.points[nodes]
     apart = np.linalg.norm(points[:, None] - points, axis=2)
     np.fill_diagonal(apart, np.inf)
     assert apart[same_side(SKIN, nodes)].min() >= SPACINGS[level]
     area = SKIN.node_area[level]  # they stand for all the skin
     assert area.shape == (SKIN.counts[level],)
-    assert area.sum() == pytest.approx(SKIN.area.sum())
+    assert area[nodes].sum() == pytest.approx(SKIN.area[SHOWN].sum())
     assert area.min() > 0.0
 
 
@@ -214,7 +233,7 @@ def test_levels_are_nested_from_fine_to_coarse() -> None:
     assert SKIN.counts[0] == len(SKIN)
     assert list(SKIN.counts) == sorted(SKIN.counts, reverse=True)
     np.testing.assert_allclose(SKIN.levels[1:] / SKIN.levels[:-1], math.sqrt(2.0))
-    assert (SKIN.levels[0], SKIN.levels[-1]) == (0.0035, pytest.approx(0.028))
+    assert (SKIN.levels[0], SKIN.levels[-1]) == (0.00175, pytest.approx(0.028))
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -235,14 +254,14 @@ def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
     # The force stays near where it was.
     middle = (weights[..., None] * SKIN.surface.points[indices]).sum(axis=1)
     moved = np.linalg.norm(middle - SKIN.surface.points, axis=1)
-    assert moved.mean() < 0.4 * SPACINGS[level]
-    assert moved.max() < 1.5 * SPACINGS[level]
+    assert moved[SHOWN].mean() < 0.4 * SPACINGS[level]
+    assert moved[SHOWN].max() < 1.75 * SPACINGS[level]
 
 
 def test_shares_change_smoothly_over_the_skin() -> None:
     """A fine point's neighbours give to the nodes nearly as it does."""
-    indices, weights = SKIN.share[3]
-    full = np.zeros((len(SKIN), SKIN.counts[3]))
+    indices, weights = SKIN.share[5]
+    full = np.zeros((len(SKIN), SKIN.counts[5]))
     np.add.at(full, (ALL[:, None], indices), weights)
     pairs = KDTree(SKIN.surface.points).query_pairs(5e-3, output_type="ndarray")
     close = (SKIN.surface.normals[pairs[:, 0]] * SKIN.surface.normals[pairs[:, 1]]).sum(axis=1)

@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 
 few = settings(max_examples=12)
 seeds = st.integers(0, 2**31)
-FINEST = 0.0035  # [m] between the nodes of the finest level of a skin
+FINEST = 0.00175  # [m] between the nodes of the finest level of a skin
+APART = 0.03  # [m]: no samples of a contact are farther from their neighbours
 HAND = Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))
 
 
@@ -83,7 +84,7 @@ each_object = pytest.mark.parametrize("item", OBJECTS.values(), ids=OBJECTS.keys
 
 def touched(*objects: Any, hands: Any = (HAND,), **how: Any) -> Samples:
     """All samples, whoever feels them."""
-    sampler = pc.Sampler(**({"budget": 5000, "spacing": FINEST, "perception": False} | how))
+    sampler = pc.Sampler(**({"budget": 20_000, "spacing": FINEST, "perception": False} | how))
     return sampler.sample(pc.Scene(tuple(objects), hands=tuple(hands)))
 
 
@@ -178,25 +179,20 @@ def test_the_force_is_the_integral_of_pressure_over_the_skin(
     depth = radius - np.linalg.norm(q - centre, axis=1)
     expected = (np.clip(depth / DEPTH, 0.0, 1.0) * 10.0) @ area
     whole = ball(radius, centre, thickness=1.0)
-    # the rim, where the skin's points decide, is a stripe as wide as they are apart; and the backs of
-    # bent joints have no points
+    # the rim, where the skin's points decide, is a stripe as wide as they are apart
     rim = 10.0 * area[np.abs(depth) < FINEST].sum()
     for spacing in (FINEST, 0.0085, 0.02):
         force = touched(whole, hands=(hand,), spacing=spacing).force
-        assert abs(force - expected) <= 0.2 * rim + 0.07 * expected
+        assert abs(force - expected) <= 0.2 * rim + 0.03 * expected
 
 
-@pytest.mark.parametrize(
-    ("hand", "off"), [(Hand.open("left"), 0.05), (bent(3), 0.07)], ids=["open", "bent"]
-)
-def test_all_of_a_hand_within_a_volume_is_pressed(hand: Hand, off: float) -> None:
+@pytest.mark.parametrize("hand", [Hand.open("left"), bent(3)], ids=["open", "bent"])
+def test_all_of_a_hand_within_a_volume_is_pressed(hand: Hand) -> None:
     sea = pc.Volume(shape=pc.Box((1.0, 1.0, 1.0)), felt="interior", radiation_pressure=2.0)
     expected = 2.0 * dense(hand)[1].sum()
     for spacing in (FINEST, 0.0085, 0.02):
         samples = touched(sea, hands=(hand,), spacing=spacing)
-        assert samples.force == pytest.approx(
-            expected, rel=off
-        )  # bent joints' backs have no points
+        assert samples.force == pytest.approx(expected, rel=0.05)
         assert samples.radiation_pressure == pytest.approx(2.0, rel=0.5)
     shell = replace(sea, felt="shell")
     assert len(touched(shell, hands=(hand,))) == 0
@@ -396,11 +392,17 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
             fresh = was is None or np.linalg.norm(was[0] - at) > 0.02
             if fresh and key < 0:
                 continue  # fades where it was, under another name
-            assert abs(P - (0.0 if was is None or fresh else was[1])) <= most * tick / ramp + 1e-9
+            step = most * tick / ramp + 1e-9
+            if fresh:  # in a region it goes on from what was felt there
+                felt = [p for q, p in before.values() if np.linalg.norm(q - at) < APART]
+                assert max(felt, default=0.0) + step >= P
+            else:
+                assert abs(P - was[1]) <= step
         for key in before.keys() - after.keys():
-            gone = before[key][1] <= most * tick / ramp + 1e-9
-            assert gone or any(
-                k < 0 and (at == before[key][0]).all() for k, (at, _) in after.items()
+            where, P = before[key]
+            assert most * tick / ramp + 1e-9 >= P or any(
+                np.linalg.norm(q - where) < APART if k >= 0 else (q == where).all()
+                for k, (q, _) in after.items()
             )
         before = after
 
@@ -410,7 +412,7 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
 def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
     """One sampler on its way through many poses, and a new one for each."""
     rng, t = np.random.default_rng(seed), 0.0
-    sampler = pc.Sampler(5000, FINEST, perception=False)
+    sampler = pc.Sampler(20_000, FINEST, perception=False)
     items = [replace(OBJECTS[name], name=name) for name in ("ball", "grating", "soft", "path")]
     for name in ("mesh", "union"):
         shape = same_balls(0.03)[name]
@@ -437,7 +439,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
 def test_between_updates_it_is_felt_as_if_there_were_none(who: str) -> None:
     """What moves evenly, told of 120 times a second, and told of at each moment."""
     v, rate = 0.2, 1.0 / 120.0
-    told = pc.Sampler(5000, FINEST, perception=False)
+    told = pc.Sampler(20_000, FINEST, perception=False)
     item = replace(ball(at=(-0.03, 0.04, 0.175)), name="ball")
 
     def scene(x: float, seen: float | None) -> pc.Scene:
@@ -582,7 +584,7 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
         bare = touched(rain, hands=(hand.hand,))
         assert bare.radiation_pressure == pytest.approx(5.0)
         share = share_seen(EIGHT_TRANSDUCERS, bare.positions, bare.normals)
-        sampler = pc.Sampler(5000, FINEST, perception=False)
+        sampler = pc.Sampler(20_000, FINEST, perception=False)
         sampler.prepare(EIGHT_TRANSDUCERS, pc.Air())
         felt = sampler.sample(pc.Scene((rain,), hands=(hand.hand,)))
         assert np.array_equal(felt.keys, bare.keys[share > 0.0])
@@ -601,7 +603,7 @@ def test_skin_that_faces_away_from_the_array_is_not_asked_for() -> None:
 
 def test_samples_face_some_of_the_array() -> None:
     array = pc.autd()
-    sampler = pc.Sampler(5000, FINEST, perception=False)
+    sampler = pc.Sampler(20_000, FINEST, perception=False)
     sampler.prepare(array, pc.Air())
     sea = pc.Volume(
         shape=pc.Sphere(0.3), pose=pc.Pose((0, 0, 0.2)), felt="interior", radiation_pressure=5.0
@@ -732,7 +734,7 @@ def test_a_lost_hand_feels_nothing_and_there_is_no_hand_less_scene_for_it() -> N
 def test_a_workspace_cuts_what_is_outside() -> None:
     room = pc.Workspace((0.0, -1.0, -1.0), (1.0, 1.0, 1.0))
     scene = pc.Scene((plate(0.19),), room, (HAND,))
-    samples = pc.Sampler(5000, FINEST, perception=False).sample(scene)
+    samples = pc.Sampler(20_000, FINEST, perception=False).sample(scene)
     whole = touched(plate(0.19))
     assert samples.force == pytest.approx(whole.only(whole.positions[:, 0] >= 0.0).force)
     elsewhere = pc.Workspace((5.0, 5.0, 5.0), (6.0, 6.0, 6.0))

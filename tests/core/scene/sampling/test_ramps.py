@@ -200,3 +200,59 @@ def test_the_samples_given_are_left_as_they_are() -> None:
         ramps.follow(asked if i % 2 else samples({2: (0.0, 1.0)}), TICK * i)
     assert np.array_equal(asked.radiation_pressure, kept.radiation_pressure)
     assert asked.keys.tolist() == [0, 1]
+
+
+def patch(spacing: float, middle: float = 0.0, first: int = 0, pressure: float = 10.0) -> Samples:
+    """A region of 20 x 20 mm, its samples so far apart [m]."""
+    count = round(0.02 / spacing)
+    x = middle + (np.arange(count) + 0.5) * spacing - 0.01
+    q = np.stack([*np.meshgrid(x, x - middle), np.full((count, count), 0.2)], axis=-1).reshape(
+        -1, 3
+    )
+    M = len(q)
+    return Samples(
+        q, np.full(M, pressure), np.zeros((M, 3)), np.full(M, spacing**2), np.zeros(M, dtype=np.intp),
+        first + np.arange(M), np.full(M, 10.0), np.zeros(M, dtype=np.int64), ITEMS,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("spacings", [(0.004, 0.0025), (0.0025, 0.005), (0.005, 0.001)])
+def test_a_region_that_is_sampled_otherwise_goes_on_as_it_was(spacings: Any) -> None:
+    ramps, (before, after) = Ramps(RAMP), spacings
+    for t in np.arange(0.0, 2.0 * RAMP, TICK):
+        ramps.follow(patch(before), t)
+    then = ramps.follow(patch(after, first=1000), 2.0 * RAMP)
+    assert len(then) == len(patch(after))
+    np.testing.assert_allclose(then.radiation_pressure, 10.0)
+
+
+def test_a_region_half_way_up_goes_on_from_there_and_never_above_what_is_asked() -> None:
+    ramps = Ramps(RAMP)
+    ramps.follow(patch(0.004), 0.0)
+    ramps.follow(patch(0.004), 0.4 * RAMP)
+    then = ramps.follow(patch(0.0025, first=1000), 0.6 * RAMP)
+    np.testing.assert_allclose(then.radiation_pressure, 6.0)
+    then = ramps.follow(patch(0.002, first=2000, pressure=1.0), 0.6 * RAMP)
+    np.testing.assert_allclose(then.radiation_pressure, 1.0)
+
+
+def test_what_a_region_grows_by_comes_up_and_what_it_loses_fades() -> None:
+    ramps = Ramps(RAMP)
+    for t in np.arange(0.0, 2.0 * RAMP, TICK):
+        ramps.follow(patch(0.0025), t)
+    moved = patch(0.0025, middle=0.0112, first=1000)
+    then = ramps.follow(moved, 2.0 * RAMP)
+    P, x = then.radiation_pressure, then.positions[:, 0]
+    assert len(then) == len(moved) + 4 * 8  # of the half that is left behind
+    grown = x[: len(moved)] > 0.012  # the row before is on the area of the last samples
+    np.testing.assert_allclose(P[: len(moved)], np.where(grown, 2.0, 10.0))
+    np.testing.assert_allclose(P[len(moved) :], 8.0)
+
+
+def test_another_region_in_the_same_place_comes_up_from_nothing() -> None:
+    ramps = Ramps(RAMP)
+    for t in np.arange(0.0, 2.0 * RAMP, TICK):
+        ramps.follow(patch(0.0025), t)
+    other = replace(patch(0.0025, first=1000), regions=np.ones(64, dtype=np.int64))
+    then = ramps.follow(other, 2.0 * RAMP)
+    np.testing.assert_allclose(then.radiation_pressure, np.repeat([2.0, 8.0], 64))
