@@ -24,7 +24,7 @@ from pacinian.solving.felt import Places
 from pacinian.solving.keep import ROUNDING, keep
 from pacinian.solving.problem import Budget, Limits, Targets, numbered
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import settle
+from pacinian.solving.regions import carried, settle
 from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
@@ -70,6 +70,7 @@ class Session:
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # what was last solved: its gains are in _work
         self._solved_with: tuple[Solver, Limits, int] | None = None
+        self._solved_at = np.empty((0, 3))  # points [m]
 
     @property
     def solver(self) -> Solver:
@@ -126,12 +127,24 @@ class Session:
         if warm is not None and (c := self._multiple(targets, limits)) == c:
             self.last = self._scaled(c, targets, out, start)
             return self.last
-        if warm is not None and (M := len(warm.sound_pressure)) != len(q):
-            alike = FEWER * abs(M - len(q)) <= max(M, len(q)) + FEWER
-            warm = self._there(warm) if alike and M and len(q) else None
+        if warm is not None:
+            warm = (
+                self._carried(warm, q, targets) if len(warm.targets.amplitudes) and len(q) else None
+            )
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
         self._solved_with = (self._solver, limits, self.propagator.version)
+        self._solved_at = q
         return self.last
+
+    def _carried(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
+        """The last solution as one of the points q, (M, 3) [m]; None where it says nothing of them."""
+        if warm.asked_phases is not None and targets.regions is not None:
+            return carried(self.propagator, targets, warm, self._solved_at)
+        M = len(warm.sound_pressure)
+        if len(q) == M:
+            return warm
+        alike = FEWER * abs(M - len(q)) <= max(M, len(q)) + FEWER
+        return self._there(warm) if alike else None
 
     def _there(self, warm: Solution) -> Solution:
         """The last solution as it is heard at the points of now: those that stay keep their phases."""

@@ -22,17 +22,33 @@ def scenes(rows: Sequence[Row]) -> Table:
     """How each scene did."""
     head = [
         "", "samples", "p50\n[ms]", "p99\n[ms]", "late\n[%]", "dummy\n[%]", "held\n[Hz]",
-        "error\n[%]", "left\nout [%]",
     ]  # fmt: skip
     lines = [
         [
             row.scene, str(row.samples), f"{row.p50_ms:.3f}", f"{row.p99_ms:.3f}",
             f"{100 * row.late:.2f}", f"{100 * row.dummy_late:.2f}", f"{row.rate:.0f}",
-            f"{100 * row.error:.2f}", f"{100 * row.left_out:.1f}",
         ]
         for row in rows
     ]  # fmt: skip
     return plain_table("A tick of each scene", head, lines)
+
+
+def felt(rows: Sequence[Row]) -> Table:
+    """What each scene makes of what it asks for."""
+    head = [
+        "", "error at\nsamples", "force", "rms\nerror", "holes", "beside", "left\nout",
+    ]  # fmt: skip
+    lines = [
+        [
+            row.scene, f"{100 * row.error_at_samples:.2f}",
+            *(["", "", "", ""] if row.felt is None else [f"{100 * x:.1f}" for x in row.felt.values()]),
+            f"{100 * row.left_out:.1f}",
+        ]
+        for row in rows
+    ]  # fmt: skip
+    return plain_table(
+        "Of what was asked: at the samples, and over all touched skin [%]", head, lines
+    )
 
 
 def stages(rows: Sequence[Row]) -> Table:

@@ -7,14 +7,18 @@ from dataclasses import dataclass, replace
 from statistics import median
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
+from pacinian.bench.skin import felt_on_skin
 from pacinian.demo import alternate
 from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.sampling.sampler import Sampler
+from pacinian.solving.felt import Felt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,8 +46,9 @@ class Row:
     p50_ms, p99_ms: of the ticks at 1 kHz. late: share of ticks that ended after the next one's due time;
     dummy_late: of a dummy loop's in the same run. rate: the highest held [Hz], 0 for none: p99 within a tick,
     and at most half a percentage point more late ticks than the dummy loop. samples: median. stages: mean
-    time in a tick [ms]. error: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples,
-    median. left_out: share of the force that the scene asks for of which nothing was asked of the array.
+    time in a tick [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples,
+    median. felt: force, rms, holes and spill over all skin that regions touch, medians of those looks where they do;
+    None if they never do. left_out: share of the force that the scene asks for of which nothing was asked of the array.
     """
 
     scene: str
@@ -54,7 +59,8 @@ class Row:
     rate: float
     samples: int
     stages: dict[str, float]
-    error: float
+    error_at_samples: float
+    felt: dict[str, float] | None
     left_out: float
 
 
@@ -80,7 +86,7 @@ class Look:
         )
 
     def error(self, array: Array, medium: Air) -> float:
-        """Relative error of the emitted sound pressures, in double precision."""
+        """Relative error of the emitted sound pressures at the samples, in double precision."""
         q = self.samples.positions
         B = matrix(array, q, medium)
         if self.samples.capsules is not None:
@@ -146,9 +152,20 @@ class Run:
             rate=1.0 / self.renderer.period if self.held else 0.0,
             samples=round(median(len(look.samples) for look in self.looks)),
             stages={k: 1e3 * v / report.ticks for k, v in report.stages.items()},
-            error=median(look.error(array, medium) for look in self.looks),
+            error_at_samples=median(look.error(array, medium) for look in self.looks),
+            felt=self._felt(array, medium),
             left_out=max(0.0, 1.0 - sounded / asked) if asked else 0.0,
         )
+
+    def _felt(self, array: Array, medium: Air) -> dict[str, float] | None:
+        """Medians of what was felt on skin, over the looks where any was asked for."""
+        every = [
+            felt_on_skin(array, medium, look.scene, look.t, look.emitted) for look in self.looks
+        ]
+        found = [felt for felt in every if felt is not None]
+        if not found:
+            return None
+        return Felt(*np.median(np.array(found), axis=0).tolist())._asdict()
 
 
 def measure(array: Array, name: str, seconds: float) -> Row:

@@ -164,7 +164,11 @@ def _print(found: Found) -> None:
     from pacinian.bench import scene_report, scene_tables
 
     console = Console()
-    shown = [scene_tables.scenes(found.rows), scene_tables.stages(found.rows)]
+    shown = [
+        scene_tables.scenes(found.rows),
+        scene_tables.felt(found.rows),
+        scene_tables.stages(found.rows),
+    ]
     if found.savings:
         shown.append(scene_tables.savings(found.savings))
     if found.growth:

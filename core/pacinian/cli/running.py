@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Report
 
 
+SHOWN = 8  # objects whose felt figures are shown
+
+
 def progress(
     what: str, seconds: float, quiet: bool
 ) -> AbstractContextManager[Callable[[Report], object] | None]:
@@ -88,13 +91,19 @@ def _table(told: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from pacinian.solving.felt import Felt
+
     table = Table(box=None, show_header=False, pad_edge=False)
     rows = {
         "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
         "solver, backend": f"{told['solver']}, {told['backend']}",
         "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {_late(told)}",
         "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
-        "error, as emitted": f"{told['error']:.3%} of the sound pressures asked",
+        "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the sound pressures asked",
+        **{
+            f"felt of {name}": str(Felt(**felt))
+            for name, felt in list(told["felt"].items())[:SHOWN]
+        },
         "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
         "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)
         or "nothing",

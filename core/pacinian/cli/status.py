@@ -74,8 +74,9 @@ def table(state: State) -> Table:
         "technique, strength": escape(
             f"{state.technique or 'of each object'}, {state.intensity:.0%}"
         ),
-        "felt": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
-        "error, as emitted": f"{state.error:.3%} of the sound pressures asked",
+        "rendered": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
+        "at the samples, as emitted": f"{state.error:.3%} off the sound pressures asked",
+        **_felt(state),
         "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",
         "tick time": f"p50 {median:.3f} ms, p99 {p99:.3f} ms, max {longest:.3f} ms",
         "frames": f"{state.frames}, longest gap {1e3 * state.longest_gap:.1f} ms",
@@ -94,6 +95,20 @@ def table(state: State) -> Table:
     for name, value in rows.items():
         made.add_row(name, value)
     return made
+
+
+def _felt(state: State) -> dict[str, str]:
+    """What is felt of objects that have regions, between their samples."""
+    import numpy as np
+    from rich.markup import escape
+
+    from pacinian.solving.felt import Felt
+
+    figures = np.frombuffer(state.felt, "<f4").reshape(-1, 4).tolist()
+    told = zip(state.objects, figures, strict=False)
+    return {
+        escape(f"felt of {name}"): str(Felt(*four)) for name, four in told if four[0] == four[0]
+    }
 
 
 def _counts(counts: dict[str, int]) -> str:

@@ -11,6 +11,7 @@ from pacinian.errors import ArgumentError
 from pacinian.rendering.drive import Quantiser
 from pacinian.rendering.governor import Governor
 from pacinian.rendering.player import Player
+from pacinian.rendering.probe import Probe
 from pacinian.rendering.turns import Turns
 from pacinian.rendering.warming import load, try_out
 from pacinian.scene.sampling.samples import ISOLATED, nothing
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Capability, Frame
-    from pacinian.rendering.player import Solved
     from pacinian.rendering.report import Stages
     from pacinian.rendering.smooth import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
 MOST = 1000  # frames a tick
-LOOK = 64  # solves for each whose error after rounding to levels is measured
+LOOK = 64  # ticks from look to look at what the device's levels make
 
 
 class Pipeline:
@@ -60,7 +60,8 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self.governor = Governor(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
-        self._unlooked = LOOK  # solves since the error of one was measured
+        self.probe = Probe(session)
+        self._unlooked = LOOK  # ticks since the last look
         self._begin()
 
     def _begin(self) -> None:
@@ -122,6 +123,7 @@ class Pipeline:
         made = samples, limits, self.session.solver
         if self.player.steady and self._made == made:
             self.player.fresh.clear()
+            self._look()
             skipped[kept] += 1
             skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
@@ -170,19 +172,19 @@ class Pipeline:
         return self._played[1]
 
     def _look(self) -> None:
-        """Count the solves, and now and then the error of one."""
-        fresh = self.player.fresh
-        self._unlooked += len(fresh)
-        for one in fresh:  # the propagator is where the last of them is
-            error = None
-            if one is fresh[-1] and self._unlooked >= LOOK and len(one.samples):
-                self._unlooked, error = 0, self._error(one)
-            self.stages.report.solved(one.solution.status, error)
-
-    def _error(self, solved: Solved) -> float:
-        """Relative error of the sound pressures that the device's levels make."""
-        p = self.session.propagator.apply(self.emitted(solved.gains))
-        return solved.solution.targets.miss(p)
+        """Count the solves; now and then see what the last one makes, at its samples and between them."""
+        report, placed = self.stages.report, self.player.placed
+        for one in self.player.fresh:
+            report.solved(one.solution.status)
+        self._unlooked += 1
+        if self._unlooked < LOOK or placed is None or not len(placed.samples):
+            return
+        if not self.player.fresh and placed.solution.targets.regions is None:
+            return  # there is nothing new to see
+        self._unlooked, gains = 0, self.emitted(placed.gains)
+        p = self.session.propagator.apply(gains)
+        felt = self.probe.look(placed.samples, placed.solution, gains)
+        report.looked(placed.solution.targets.miss(p), felt)
 
     @property
     def _ceiling(self) -> float:

@@ -9,15 +9,19 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pacinian.notebook import Card, card
+from pacinian.solving.felt import Sums
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from pacinian.solving.felt import Felt
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
 
+SHOWN = 4  # objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
+FELT = 1000  # looks between the samples that are kept
 REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 
 
@@ -57,6 +61,7 @@ class Report:
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
+    _felt: deque[dict[str, Sums]] = field(default_factory=lambda: deque(maxlen=FELT), repr=False)
 
     def tick(self, seconds: float, late: bool) -> None:
         """Count a tick that took `seconds` [s]."""
@@ -68,13 +73,30 @@ class Report:
         """Add `seconds` [s] to a stage's time."""
         self.stages[stage] += seconds
 
-    def solved(self, status: Status, error: float | None) -> None:
-        """Count a solve, and its error on the gains as emitted, after quantisation, if measured."""
+    def solved(self, status: Status) -> None:
+        """Count a solve."""
         self.solves += 1
         self.statuses[status.name] += 1
-        if error is not None:
-            self._errors[self._measured % REMEMBERED] = error
-            self._measured += 1
+
+    def looked(self, error: float, felt: dict[str, Sums]) -> None:
+        """Keep what a look at the gains as emitted, after quantisation, has found.
+
+        error: of the sound pressures at the samples, relative. felt: between them, of each object that has a region.
+        """
+        self._errors[self._measured % REMEMBERED] = error
+        self._measured += 1
+        self._felt.append(felt)
+
+    def felt(self, looks: int = REMEMBERED) -> dict[str, Felt]:
+        """What was felt, as emitted, of each object that has regions, between its samples: of the last looks.
+
+        One every 64 ticks, at some 24 places each.
+        """
+        sums: dict[str, Sums] = {}
+        for found in list(self._felt)[-looks:]:
+            for name, more in found.items():
+                sums[name] = sums.get(name, Sums()).plus(more)
+        return {name: all_.felt for name, all_ in sums.items()}
 
     def fault(self, fault: Fault) -> None:
         """Count a fault."""
@@ -116,7 +138,8 @@ class Report:
             "tick_p99_ms": self.tick_ms(99),
             "tick_max_ms": self.tick_ms(100),
             "stages_ms": {k: 1e3 * v / max(1, self.ticks) for k, v in self.stages.items()},
-            "error": self.error,
+            "error_at_samples": self.error,
+            "felt": {name: felt._asdict() for name, felt in self.felt().items()},
             "solves": self.solves,
             "frames_sent": self.frames_sent,
             "skipped": dict(self.skipped),
@@ -131,7 +154,8 @@ class Report:
         rows = {
             "late": f"{self.late_ticks} ({self.late_share:.1%})",
             "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
-            "error": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
+            "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
+            **{f"felt of {name}": str(felt) for name, felt in list(self.felt().items())[:SHOWN]},
             "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
             "skipped": ", ".join(f"{n} {name}" for name, n in self.skipped.items() if n)
             or "nothing",

@@ -70,7 +70,9 @@ class Metrics(Collector):
         yield _counter("faults", "Faults", state.fault_count)
         yield _gauge("armed", "Whether a client has armed the output", state.armed)
         yield _gauge("tick_rate_hertz", "Ticks per second", state.rate)
-        yield _gauge("error_ratio", "Error of the last solution as emitted", state.error)
+        yield _gauge(
+            "error_ratio", "Error of the sound pressures at the samples, as emitted", state.error
+        )
         yield _gauge("longest_gap_seconds", "Between two frames while armed", state.longest_gap)
         yield _gauge("clients", "Sessions", len(state.clients))
         yield _labelled(

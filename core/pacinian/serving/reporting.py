@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.rendering.probe import name_of
 from pacinian.scene.sampling.tracks import HOLD
 from pacinian.serving.guarding import plain
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
+LOOKS = 20  # that what is felt is the mean of: a second or so
+UNKNOWN = (math.nan,) * 4
 FAULTS = 5  # that are told
 EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # [s] between the bins of `State.tick_counts`
 
@@ -60,8 +65,16 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
         "index": index.astype("<i4").tobytes(),
         "objects": tuple(samples.items[i].name for i in used.tolist()),
         "error": solution.targets.miss(p),
+        "felt": _felt(renderer, [samples.items[i] for i in used.tolist()]),
         "status": solution.status.name,
     }
+
+
+def _felt(renderer: Renderer, items: list[Object]) -> bytes:
+    """Force, rms, holes and spill of each object, between its samples."""
+    felt = renderer.report.felt(LOOKS)
+    figures = [felt.get(name_of(item), UNKNOWN) for item in items]
+    return np.array(figures, dtype="<f4").tobytes()
 
 
 def _joints(hand: Hand, t: float) -> Floats | None:

@@ -33,21 +33,38 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
 
 
-def joint_phases(array: Array, points: ArrayLike, medium: Air | None = None) -> Floats:
+STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
+NEAR = 3e-3  # [m]: a sample goes on from one that is so near
+
+
+def joint_phases(
+    array: Array,
+    points: ArrayLike,
+    medium: Air | None = None,
+    *,
+    radiation_pressure: ArrayLike | None = None,
+) -> Floats:
     """Phases of a region's points, phi_m = k |q_m - f| [rad], (M,): of a wave that converges to a point beyond.
 
     The point f = 2 m - c is as far beyond the region's middle m as the array's centre c is before it. With these
     phases a field is even between points at most half a wavelength apart. array: whose centre counts. points: q, of one
-    region, (M, 3) [m]. medium: `Air()` unless given. Raises ArgumentError.
+    region, (M, 3) [m]. medium: `Air()` unless given. radiation_pressure: asked at the points, (M,), of which the
+    middle is the centre, so that a point which comes or goes with little of it changes little; all alike unless given.
+    Raises ArgumentError.
     """
     kind("array", array, Array)
     q = numbers("points", points, (None, 3))
     k = (Air() if medium is None else medium).wavenumber(array.transducer.frequency)
-    return _converging(q, array.centre, k) if len(q) else np.empty(0)
+    P = np.ones(len(q))
+    if radiation_pressure is not None:
+        P = numbers("radiation_pressure", radiation_pressure, (len(q),))
+    return _converging(q, P, array.centre, k) if len(q) else np.empty(0)
 
 
-def _converging(q: Floats, centre: Floats, k: float) -> Floats:
-    away = q - (2.0 * q.mean(axis=0) - centre)
+def _converging(q: Floats, P: Floats, centre: Floats, k: float) -> Floats:
+    total = float(P.sum())
+    middle = P @ q / total if total > 0.0 else q.mean(axis=0)
+    away = q - (2.0 * middle - centre)
     return np.asarray(k * np.sqrt(np.einsum("mk,mk->m", away, away)))
 
 
@@ -65,7 +82,7 @@ def settle(propagator: Propagator, targets: Targets, warm: Solution | None) -> T
     wave = np.zeros(M)
     for number in range(int(targets.regions.max()) + 1):
         own = targets.regions == number
-        wave[own] = _converging(propagator.points[own], propagator.origin, k)
+        wave[own] = _converging(propagator.points[own], t[own] ** 2, propagator.origin, k)
     group, count = _groups(targets.regions, given)
     alone = (targets.regions == ISOLATED) & ~given
     start, steps = beginning(M, None if warm is None else _phases(warm))
@@ -90,6 +107,31 @@ def settle(propagator: Propagator, targets: Targets, warm: Solution | None) -> T
     phases = np.where(given, targets.phases, phi + np.angle(z)[group])
     phases.flags.writeable = False
     return replace(targets, phases=phases)
+
+
+def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Floats) -> Solution:
+    """The last solution's phases for the points of now, where other samples may have come and gone.
+
+    before: its points, (M', 3) [m]. Each point goes on from the nearest of its kind, if that is at most 3 mm away;
+    others from the sound that is there. Multipliers are kept for the same samples only: they are rough where the
+    array resolves little, so that those of other samples are worse than none.
+    """
+    q, asked = propagator.points, warm.asked_phases
+    now, were = targets.regions, warm.targets.regions
+    assert asked is not None
+    assert now is not None
+    assert were is not None
+    same = len(q) == len(before) and np.array_equal(now, were)
+    if same and float(np.abs(q - before).max()) < STILL:
+        return warm
+    d = q[:, None] - before
+    square = np.einsum("mok,mok->mo", d, d)
+    square[(now == ISOLATED)[:, None] != (were == ISOLATED)] = np.inf
+    nearest = square.argmin(axis=1)
+    known = square[np.arange(len(q)), nearest] < NEAR * NEAR
+    p = propagator.apply(warm.gains)
+    phases = np.where(known, asked[nearest], np.angle(p))
+    return replace(warm, sound_pressure=p, asked_phases=phases, multipliers=None)
 
 
 def _phases(warm: Solution) -> Floats:

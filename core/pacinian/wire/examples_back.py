@@ -104,6 +104,7 @@ STATE = state.State(
     objects=("a", "b"),
     hands=HAND,
     error=0.015625,
+    felt=np.array([[1.0, 0.03125, 0.0, 0.75], [np.nan] * 4], dtype="<f4").tobytes(),
     status="ok",
     ticks=3500,
     late=1,

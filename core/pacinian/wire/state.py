@@ -53,12 +53,15 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     points: where samples are, (M, 3) float32 [m]. normals: (M, 3) float32. asked, achieved: radiation pressure, (M,)
     float32 [Pa]; achieved by the gains as emitted. index: which of `objects` each sample is of, (M,) little-endian
     int32. objects: names. hands: joints of the hands as they are rendered, (hands, 26, 3) float32 [m]. error: of the
-    last solution as emitted. status: of the last tick. ticks: so far. late: of these. rate: ticks per second [Hz].
-    tick_ms: median, 99 % and maximum of the last second [ms]. frames: that the device took. longest_gap: between two
-    frames while armed [s]. skipped: samples by reason. faults: the last ones, newest last. fault_count: of all.
-    restarts: of the server's processes, by name. inputs: of each hand update that reached the device since the last
-    state, (K, 4) little-endian float64: sequence, the client's time, when it was received and when it was emitted, by
-    the server's clock [s]. clients: that are there.
+    sound pressures at the samples, as emitted. felt: of each of `objects` between its samples, (objects, 4)
+    little-endian float32: force over what was asked, rms of the difference over that of what was asked, share with
+    less than half, highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last looks;
+    NaN without a region; since protocol 1.1. status: of the last tick. ticks: so far. late: of these. rate: ticks per
+    second [Hz]. tick_ms: median, 99 % and maximum of the last second [ms]. frames: that the device took. longest_gap:
+    between two frames while armed [s]. skipped: samples by reason. faults: the last ones, newest last. fault_count: of
+    all. restarts: of the server's processes, by name. inputs: of each hand update that reached the device since the
+    last state, (K, 4) little-endian float64: sequence, the client's time, when it was received and when it was
+    emitted, by the server's clock [s]. clients: that are there.
     tick_counts: how many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-endian
     uint32; the first and last count what is beyond, too; since protocol 1.1.
     """
@@ -82,6 +85,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     objects: tuple[str, ...] = ()
     hands: bytes = b""
     error: float = 0.0
+    felt: bytes = b""
     status: Text = ""
     ticks: int = 0
     late: int = 0

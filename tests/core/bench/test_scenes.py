@@ -23,9 +23,21 @@ from pacinian_plugins.backends.simulated import Simulated
 ARRAY, ONE = pc.autd(3, 3), pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 SKIPS = {skip.what: skip for skip in skips()}
-KEYS = ("scene", "p50_ms", "p99_ms", "late", "dummy_late", "rate", "samples", "stages", "error",
-        "left_out")  # fmt: skip
-ROW = Row("palm", 0.6, 0.9, 0.01, 0.008, 1000.0, 60, {"sample": 0.2, "solve": 0.3}, 0.001, 0.1)
+KEYS = ("scene", "p50_ms", "p99_ms", "late", "dummy_late", "rate", "samples", "stages",
+        "error_at_samples", "felt", "left_out")  # fmt: skip
+ROW = Row(
+    "palm",
+    0.6,
+    0.9,
+    0.01,
+    0.008,
+    1000.0,
+    60,
+    {"sample": 0.2, "solve": 0.3},
+    0.001,
+    {"force": 1.0, "rms": 0.05, "holes": 0.0, "spill": 0.8},
+    0.1,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -43,7 +55,7 @@ def test_a_row_has_the_keys_that_are_promised() -> None:
     row = scenes.measure(ONE, "empty", 0.05)
     assert tuple(asdict(row)) == tuple(field.name for field in fields(Row)) == KEYS
     assert row.scene == "empty"
-    assert (row.samples, row.error, row.left_out) == (0, 0.0, 0.0)
+    assert (row.samples, row.error_at_samples, row.felt, row.left_out) == (0, 0.0, None, 0.0)
     assert {"scene", "sample", "send"} <= row.stages.keys()
     assert json.loads(json.dumps(asdict(row))) == asdict(row)
 
@@ -249,6 +261,7 @@ def test_tables_fit_a_terminal_and_hide_nothing() -> None:
     console = Console(width=80, file=io.StringIO())
     rows = [replace(ROW, scene=name, p50_ms=10.123, p99_ms=99.123) for name in gallery.SCENES]
     console.print(scene_tables.scenes(rows))
+    console.print(scene_tables.felt(rows))
     console.print(scene_tables.stages(rows))
     real = [Saving(skip.what, 10.0, 100.0, skip.limit) for skip in skips()]
     console.print(scene_tables.savings(real))

@@ -32,7 +32,8 @@ def report(ticks: int) -> pc.Report:
     for k in range(ticks):
         made.tick(1e-6 * (k % 1000), late=False)
     for k in range(5):
-        made.solved(pc.Status.ok, 0.01 * k)
+        made.solved(pc.Status.ok)
+        made.looked(0.01 * k, {})
     made.skipped.update({"solve, nothing moved": 7, "<i>missed</i>": 2, "nothing": 0})
     return made
 
@@ -83,7 +84,8 @@ def test_of_a_long_run_the_last_ticks_and_errors_are_in_their_order() -> None:
     made = pc.Report()
     for k in range(REMEMBERED + 10):
         made.tick(1e-6 * k, late=False)
-        made.solved(pc.Status.ok, 1e-6 * k)
+        made.solved(pc.Status.ok)
+        made.looked(1e-6 * k, {})
     for kept in (made.recent(REMEMBERED), made.errors):
         np.testing.assert_allclose(kept, 1e-6 * np.arange(10, REMEMBERED + 10))
     np.testing.assert_allclose(made.recent(3), kept[-3:])

@@ -214,7 +214,15 @@ def test_a_report_is_plain_numbers() -> None:
     told = json.loads(json.dumps(renderer.run(0.01).summary()))
     assert told["ticks"] == 10
     assert told["statuses"] == {"ok": 10}
-    assert {"late_ticks", "tick_p50_ms", "tick_p99_ms", "error", "skipped", "faults"} <= told.keys()
+    assert {
+        "late_ticks",
+        "tick_p50_ms",
+        "tick_p99_ms",
+        "error_at_samples",
+        "felt",
+        "skipped",
+        "faults",
+    } <= told.keys()
 
 
 def test_a_device_that_refuses_to_be_silent_is_asked_again() -> None:

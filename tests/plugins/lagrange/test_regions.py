@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.solving.evidence import EVEN
+from pacinian_plugins.solvers.lagrange import regions
 
 from ..problems import ARRAY, optimum
 
@@ -251,3 +252,43 @@ def test_no_time_is_a_finite_answer_in_time():
     solution = solve(NINE, q, 10.0, deadline=0.0)
     assert solution.status is pc.Status.deadline
     assert np.isfinite(solution.gains).all()
+
+
+def sliding(i, spacing):
+    """What a disc of 12 mm radius covers of a grid that moves under it: samples come and go at its rim."""
+    x, y = (a.ravel() for a in np.meshgrid(*[np.arange(-0.03, 0.03, spacing)] * 2))
+    x = x + 4e-4 * i
+    inside = np.hypot(x, y) < 0.012
+    return at(np.c_[x, y][inside]), np.flatnonzero(inside)
+
+
+@pytest.mark.parametrize("deadline", [None, 0.0])
+@pytest.mark.parametrize("array", [ONE, NINE], ids=["one", "nine"])
+def test_where_samples_come_and_go_a_region_is_as_asked_from_step_to_step(array, deadline):
+    session, before = pc.Session(array), None
+    for i in range(40):
+        q, names = sliding(i, 0.0021)
+        amplitudes = np.full(len(q), pc.sound_pressure(1.0, AIR))
+        solution = session.solve(q, amplitudes, regions=whole(q), deadline=deadline)
+        felt = session.felt(solution).felt[0]
+        assert felt.force == pytest.approx(1.0, abs=0.06)
+        assert felt.rms < 0.15
+        assert solution.iterations <= 3
+        phases = dict(zip(names.tolist(), solution.asked_phases, strict=True))
+        if before:  # nothing jumps: by a tenth of a turn at most
+            change = [phases[k] - before[k] for k in phases.keys() & before.keys()]
+            assert np.abs(np.angle(np.exp(1j * np.array(change)))).max() < 0.6
+        before = phases
+
+
+@pytest.mark.parametrize("M", [3, 60, 399, 401])
+def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypatch):
+    side = int(np.ceil(np.sqrt(M)))
+    q = at(np.stack(np.meshgrid(*[0.002 * np.arange(side)] * 2), axis=-1).reshape(-1, 2)[:M])
+    amplitudes = np.full(M, 20.0)
+    helped = pc.solve(ONE, q, amplitudes, regions=whole(q))
+    monkeypatch.setattr(regions, "FEW", 0)
+    plain = pc.solve(ONE, q, amplitudes, regions=whole(q))
+    difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
+    assert difference < 0.03 * 20.0
+    assert helped.objective == pytest.approx(plain.objective, rel=0.03)

@@ -89,7 +89,10 @@ export interface State {
   index: Bytes;
   objects: string[];
   hands: Bytes;
+  /** Of the sound pressures at the samples. */
   error: number;
+  /** Force, rms, holes, spill of each object between its samples, 4 float32; NaN without a region. */
+  felt: Bytes;
   status: string;
   ticks: number;
   late: number;

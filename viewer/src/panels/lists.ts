@@ -4,7 +4,7 @@ import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
-import { digits, plural, seconds, whole } from "./words";
+import { digits, percent, plural, seconds, whole } from "./words";
 
 const OBJECTS = 8; // that are listed
 const KEPT = 50; // faults
@@ -68,12 +68,20 @@ function body(table: string): HTMLElement {
   return element(table).querySelector("tbody") ?? element(table);
 }
 
-/** Object, samples, mean asked, mean achieved. */
+/** Object, samples, mean asked, mean achieved, and between the samples: force and rms error of what is felt. */
 function sampled(state: State): string[][] {
   const asked = floats(state.asked);
   const achieved = floats(state.achieved);
   const index = indices(state.index);
-  const sums = state.objects.map((name) => ({ name, count: 0, asked: 0, achieved: 0 }));
+  const felt = floats(state.felt ?? new Uint8Array());
+  const sums = state.objects.map((name, i) => ({
+    name,
+    count: 0,
+    asked: 0,
+    achieved: 0,
+    force: felt[4 * i] ?? NaN,
+    rms: felt[4 * i + 1] ?? NaN,
+  }));
   index.forEach((which, k) => {
     const sum = sums[which];
     if (!sum) return;
@@ -88,5 +96,6 @@ function sampled(state: State): string[][] {
       whole(count),
       digits(sum.asked / count),
       digits(sum.achieved / count),
+      Number.isFinite(sum.force) ? `${percent(sum.force)} ± ${percent(sum.rms)}` : "–",
     ]);
 }

@@ -44,6 +44,8 @@ export class Space {
   /** What is drawn of what comes all the time. */
   private frame: Frame | undefined;
   private state: State | undefined;
+  /** Of the slice that is shown. */
+  private most = 0;
 
   constructor(
     element: HTMLElement,
@@ -150,6 +152,7 @@ export class Space {
   private show(state: State): void {
     const before = this.state;
     this.state = state;
+    this.look(); // a field that stands sends no more slices
     if (before && same(before, state, "points", "normals", "asked", "achieved", "hands")) return;
     this.view.change();
     this.samples.show(state);
@@ -163,7 +166,13 @@ export class Space {
   private cut(slice: Slice): void {
     if (!this.slicer.on) return;
     this.slice.show(slice);
-    if (this.scale.see(peak(slice, this.slice.values).most)) this.rescale();
+    this.most = peak(slice, this.slice.values).most;
+    this.look();
+  }
+
+  /** Let the scale follow the slice that is shown. */
+  private look(): void {
+    if (this.slicer.on && this.scale.see(this.most)) this.rescale();
   }
 
   private fill(volume: Volume): void {

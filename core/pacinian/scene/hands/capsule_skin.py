@@ -11,7 +11,7 @@ from pacinian.errors import ArgumentError
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.levels import GRAIN, Surface, gathered, spread
+from pacinian.scene.hands.levels import FINEST, GRAIN, SPACINGS, Surface, gathered, spread
 from pacinian.scene.hands.skin import Placed, Skin
 from pacinian.scene.shapes import Capsule
 
@@ -36,20 +36,23 @@ class CapsuleSkin(Skin):
 
     At rest the fingers are straight. Bending them uncovers skin on the backs of the joints: of the two capsules'
     spheres there, the larger. Its points are of the finest level only, and inside of the flesh at rest.
+
+    spacing: between points, [m]. grain: between those that they are chosen from [m].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, spacing: float = FINEST, grain: float = GRAIN) -> None:
         shapes = flesh.capsules(Hand.open())
-        every = [_around(shapes, c) for c in range(len(shapes))]
+        every = [_around(shapes, c, grain) for c in range(len(shapes))]
         shown = [part.only(_shown(shapes, c, part.points)) for c, part in enumerate(every)]
         backs = [part.only(_back(shapes, c, part)) for c, part in enumerate(every)]
-        kinds = [_Spread.of(parts) for parts in (shown, backs)]
+        kinds = [_Spread.of(parts, spacing) for parts in (shown, backs)]
         surface = Surface(
             *(np.concatenate(v) for v in zip(*(k.surface for k in kinds), strict=True))
         )
         apart, area, bone, along, mantle = (
             np.concatenate(v) for v in zip(*(k[1:] for k in kinds), strict=True)
         )
+        self.levels = spacing / FINEST * SPACINGS
         hidden = np.arange(len(bone)) >= len(kinds[0].area)
         super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone, hidden)
         self.along, self.mantle = along, mantle
@@ -112,21 +115,21 @@ class _Spread(NamedTuple):
     mantle: Flags
 
     @classmethod
-    def of(cls, parts: list[_Around]) -> _Spread:
+    def of(cls, parts: list[_Around], spacing: float) -> _Spread:
         """Choose among points around each bone."""
         bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
         points, normals, area, along, mantle = map(np.concatenate, zip(*parts, strict=True))
         surface = Surface(points, normals, FINGERS[bone])
-        order, apart, nearest = spread(surface)
+        order, apart, nearest = spread(surface, spacing)
         area = gathered(nearest, area)
         return cls(surface.only(order), apart, area, bone[order], along[order], mantle[order])
 
 
-def _around(shapes: Floats, c: int) -> _Around:
+def _around(shapes: Floats, c: int, grain: float) -> _Around:
     a, b, r = shapes[c, :3], shapes[c, 3:6], float(shapes[c, 6])
     length = float(np.linalg.norm(b - a))
     shape = Capsule(r, length)
-    local = shape.cover(GRAIN)
+    local = shape.cover(grain)
     up = np.sign(local.normals[:, 2])  # 0 but for the caps
     along = np.where(up == 0.0, local.points[:, 2] / length + 0.5, (1.0 + up) / 2.0)
     z = (b - a) / length

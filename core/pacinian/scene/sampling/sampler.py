@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.scene.hands.skin import Skin
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.touchable import Touchable
     from pacinian.scene.scene import Scene, Workspace
@@ -85,6 +86,8 @@ class Sampler:
         self.perception = bool(perception)
         self.skipped: Counter[str] = Counter()
         """What was left out, by reason."""
+        self.skin: Skin | None = None
+        """Of hands of joints, in place of the usual one; set it before the first sample."""
         self._resolving: Resolving | None = None
         self.reset()
 
@@ -149,7 +152,9 @@ class Sampler:
 
     def _touching(self, scene: Scene, t: float) -> list[tuple[Touchable, float]]:
         """The hands that are there, each with the share of its pressures."""
-        tracks = {hand.name: self._hands.get(hand.name) or HandTrack() for hand in scene.hands}
+        tracks = {
+            hand.name: self._hands.get(hand.name) or HandTrack(self.skin) for hand in scene.hands
+        }
         self._hands = tracks
         there: list[tuple[Touchable, float]] = []
         for hand in scene.hands:

@@ -12,6 +12,7 @@ from pacinian.scene.sampling.touchable import Touchable
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.hands.skin import Skin
     from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
@@ -88,9 +89,13 @@ class Tracks:
 
 
 class HandTrack:
-    """One hand from update to update: carried on, blended; held and faded where it is lost or late."""
+    """One hand from update to update: carried on, blended; held and faded where it is lost or late.
 
-    def __init__(self) -> None:
+    skin: of its kind, in place of the usual one.
+    """
+
+    def __init__(self, skin: Skin | None = None) -> None:
+        self._skin = skin
         self._given: Hand | None = None
         self._last: Hand | None = None  # that was not lost
         self._seen = -np.inf
@@ -122,7 +127,7 @@ class HandTrack:
         if self._touchable is None or self._touchable.hand is not hand:
             kind = self._touchable
             same = kind is not None and kind.hand.faces is hand.faces
-            self._touchable = Touchable(hand, kind.skin if kind and same else None)
+            self._touchable = Touchable(hand, kind.skin if kind and same else self._skin)
         return self._touchable
 
     def moving(self, t: float) -> bool:

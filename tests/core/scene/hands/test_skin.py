@@ -210,19 +210,21 @@ def test_a_joint_bent_back_on_itself_gives_numbers() -> None:
     )
 
 
-def same_side(skin: Skin, points: Any) -> Any:
-    n, fingers = skin.surface.normals[points], skin.surface.fingers[points]
-    apart = (fingers[:, None] != fingers) & (fingers[:, None] > 0) & (fingers > 0)
-    return (n @ n.T > 0.0) & ~apart
+def least_apart(skin: Skin, points: Floats, nodes: Any, within: float) -> float:
+    """How near two of the nodes on the same side are [m], if nearer than `within` [m]; points: of the skin."""
+    pairs = KDTree(points[nodes]).query_pairs(within, output_type="ndarray")
+    i, j = nodes[pairs].T
+    n, fingers = skin.surface.normals, skin.surface.fingers
+    same = (n[i] * n[j]).sum(axis=1) > 0.0
+    same &= (fingers[i] == fingers[j]) | (fingers[i] == 0) | (fingers[j] == 0)
+    return float(np.linalg.norm(points[i] - points[j], axis=1)[same].min(initial=np.inf))
 
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_the_nodes_of_a_level_are_its_spacing_apart(level: int) -> None:
     nodes = np.intersect1d(np.arange(SKIN.counts[level]), SHOWN)
-    points = SKIN.surface.points[nodes]
-    apart = np.linalg.norm(points[:, None] - points, axis=2)
-    np.fill_diagonal(apart, np.inf)
-    assert apart[same_side(SKIN, nodes)].min() >= SPACINGS[level]
+    near = least_apart(SKIN, SKIN.surface.points, nodes, 2.0 * SPACINGS[level])
+    assert SPACINGS[level] <= near < 2.0 * SPACINGS[level]
     area = SKIN.node_area[level]  # they stand for all the skin
     assert area.shape == (SKIN.counts[level],)
     assert area[nodes].sum() == pytest.approx(SKIN.area[SHOWN].sum())
@@ -261,7 +263,7 @@ def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
 def test_shares_change_smoothly_over_the_skin() -> None:
     """A fine point's neighbours give to the nodes nearly as it does."""
     indices, weights = SKIN.share[5]
-    full = np.zeros((len(SKIN), SKIN.counts[5]))
+    full = np.zeros((len(SKIN), SKIN.counts[5]), dtype=np.float32)
     np.add.at(full, (ALL[:, None], indices), weights)
     pairs = KDTree(SKIN.surface.points).query_pairs(5e-3, output_type="ndarray")
     close = (SKIN.surface.normals[pairs[:, 0]] * SKIN.surface.normals[pairs[:, 1]]).sum(axis=1)
@@ -351,9 +353,7 @@ def test_a_mesh_has_a_skin_too(inside_out: bool) -> None:
     assert skin.exposed(placed, np.arange(5)).all()
     for level in LEVELS:
         nodes = np.arange(skin.counts[level])
-        apart = np.linalg.norm(placed.points[nodes][:, None] - placed.points[nodes], axis=2)
-        np.fill_diagonal(apart, np.inf)
-        assert apart[same_side(skin, nodes)].min() >= SPACINGS[level]
+        assert least_apart(skin, placed.points, nodes, SPACINGS[level]) >= SPACINGS[level]
         np.testing.assert_allclose(skin.share[level].weights.sum(axis=1), 1.0)
     centre, radius = placed.bounds[skin.bone, :3], placed.bounds[skin.bone, 3]
     assert (np.linalg.norm(placed.points - centre, axis=1) <= radius + 1e-12).all()

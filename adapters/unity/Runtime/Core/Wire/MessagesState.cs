@@ -104,7 +104,7 @@ namespace Pacinian.Wire
     /// <summary>What is emitted, and how the server is: published, and the answer to `status`.</summary>
     public sealed class State : IReply, IState
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts");
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts");
         private static readonly byte[][] Tag = Utf8.Of("state");
 
         /// <summary>Of the `status` that it answers; 0 where it is published. 0 to 4,294,967,295.</summary>
@@ -161,8 +161,11 @@ namespace Pacinian.Wire
         /// <summary>Joints of the hands as they are rendered, (hands, 26, 3) float32 [m].</summary>
         public Bulk Hands;
 
-        /// <summary>Of the last solution as emitted.</summary>
+        /// <summary>Of the sound pressures at the samples, as emitted.</summary>
         public double Error;
+
+        /// <summary>Of each of `objects` between its samples, (objects, 4) little-endian float32: force over what was asked, rms of the difference over that of what was asked, share with less than half, highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last looks; NaN without a region; since protocol 1.1.</summary>
+        public Bulk Felt;
 
         /// <summary>Of the last tick. 0 to 200 characters.</summary>
         public string Status = "";
@@ -209,7 +212,7 @@ namespace Pacinian.Wire
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(34);
+            w.Map(35);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -255,50 +258,52 @@ namespace Pacinian.Wire
             w.Word(Keys[19]);
             w.Real(Error);
             w.Word(Keys[20]);
-            w.Text(Status);
+            w.Binary(Felt);
             w.Word(Keys[21]);
-            w.Whole(Ticks);
+            w.Text(Status);
             w.Word(Keys[22]);
-            w.Whole(Late);
+            w.Whole(Ticks);
             w.Word(Keys[23]);
-            w.Real(Rate);
+            w.Whole(Late);
             w.Word(Keys[24]);
-            w.Fixed(TickMs);
+            w.Real(Rate);
             w.Word(Keys[25]);
-            w.Whole(Frames);
+            w.Fixed(TickMs);
             w.Word(Keys[26]);
-            w.Real(LongestGap);
+            w.Whole(Frames);
             w.Word(Keys[27]);
+            w.Real(LongestGap);
+            w.Word(Keys[28]);
             w.Map(Skipped.Count);
             for (int i = 0; i < Skipped.Count; i++)
             {
                 w.Text(Skipped.Key(i));
                 w.Whole(Skipped.Value(i));
             }
-            w.Word(Keys[28]);
+            w.Word(Keys[29]);
             w.Array(Faults.Count);
             for (int i = 0; i < Faults.Count; i++)
             {
                 w.Text(Faults[i]);
             }
-            w.Word(Keys[29]);
-            w.Whole(FaultCount);
             w.Word(Keys[30]);
+            w.Whole(FaultCount);
+            w.Word(Keys[31]);
             w.Map(Restarts.Count);
             for (int i = 0; i < Restarts.Count; i++)
             {
                 w.Text(Restarts.Key(i));
                 w.Whole(Restarts.Value(i));
             }
-            w.Word(Keys[31]);
-            w.Binary(Inputs);
             w.Word(Keys[32]);
+            w.Binary(Inputs);
+            w.Word(Keys[33]);
             w.Array(Clients.Count);
             for (int i = 0; i < Clients.Count; i++)
             {
                 w.Message(Clients[i]);
             }
-            w.Word(Keys[33]);
+            w.Word(Keys[34]);
             w.Binary(TickCounts);
         }
 
@@ -306,7 +311,7 @@ namespace Pacinian.Wire
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x3FFFFFFFF;
+            ulong missing = 0x7FFFFFFFF;
             if (!r.Map(out count))
             {
                 return false;
@@ -355,20 +360,21 @@ namespace Pacinian.Wire
                 case 17: return r.Texts(Objects, 0, int.MaxValue, 0, int.MaxValue);
                 case 18: return r.Binary(ref Hands, 0, int.MaxValue);
                 case 19: return r.Real(ref Error);
-                case 20: return r.Text(ref Status, 0, 200);
-                case 21: return r.Whole(ref Ticks);
-                case 22: return r.Whole(ref Late);
-                case 23: return r.Real(ref Rate);
-                case 24: return r.Fixed(ref TickMs);
-                case 25: return r.Whole(ref Frames);
-                case 26: return r.Real(ref LongestGap);
-                case 27: return ReadSkipped(r);
-                case 28: return r.Texts(Faults, 0, int.MaxValue, 0, int.MaxValue);
-                case 29: return r.Whole(ref FaultCount);
-                case 30: return ReadRestarts(r);
-                case 31: return r.Binary(ref Inputs, 0, int.MaxValue);
-                case 32: return ReadClients(r);
-                case 33: return r.Binary(ref TickCounts, 0, int.MaxValue);
+                case 20: return r.Binary(ref Felt, 0, int.MaxValue);
+                case 21: return r.Text(ref Status, 0, 200);
+                case 22: return r.Whole(ref Ticks);
+                case 23: return r.Whole(ref Late);
+                case 24: return r.Real(ref Rate);
+                case 25: return r.Fixed(ref TickMs);
+                case 26: return r.Whole(ref Frames);
+                case 27: return r.Real(ref LongestGap);
+                case 28: return ReadSkipped(r);
+                case 29: return r.Texts(Faults, 0, int.MaxValue, 0, int.MaxValue);
+                case 30: return r.Whole(ref FaultCount);
+                case 31: return ReadRestarts(r);
+                case 32: return r.Binary(ref Inputs, 0, int.MaxValue);
+                case 33: return ReadClients(r);
+                case 34: return r.Binary(ref TickCounts, 0, int.MaxValue);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -413,57 +419,61 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x100000) != 0)
             {
-                Status = "";
+                Felt.Clear();
             }
             if ((missing & 0x200000) != 0)
             {
-                Ticks = 0;
+                Status = "";
             }
             if ((missing & 0x400000) != 0)
             {
-                Late = 0;
+                Ticks = 0;
             }
             if ((missing & 0x800000) != 0)
             {
-                Rate = 0.0;
+                Late = 0;
             }
             if ((missing & 0x1000000) != 0)
             {
-                TickMs = new Vec3(0.0, 0.0, 0.0);
+                Rate = 0.0;
             }
             if ((missing & 0x2000000) != 0)
             {
-                Frames = 0;
+                TickMs = new Vec3(0.0, 0.0, 0.0);
             }
             if ((missing & 0x4000000) != 0)
             {
-                LongestGap = 0.0;
+                Frames = 0;
             }
             if ((missing & 0x8000000) != 0)
             {
-                Skipped.Clear();
+                LongestGap = 0.0;
             }
             if ((missing & 0x10000000) != 0)
             {
-                Faults.Clear();
+                Skipped.Clear();
             }
             if ((missing & 0x20000000) != 0)
             {
-                FaultCount = 0;
+                Faults.Clear();
             }
             if ((missing & 0x40000000) != 0)
             {
-                Restarts.Clear();
+                FaultCount = 0;
             }
             if ((missing & 0x80000000) != 0)
             {
-                Inputs.Clear();
+                Restarts.Clear();
             }
             if ((missing & 0x100000000) != 0)
             {
-                Clients.Clear();
+                Inputs.Clear();
             }
             if ((missing & 0x200000000) != 0)
+            {
+                Clients.Clear();
+            }
+            if ((missing & 0x400000000) != 0)
             {
                 TickCounts.Clear();
             }

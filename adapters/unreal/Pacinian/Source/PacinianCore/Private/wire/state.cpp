@@ -106,38 +106,40 @@ bool State::read(Reader& in, std::uint32_t left) {
       seen |= 1ull << 17, good = in.get(hands);
     else if (key == "error")
       seen |= 1ull << 18, good = in.get(error);
+    else if (key == "felt")
+      seen |= 1ull << 19, good = in.get(felt);
     else if (key == "status")
-      seen |= 1ull << 19, good = in.get(status, {0, 200});
+      seen |= 1ull << 20, good = in.get(status, {0, 200});
     else if (key == "ticks")
-      seen |= 1ull << 20, good = in.get(ticks);
+      seen |= 1ull << 21, good = in.get(ticks);
     else if (key == "late")
-      seen |= 1ull << 21, good = in.get(late);
+      seen |= 1ull << 22, good = in.get(late);
     else if (key == "rate")
-      seen |= 1ull << 22, good = in.get(rate);
+      seen |= 1ull << 23, good = in.get(rate);
     else if (key == "tick_ms")
-      seen |= 1ull << 23, good = in.tuple(tick_ms, [&](double& item) { return in.get(item); });
+      seen |= 1ull << 24, good = in.tuple(tick_ms, [&](double& item) { return in.get(item); });
     else if (key == "frames")
-      seen |= 1ull << 24, good = in.get(frames);
+      seen |= 1ull << 25, good = in.get(frames);
     else if (key == "longest_gap")
-      seen |= 1ull << 25, good = in.get(longest_gap);
+      seen |= 1ull << 26, good = in.get(longest_gap);
     else if (key == "skipped")
-      seen |= 1ull << 26, good = in.entries(skipped, {}, {},
+      seen |= 1ull << 27, good = in.entries(skipped, {}, {},
           [&](std::int64_t& item) { return in.get(item); });
     else if (key == "faults")
-      seen |= 1ull << 27, good = in.items(faults, {},
+      seen |= 1ull << 28, good = in.items(faults, {},
           [&](std::string& item) { return in.get(item); });
     else if (key == "fault_count")
-      seen |= 1ull << 28, good = in.get(fault_count);
+      seen |= 1ull << 29, good = in.get(fault_count);
     else if (key == "restarts")
-      seen |= 1ull << 29, good = in.entries(restarts, {}, {},
+      seen |= 1ull << 30, good = in.entries(restarts, {}, {},
           [&](std::int64_t& item) { return in.get(item); });
     else if (key == "inputs")
-      seen |= 1ull << 30, good = in.get(inputs);
+      seen |= 1ull << 31, good = in.get(inputs);
     else if (key == "clients")
-      seen |= 1ull << 31, good = in.items(clients, {},
+      seen |= 1ull << 32, good = in.items(clients, {},
           [&](ClientState& item) { return in.part(item); });
     else if (key == "tick_counts")
-      seen |= 1ull << 32, good = in.get(tick_counts);
+      seen |= 1ull << 33, good = in.get(tick_counts);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -161,25 +163,26 @@ bool State::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 16)) objects.clear();
   if (!(seen & 1ull << 17)) hands.clear();
   if (!(seen & 1ull << 18)) error = 0.0;
-  if (!(seen & 1ull << 19)) status.clear();
-  if (!(seen & 1ull << 20)) ticks = 0;
-  if (!(seen & 1ull << 21)) late = 0;
-  if (!(seen & 1ull << 22)) rate = 0.0;
-  if (!(seen & 1ull << 23)) tick_ms = {0.0, 0.0, 0.0};
-  if (!(seen & 1ull << 24)) frames = 0;
-  if (!(seen & 1ull << 25)) longest_gap = 0.0;
-  if (!(seen & 1ull << 26)) skipped.clear();
-  if (!(seen & 1ull << 27)) faults.clear();
-  if (!(seen & 1ull << 28)) fault_count = 0;
-  if (!(seen & 1ull << 29)) restarts.clear();
-  if (!(seen & 1ull << 30)) inputs.clear();
-  if (!(seen & 1ull << 31)) clients.clear();
-  if (!(seen & 1ull << 32)) tick_counts.clear();
+  if (!(seen & 1ull << 19)) felt.clear();
+  if (!(seen & 1ull << 20)) status.clear();
+  if (!(seen & 1ull << 21)) ticks = 0;
+  if (!(seen & 1ull << 22)) late = 0;
+  if (!(seen & 1ull << 23)) rate = 0.0;
+  if (!(seen & 1ull << 24)) tick_ms = {0.0, 0.0, 0.0};
+  if (!(seen & 1ull << 25)) frames = 0;
+  if (!(seen & 1ull << 26)) longest_gap = 0.0;
+  if (!(seen & 1ull << 27)) skipped.clear();
+  if (!(seen & 1ull << 28)) faults.clear();
+  if (!(seen & 1ull << 29)) fault_count = 0;
+  if (!(seen & 1ull << 30)) restarts.clear();
+  if (!(seen & 1ull << 31)) inputs.clear();
+  if (!(seen & 1ull << 32)) clients.clear();
+  if (!(seen & 1ull << 33)) tick_counts.clear();
   return true;
 }
 
 void State::write(Writer& out) const {
-  out.map(34);
+  out.map(35);
   out.text("type");
   out.text(tag);
   out.field("id", id);
@@ -201,6 +204,7 @@ void State::write(Writer& out) const {
   out.field("objects", objects);
   out.field("hands", hands);
   out.field("error", error);
+  out.field("felt", felt);
   out.field("status", status);
   out.field("ticks", ticks);
   out.field("late", late);

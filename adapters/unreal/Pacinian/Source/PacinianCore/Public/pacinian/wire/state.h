@@ -89,8 +89,13 @@ struct State {
   std::vector<std::string> objects;
   /// joints of the hands as they are rendered, (hands, 26, 3) float32 [m]
   Bytes hands;
-  /// of the last solution as emitted
+  /// of the sound pressures at the samples, as emitted
   double error = 0.0;
+  /// of each of `objects` between its samples, (objects, 4) little-endian float32: force over what
+  /// was asked, rms of the difference over that of what was asked, share with less than half,
+  /// highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last
+  /// looks; NaN without a region; since protocol 1.1
+  Bytes felt;
   /// of the last tick; 0 to 200 characters
   std::string status;
   /// so far
