@@ -133,7 +133,7 @@ class Session:
             )
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
         self._solved_with = (self._solver, limits, self.propagator.version)
-        self._solved_at = q
+        self._solved_at = q.copy()  # the caller may move its own
         return self.last
 
     def _carried(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:

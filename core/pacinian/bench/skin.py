@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the skin that is looked at
-MANY = 1_000_000  # samples: no budget
+BUDGET = 1_000_000  # samples: more than a hand has points
 NEAR, FAR = 3e-3, 10e-3  # [m]: skin so far from what is touched is beside it
 
 
@@ -36,7 +36,7 @@ def felt_on_skin(array: Array, medium: Air, scene: Scene, t: float, gains: Gains
     Over the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the sampler.
     gains: as emitted, (N,). Spill is the highest pressure on skin 3 to 10 mm beside what is touched.
     """
-    sampler = Sampler(MANY, FINEST, perception=False)
+    sampler = Sampler(BUDGET, FINEST, perception=False)
     sampler.skin = _fine()
     sampler.prepare(array, medium)
     samples = sampler.sample(scene, t)

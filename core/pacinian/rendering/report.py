@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SHOWN = 4  # objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
-FELT = 1000  # looks between the samples that are kept
+LOOKS = 1000  # between the samples: so many are kept
 REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 
 
@@ -61,7 +61,7 @@ class Report:
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
-    _felt: deque[dict[str, Sums]] = field(default_factory=lambda: deque(maxlen=FELT), repr=False)
+    _felt: deque[dict[str, Sums]] = field(default_factory=lambda: deque(maxlen=LOOKS), repr=False)
 
     def tick(self, seconds: float, late: bool) -> None:
         """Count a tick that took `seconds` [s]."""
@@ -87,7 +87,7 @@ class Report:
         self._measured += 1
         self._felt.append(felt)
 
-    def felt(self, looks: int = REMEMBERED) -> dict[str, Felt]:
+    def felt(self, looks: int = LOOKS) -> dict[str, Felt]:
         """What was felt, as emitted, of each object that has regions, between its samples: of the last looks.
 
         One every 64 ticks, at some 24 places each.

@@ -16,6 +16,7 @@ import numpy as np
 from numba import complex64 as c8
 from numba import complex128 as c16
 from numba import int64 as i8
+from scipy.spatial import KDTree
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
@@ -124,11 +125,15 @@ def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Fl
     same = len(q) == len(before) and np.array_equal(now, were)
     if same and float(np.abs(q - before).max()) < STILL:
         return warm
-    d = q[:, None] - before
-    square = np.einsum("mok,mok->mo", d, d)
-    square[(now == ISOLATED)[:, None] != (were == ISOLATED)] = np.inf
-    nearest = square.argmin(axis=1)
-    known = square[np.arange(len(q)), nearest] < NEAR * NEAR
+    known, nearest = np.zeros(len(q), np.bool_), np.zeros(len(q), np.intp)
+    for kind_now, kind_then in (
+        (now == ISOLATED, were == ISOLATED),
+        (now != ISOLATED, were != ISOLATED),
+    ):
+        here, there = np.flatnonzero(kind_now), np.flatnonzero(kind_then)
+        if len(here) and len(there):
+            away, which = KDTree(before[there]).query(q[here])
+            known[here], nearest[here] = np.asarray(away) < NEAR, there[np.asarray(which)]
     p = propagator.apply(warm.gains)
     phases = np.where(known, asked[nearest], np.angle(p))
     return replace(warm, sound_pressure=p, asked_phases=phases, multipliers=None)

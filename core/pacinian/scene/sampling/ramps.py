@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
 
@@ -110,11 +111,16 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
 
 
 def _under(samples: Samples, others: Samples) -> Indices:
-    """For each sample of a region the nearest of the others, of the same region, whose area it is on; else -1."""
-    d = samples.positions[:, None] - others.positions
-    square = np.einsum("mok,mok->mo", d, d)
-    on = (samples.regions[:, None] == others.regions) & (square <= others.area)
-    return np.where(on.any(axis=1), np.where(on, square, np.inf).argmin(axis=1), -1)
+    """For each sample of a region the nearest of the others in it, if the sample is on its area; else -1."""
+    found = np.full(len(samples), -1, dtype=np.intp)
+    for region in np.unique(samples.regions).tolist():
+        own, there = (np.flatnonzero(s.regions == region) for s in (samples, others))
+        if len(there):
+            away, which = KDTree(others.positions[there]).query(samples.positions[own])
+            nearest = there[np.asarray(which)]
+            on = np.asarray(away) ** 2 <= others.area[nearest]
+            found[own] = np.where(on, nearest, -1)
+    return found
 
 
 def _near(a: Floats, b: Floats) -> Flags:
