@@ -65,11 +65,13 @@ class Session:
         kind("medium", self.medium, Air)
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
-        self._clock = clock
+        self.clock = clock
+        self.tilt = 0.0
+        """By how much the waves of regions come from aside, over the array's radius: for frames that are to differ."""
         self.last: Solution | None = None
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # what was last solved: its gains are in _work
-        self._solved_with: tuple[Solver, Limits, int] | None = None
+        self._solved_with: tuple[Solver, Limits, int, float] | None = None
         self._solved_at = np.empty((0, 3))  # points [m]
 
     @property
@@ -100,9 +102,11 @@ class Session:
 
         points: [m], shape (M, 3). amplitudes: peak sound pressure [Pa], real, not negative, shape (M,).
         phases: None where free, else [rad], broadcast to (M,), NaN where free.
-        regions: whole numbers, (M,), the same for the points of one surface; -1 for an isolated point. The
-        free phases of a region are those of one wave (`joint_phases`), so that the field is as asked
-        between its points too, where they are at most half a wavelength apart.
+        regions: whole numbers, (M,), the same for the points of one surface; -1 for an isolated point; -2 for one
+        beside the surfaces, of amplitude 0, from where sound is to be kept, with the little weight that this takes
+        (by solvers that can: `Solver.surrounds`). The free phases of a region are those of one wave
+        (`joint_phases`), so that the field is as asked between its points too, where they are at most half a
+        wavelength apart.
         facing: of the skin at the points: then pressures, asked and achieved, are those that press along
         its normals, by the sound that gets there; where none does, the status is `unreachable`.
         limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
@@ -113,8 +117,8 @@ class Session:
         returned, whatever the solver says. Gains are finite and |g| <= limits.gain, in every case.
         Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
         """
-        start = self._clock()
-        budget = ENDLESS if deadline is None else Budget.until(deadline, self._clock)
+        start = self.clock()
+        budget = ENDLESS if deadline is None else Budget.until(deadline, self.clock)
         if limits is None:
             limits = FULL_DRIVE
         kind("limits", limits, Limits)
@@ -132,7 +136,7 @@ class Session:
                 self._carried(warm, q, targets) if len(warm.targets.amplitudes) and len(q) else None
             )
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
-        self._solved_with = (self._solver, limits, self.propagator.version)
+        self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
         self._solved_at = q.copy()  # the caller may move its own
         return self.last
 
@@ -175,11 +179,13 @@ class Session:
         if facing is not None:
             B *= facing.weights(points, self.array.positions)
         p: Complexes = B @ g
-        asked, y, proven = last.targets.complex(np.angle(p)), last.multipliers, math.nan
+        phases = np.angle(p) if last.asked_phases is None else last.asked_phases
+        asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
-            proven = evidence.bound(B, asked, y, last.mu, limits.gain)
+            proven = evidence.bound(B, asked, y, last.mu, limits.gain, last.weights)
         rest = asked - p
-        objective = float(np.vdot(rest, rest).real + last.mu * np.vdot(g, g).real) / 2.0
+        missed_by = float(np.vdot(rest, last.weights * rest).real)
+        objective = (missed_by + last.mu * float(np.vdot(g, g).real)) / 2.0
         if last.targets.scale == "max":
             objective = math.nan
         broken = violations(self.propagator, limits, last.targets, p, g)
@@ -209,12 +215,12 @@ class Session:
             return solution
         propagator = Propagator(self.array, self.medium, self.propagator.precision)
         places = Places.of(self.propagator.points, targets, self.propagator.facing)
-        propagator.place(places.points, places.facing)
+        places = places.heard_by(propagator)
         p = propagator.apply(solution.gains)
         multiple = 1.0 if targets.scale == "exact" else reached(targets, solution.sound_pressure)
         felt, status = places.felt(p, multiple), solution.status
         if status is Status.ok and not all(part.even for part in felt):
-            held = solution.saturation > 0.0
+            held = solution.saturation > 0.0 or targets.scale == "max"
             status = Status.limited if held else Status.approximate
         return dataclasses.replace(solution, felt=felt, status=status)
 
@@ -261,7 +267,9 @@ class Session:
     def _multiple(self, targets: Targets, limits: Limits) -> float:
         """The c by which what was solved last need only be multiplied; NaN if there is none."""
         base = self._base
-        if base is None or self._solved_with != (self._solver, limits, self.propagator.version):
+        if base is None or self._solved_with != (
+            self._solver, limits, self.propagator.version, self.tilt
+        ):  # fmt: skip
             return math.nan
         c = targets.multiple(base.targets)
         if c == 1.0:
@@ -291,8 +299,8 @@ class Session:
         return Solution(
             out, targets, c * base.sound_pressure, base.status, base.solver, 0,
             c * c * base.bound, c * c * base.objective, None if y is None else c * y, base.mu,
-            base.violations, self._clock() - start, base.note, base.gain_limit,
-            asked_phases=base.asked_phases,
+            base.violations, self.clock() - start, base.note, base.gain_limit,
+            asked_phases=base.asked_phases, quiet_weight=base.quiet_weight,
         )  # fmt: skip
 
     def _solved(
@@ -309,7 +317,7 @@ class Session:
         propagator.work.solved += 1
         if targets.norm:
             if targets.regions is not None:
-                asked = settle(propagator, targets, warm)
+                asked = settle(propagator, targets, warm, self.tilt)
             with one_thread(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         kind(f"{solver.name}.solve(...)", result, Result)
@@ -320,8 +328,10 @@ class Session:
         out[:] = g
         miss, bound, objective = missed(targets, p), result.bound, result.objective
         if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
-            rest = miss * targets.norm
-            objective = (rest * rest + result.mu * kernels.power(g)) / 2.0
+            rest = (miss if asked is targets else asked.miss(p)) * targets.norm
+            quiet = p[targets.beside]
+            rest = rest * rest + result.quiet_weight * float(np.vdot(quiet, quiet).real)
+            objective = (rest + result.mu * kernels.power(g)) / 2.0
             bound = min(bound, objective)  # what is above it is rounding
         broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
         status = Status.failed
@@ -333,8 +343,9 @@ class Session:
         return Solution(
             out, targets, p, status, result.solver or solver.name, result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
-            self._clock() - start, result.note, _top(limits), late=result.late,
+            self.clock() - start, result.note, _top(limits), late=result.late,
             asked_phases=None if asked is targets else asked.phases,
+            quiet_weight=result.quiet_weight,
         )  # fmt: skip
 
     def _checked(self, out: Complexes | None) -> Complexes:

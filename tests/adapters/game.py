@@ -67,6 +67,11 @@ class Game:
         self.say("status")
         return self.wait(lambda told: "status" in told)
 
+    def felt(self, name: str) -> dict[str, Any]:
+        """What is felt of an object."""
+        self.say(f"felt {name}")
+        return self.wait(lambda told: told.get("region") == name)
+
     def event(self, what: str, code: str = "") -> dict[str, Any]:
         """The next event of that kind, and of that code."""
         return self.wait(lambda t: t.get("event") == what and code in ("", t["code"]))

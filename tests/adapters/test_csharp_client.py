@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import unpack
+from pacinian.wire.bulk import pack, unpack
 from pacinian.wire.protocol import MAJOR, MINOR
 
 from ..core.client.fake import Fake, state, usual
@@ -83,6 +83,23 @@ def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> No
     path = "$.objects[ball].shape"
     server.say(replies.Error(code="argument", message="no", path=path))
     assert game.event("refused", "argument")["path"] == path
+
+
+def test_what_is_felt_is_told_by_the_objects_name(server: Fake, game: Game) -> None:
+    subscribed(server, game)
+    figures = [[float("nan")] * 4, [0.98, 0.06, 0.0, 1.3]]
+    felt = state(1, output="sounding", objects=("point", "ball"), felt=pack(figures))
+    server.publish(felt)
+    game.until(lambda s: s["sequence"] == 1)
+    told = game.felt("ball")
+    assert [told[key] for key in ("known", "force", "rms", "holes", "spill")] == pytest.approx(
+        [True, 0.98, 0.06, 0.0, 1.3]
+    )
+    assert not game.felt("point")["known"]
+    assert not game.felt("gone")["known"]
+    server.publish(replace(felt, sequence=2, output="silent"))
+    game.until(lambda s: s["sequence"] == 2)
+    assert not game.felt("ball")["known"]
 
 
 @pytest.mark.parametrize("of", ["control", "state"])

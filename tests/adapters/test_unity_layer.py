@@ -82,7 +82,10 @@ def test_the_manuals_examples_compile(built: unity.Built, tmp_path: Path) -> Non
     manual = (unity.PACKAGE / "Documentation~" / "index.md").read_text(encoding="utf-8")
     examples = re.findall(r"```csharp\n(.*?)```", manual, re.DOTALL)
     assert examples
-    needed = [built.player.with_name(f"{n}.dll") for n in ("UnityEngine", "Pacinian.Haptics")]
+    needed = [
+        built.player.with_name(f"{n}.dll")
+        for n in ("UnityEngine", "Pacinian.Core", "Pacinian.Haptics")
+    ]
     for i, example in enumerate(examples):
         source = tmp_path / f"Example{i}.cs"
         source.write_text(example.replace("HapticPoint click;", "HapticPoint click = null;"))
@@ -97,8 +100,9 @@ def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
     status = game.status()
     assert status["drawn"] > 0
     assert status["apart"] < SKIN
+    game.until(lambda s: s["force"] > 0.5)
     game.do("point")
-    game.until(lambda s: s["playing"] and s["flash"] > 0.0)
+    assert not game.until(lambda s: s["playing"] and s["flash"] > 0.0)["pointed"]
     game.until(lambda s: not s["playing"] and s["flash"] == 0.0)  # its duration is over
     game.do("hand off")
     game.until(lambda s: s["output"] == "silent")

@@ -151,6 +151,7 @@ def test_an_open_hand_feels_as_a_tracked_one_does(play: Callable[..., Game]) -> 
     felt = array(np.reshape(told["samples"], (-1, 3))) - BALL
     assert np.all((felt[:, 2] > 0.0) & (np.abs(np.linalg.norm(felt, axis=1) - RADIUS) < 0.02))
     assert game.until(lambda s: s["emitted"] > 0.5)["wrong"] == ""
+    assert not game.until(lambda s: s["force"] > 0.5)["pointed"]
     game.do("stm")
     sounds(game)
     assert not [told for told in game.told if told.get("event") == "refused"]

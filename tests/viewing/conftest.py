@@ -37,11 +37,16 @@ SETTINGS = Settings(
 class Game:
     """Lets a ball, a plate and a point be felt, in a thread of its own, until it is left.
 
-    moves: whether the plate does. refused: codes of what the server refused.
+    names: of those that are. moves: whether the plate does. refused: codes of what the server refused.
     """
 
-    def __init__(self, connection: Path, scene: str = "room") -> None:
-        self._connection, self._scene = connection, scene
+    def __init__(
+        self,
+        connection: Path,
+        scene: str = "room",
+        names: tuple[str, ...] = ("ball", "plate", "spark"),
+    ) -> None:
+        self._connection, self._scene, self._names = connection, scene, names
         self._ended, self._sounds = threading.Event(), threading.Event()
         self.moves = False
         self.refused: list[str] = []
@@ -58,7 +63,7 @@ class Game:
         )  # fmt: skip
         spark = pc.Point(name="spark", position=(-0.03, -0.03, 0.15), radiation_pressure=5.0)
         with pc.Client(self._connection, name="game", scene=self._scene) as client:
-            client.put(ball, plate, spark)
+            client.put(*(item for item in (ball, plate, spark) if item.name in self._names))
             client.arm(take=True)
             step = 0
             while not self._ended.is_set():

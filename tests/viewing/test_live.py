@@ -115,6 +115,36 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
         assert {k: page.newest["slice"][k] for k in PLANE} == PLANE
 
 
+def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: Running) -> None:
+    i, j = np.mgrid[0:40, 0:40]
+    x, y = (0.03 + ((k + 0.5) / 40 - 0.5) * 0.04 for k in (j, i))
+    plane = np.stack([x, y, np.full_like(x, 0.15)], axis=-1)
+    away = np.hypot(x - 0.03, y - 0.03)
+
+    def same() -> bool:
+        """On the plate, of 10 mm radius; nothing from there to 3 mm beside it."""
+        new = page.newest
+        if not new.get("frame", {}).get("phase") or "slice" not in new:
+            return False
+        found = np.frombuffer(new["slice"]["pressure"], "<f4").reshape(40, 40)
+        on = away < 0.009
+        if not np.isfinite(found[on]).all():
+            return False
+        assert np.isnan(found[(away > 0.0105) & (away < 0.0115)]).all()
+        assert np.isnan(found[away > 0.0155]).all()
+        p = pc.field(ARRAY, gains(new["frame"]), plane[on], precision="double")
+        wanted = pc.radiation_pressure(p, pc.Air()) - 5.0
+        return float(np.abs(found[on] - wanted).max()) < 0.01
+
+    with Page(url) as page, Game(server.connection, names=("plate",)):
+        page.say(
+            "slice", id=1, of="error", centre=[0.03, 0.03, 0.15], u=[1.0, 0.0, 0.0], v=[0.0, 1.0, 0.0],
+            size=[0.04, 0.04], shape=[40, 40],
+        )  # fmt: skip
+        page.until(same)
+        assert page.newest["slice"]["of"] == "error"
+
+
 def test_when_a_game_goes_its_objects_its_sound_and_its_field_go(url: str, server: Running) -> None:
     def pressure() -> bytes:
         found: bytes = page.newest.get("slice", {"pressure": b"?"})["pressure"]

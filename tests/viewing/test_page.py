@@ -172,8 +172,28 @@ def test_the_slice_is_dragged_and_is_the_field(browser: Browser, url: str, serve
         assert shown.get("wanted.axis") == "z"
         shown.until(lambda: _arrived(shown, 2))
         shown.until(lambda: _of(shown, shown.get("slice"), feed) < 1e-3)
-        most = max(shown.get("slice.pressure"))
-        shown.until(lambda: most <= shown.get("scale") <= 4.0 * most)
+        asked = max(sample["asked"] for sample in shown.get("samples"))
+        top = min(max(shown.get("slice.pressure")), 2.0 * asked)
+        shown.until(lambda: top <= shown.get("scale") <= 4.0 * top)
+
+
+def test_the_error_is_shown_on_what_is_felt(browser: Browser, url: str, server: Running) -> None:
+    with Game(server.connection, names=("plate",)), seen(browser, url) as shown:
+        shown.until(lambda: "±" in shown.text("#samples"))
+        shown.page.check("[name=of][value=error]")
+        shown.page.check("[name=axis][value=z]")
+        shown.page.click("#slice-centre")
+        shown.until(lambda: shown.get("slice.of") == "error")
+        shown.until(lambda: abs(shown.get("slice.centre")[2] - 0.15) < 1e-4)
+        shown.until(lambda: any(value is not None for value in shown.get("slice.pressure")))
+        shown.until(lambda: shown.text("#bar-caption") == "made − asked [Pa]")
+        shown.until(lambda: shown.text("#slice-most").endswith("too much"))
+        shown.until(lambda: shown.text("#bar-ticks").split()[2] == "0")
+        shown.page.focus("canvas")
+        shown.page.keyboard.press("e")
+        shown.until(lambda: shown.get("slice.of") == "pressure")
+        shown.until(lambda: shown.text("#bar-caption") == "radiation pressure [Pa]")
+        assert shown.page.is_checked("[name=of][value=pressure]")
 
 
 def test_the_surface_is_where_the_field_is_so_strong(

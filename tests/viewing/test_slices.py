@@ -21,6 +21,7 @@ from pacinian.viewing import slices
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
+from pacinian.viewing.region_error import Regions, error
 from pacinian.viewing.slices import Fields, grid, interpolated, pressure
 
 from .watching import LIMIT
@@ -100,6 +101,43 @@ def computed(fields: Fields, *asked: Any, wanted: Any = lambda: True) -> list[by
         return list(await asyncio.gather(*each))
 
     return asyncio.run(run())
+
+
+def test_the_mean_of_all_frames_is_shown() -> None:
+    frames = np.stack([GAINS, np.exp(-0.3j * np.arange(len(ARRAY))).astype(np.complex64)])
+    for asked in (HERE, msgspec.structs.replace(HERE, shape=(120, 160))):
+        each = [
+            np.frombuffer(pressure(DRIVE.model.packed, g.tobytes(), grid(asked), 0, 1 << 20), "<f4")
+            for g in frames
+        ]
+        wanted = np.mean(each, axis=0)
+        assert np.abs(each[0] - each[1]).max() > 0.5 * wanted.max()
+        whole = pressure(DRIVE.model.packed, frames.tobytes(), grid(asked), 0, 1 << 20)
+        np.testing.assert_allclose(np.frombuffer(whole, "<f4"), wanted, rtol=1e-5)
+    fast = interpolated(DRIVE.model.packed, frames.tobytes(), grid(asked))
+    assert np.abs(np.frombuffer(fast, "<f4") - wanted).max() < 4e-3 * wanted.max()
+
+
+def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
+    fields: Fields,
+) -> None:
+    asked = msgspec.structs.replace(HERE, of="error")
+    (nowhere,) = computed(fields, asked)
+    assert np.isnan(np.frombuffer(nowhere or b"", "<f4")).all()
+    assert len(nowhere or b"") == 4 * 30 * 40
+    points = np.float32(
+        [[0.0, 0.0, 0.1], [0.0, 0.003, 0.1], [0.0, 0.0, 0.103], [0.0, 0.003, 0.103]]
+    )
+    told = Regions(
+        points.tobytes(), np.tile(np.float32([1, 0, 0]), (4, 1)).tobytes(),
+        np.full(4, 5.0, "<f4").tobytes(), bytes(16), b"",
+    )  # fmt: skip
+    found = asyncio.run(fields.pressure(asked, DRIVE._replace(regions=told), lambda: True))
+    across = np.cross(asked.u, asked.v)
+    at = grid(asked).points.reshape(-1, 3)
+    wanted = error(ARRAY, AIR, GAINS[None], at, across, told)
+    np.testing.assert_array_equal(np.frombuffer(found or b"", "<f4"), wanted.astype("<f4"))
+    assert 0 < np.isfinite(wanted).sum() < len(wanted)
 
 
 def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(

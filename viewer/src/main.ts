@@ -32,7 +32,7 @@ const feed = new Feed(address(location), {
 const send = (message: ToServer): void => void feed.send(message);
 const slicer = new Slicer(send);
 const boxer = new Boxer(send);
-const scale = new Scale();
+const scales = { pressure: new Scale(), error: new Scale() };
 
 /**
  * What is seen is acknowledged, so that the next may come: not while nobody looks, and where the processor draws, only
@@ -58,7 +58,7 @@ function acknowledge(view: View | undefined): void {
 /** All that is seen in space; null where there is no WebGL: the panels do without. */
 function makeSpace(): Space | null {
   try {
-    return new Space(element("space"), store, slicer, boxer, scale);
+    return new Space(element("space"), store, slicer, boxer, scales);
   } catch (error) {
     const note = element("no-space");
     note.hidden = false;
@@ -79,9 +79,9 @@ if (space) {
   listen(space, slicer);
   watchViews(space);
   const pointing = new Pointing(space, slicer, tell);
-  new FieldPanel(space, slicer, boxer, scale, store);
+  new FieldPanel(space, slicer, boxer, scales, store);
   store.onBeat("slice", () => {
-    scaleBar(scale.most);
+    scaleBar(space.scale.most, space.slice.of);
     pointing.tellAgain();
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));
@@ -89,7 +89,7 @@ if (space) {
     if (array.fields && slicer.on) slicer.ask();
     if (array.fields && boxer.on) boxer.ask();
   });
-  window.pacinian = shown(store, space, slicer, boxer, scale);
+  window.pacinian = shown(store, space, slicer, boxer);
 }
 acknowledge(space?.view);
 feed.open();

@@ -3,9 +3,8 @@
 import { Vector3 } from "three";
 
 import type { Boxer } from "./field/boxer";
-import type { Scale } from "./field/scale";
 import type { Slicer } from "./field/slicer";
-import type { Triple } from "./feed/messages";
+import type { Quantity, Triple } from "./feed/messages";
 import { floats } from "./feed/numbers";
 import type { Link, Store } from "./feed/store";
 import type { Space } from "./space/space";
@@ -18,7 +17,7 @@ export interface Shown {
   readonly hands: number;
   readonly objects: Record<string, { type: string; position: number[]; drawn: boolean }>;
   readonly samples: { position: number[]; asked: number; achieved: number }[];
-  readonly slice: { centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
+  readonly slice: { of: Quantity; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
   readonly wanted: { axis: string; position: number; on: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
@@ -38,7 +37,7 @@ declare global {
 }
 
 /** The object that stands for it. */
-export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer, scale: Scale): Shown {
+export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer): Shown {
   const page = (point: Vector3): [number, number] => {
     const { x, y } = space.view.project(point);
     return [x, y];
@@ -78,10 +77,10 @@ export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer, 
       }));
     },
     get slice() {
-      const { plane, values } = space.slice;
+      const { plane, values, of } = space.slice;
       if (!plane) return null;
       const { centre, size, shape } = plane;
-      return { centre, size, shape, pressure: [...values] };
+      return { of, centre, size, shape, pressure: [...values] };
     },
     get wanted() {
       return { axis: slicer.axis, position: slicer.position, on: slicer.on };
@@ -90,7 +89,7 @@ export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer, 
       return { triangles: boxer.on ? space.surface.triangles : 0, level: space.level };
     },
     get scale() {
-      return scale.most;
+      return space.scale.most;
     },
     get frames() {
       return space.view.frames;

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { Color, LinearSRGBColorSpace } from "three";
 
-import { COLOURS, css, cyclic, phased, viridis } from "../src/colours/maps";
+import { COLOURS, css, cyclic, diverging, phased, viridis } from "../src/colours/maps";
 import { byte, linear, oklab, part, type Colour } from "../src/colours/oklab";
 
 /** How people without one kind of cone see linear sRGB (Machado, Oliveira and Fernandes, 2009). */
@@ -43,6 +43,17 @@ for (const [name, eye] of Object.entries(EYES)) {
       assert.ok((light[k] ?? 0) > (light[k - 16] ?? 1) + 0.01, `${k}`);
     }
   });
+
+  test(`errors grow darker to both sides, which can be told apart, with ${name}`, () => {
+    const colours = seen(diverging(), eye);
+    const light = colours.map(([L]) => L);
+    for (let k = 16; k < COLOURS / 2; k++) {
+      assert.ok((light[k] ?? 0) > (light[k - 16] ?? 1) + 0.01, `${k}`);
+      assert.ok((light[COLOURS - 1 - k] ?? 0) > (light[COLOURS - 1 - k + 16] ?? 1) + 0.01, `${k}`);
+      const d = apart(colours[k - 16], colours[COLOURS - 1 - k + 16]);
+      if (k < COLOURS / 4) assert.ok(d > 0.1, `${k}: ${d}`);
+    }
+  });
 }
 
 test("phase has no seam, and all of it can be shown", () => {
@@ -60,6 +71,14 @@ test("OKLab there and back; white is light and has no hue", () => {
   const c: Colour = [0.2, 0.7, 0.05];
   linear(oklab(c)).forEach((x, k) => assert.ok(Math.abs(x - (c[k] ?? NaN)) < 1e-5));
   for (let x = 0; x < 256; x++) assert.equal(byte(part(x)), x);
+});
+
+test("no error is white, too little is blue, too much is red", () => {
+  const map = diverging();
+  const [blue, white, red] = [0, 128, 255].map((k) => [...map.subarray(4 * k, 4 * k + 3)]);
+  assert.ok(Math.min(...(white ?? [])) > 235);
+  assert.ok((blue?.[2] ?? 0) > 2 * (blue?.[0] ?? 1));
+  assert.ok((red?.[0] ?? 0) > 2 * (red?.[2] ?? 1));
 });
 
 test("viridis begins and ends as it is published; beyond its ends it stays", () => {

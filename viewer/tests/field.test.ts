@@ -6,7 +6,7 @@ import { Ray, Vector3 } from "three";
 import { round, Scale } from "../src/field/scale";
 import type { Plane, Triple } from "../src/feed/messages";
 import { ticks } from "../src/space/axes";
-import { across, AXES, hit, number, peak, value } from "../src/space/planes";
+import { across, AXES, hit, number, peak, range, value } from "../src/space/planes";
 
 const CENTRE: Triple = [0.01, -0.02, 0.2];
 
@@ -54,7 +54,7 @@ test("the most is found where it is; what is no number does not count", () => {
   const plane = across("y", CENTRE, 0.08, 4);
   const values = new Float32Array(16).fill(1);
   values[0] = NaN;
-  values[6] = 7;
+  values[6] = -7;
   const { most, at } = peak(plane, values);
   assert.equal(most, 7);
   assert.ok(new Vector3(...at).distanceTo(cell(plane, 1, 2)) < 1e-9);
@@ -90,4 +90,11 @@ test("axes hold what they are around", () => {
   assert.ok((found[0] ?? 0) <= -0.29 && (found.at(-1) ?? 0) >= 0.23);
   assert.equal(found.length, 7);
   assert.deepEqual(ticks(0, 0.2, 0.1).map((x) => Math.round(10 * x)), [0, 1, 2]);
+});
+
+test("errors go from the least to the most, and both include none; where nothing is known they go nowhere", () => {
+  assert.deepEqual(range(new Float32Array([NaN, -2, 1, NaN])), { low: -2, high: 1 });
+  assert.deepEqual(range(new Float32Array([3, 4])), { low: 0, high: 4 });
+  assert.equal(range(new Float32Array([NaN, NaN])), null);
+  assert.equal(range(new Float32Array()), null);
 });

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import type { Arrayed, Bytes, Frame } from "../src/feed/messages";
+import { radii } from "../src/space/crowding";
 import { Quads } from "../src/space/quads";
 import { Transducers } from "../src/space/transducers";
 
@@ -76,4 +77,15 @@ test("squares grow when they must, and have four corners each", () => {
     const index = geometry.getIndex();
     assert.equal(Math.max(...Array.from({ length: 6 * count }, (_, k) => index?.getX(k) ?? NaN)), 4 * count - 1);
   }
+});
+
+test("rings of near samples are small, of lone ones as large as they may be", () => {
+  const points = Float32Array.from([
+    ...[0, 0, 0, 0.004, 0, 0, 0.008, 0, 0, 0.008, 0, 0], // two in one place
+    ...[0.001, 0, 0], // of another object
+    ...[0, 0, 0, 0, 0.0001, 0, 0, 0.0005, 0], // very near
+  ]);
+  const found = [...radii(points, [0, 0, 0, 0, 1, 2, 2, 2], 0.0045)].map((each) => Math.round(1e5 * each));
+  assert.deepEqual(found, [220, 220, 220, 220, 450, 70, 70, 70]);
+  assert.deepEqual([...radii(Float32Array.of(1, 2, 3), [], 0.001)].map((each) => Math.round(1e5 * each)), [100]);
 });

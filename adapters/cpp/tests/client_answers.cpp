@@ -99,6 +99,7 @@ class Game {
     for (double& number : n) words >> number;
     const double number = std::atof(name.c_str());
     if (what == "status") return tell(), true;
+    if (what == "felt") return tell(name, client_.felt(name)), true;
     if (what == "end") return false;
     bool done = true;
     if (what == "put") {
@@ -153,6 +154,12 @@ class Game {
 
   static void felt(const std::vector<std::complex<float>>& pressures) {
     say({{"field", pressures.empty() ? std::int64_t{-1} : static_cast<std::int64_t>(pressures.size())}});
+  }
+
+  static void tell(const std::string& name, const pacinian::RegionFelt& felt) {
+    const auto figure = [&](float value) { return felt.known() ? static_cast<double>(value) : 0.0; };
+    say({{"region", name}, {"known", felt.known()}, {"force", figure(felt.force)}, {"rms", figure(felt.rms)},
+         {"holes", figure(felt.holes)}, {"spill", figure(felt.spill)}});
   }
 
   void tell() {

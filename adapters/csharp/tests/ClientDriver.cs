@@ -111,6 +111,7 @@ namespace Pacinian.Tests
                 case "hold": _held.Reset(); _stands.WaitOne(); break;
                 case "release": _held.Set(); break;
                 case "dispose": _client.Dispose(); break;
+                case "felt": Tell(name, _client.Felt(name)); return;
                 case "status": Tell(); return;
                 case "forget": Forget(); break;
                 case "end": _ends = true; break;
@@ -132,6 +133,14 @@ namespace Pacinian.Tests
                 "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
                 "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
                 "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
+        }
+
+        private static void Tell(string name, RegionFelt felt)
+        {
+            bool known = felt.Known;
+            ClientJson.Say(
+                "region", name, "known", known, "force", known ? felt.Force : 0f, "rms", known ? felt.Rms : 0f,
+                "holes", known ? felt.Holes : 0f, "spill", known ? felt.Spill : 0f);
         }
 
         private void Felt(Pressures answer)

@@ -163,6 +163,36 @@ namespace Pacinian.Tests
             }
         }
 
+        public void WhatIsFeltIsReadWithoutGarbage()
+        {
+            State state = new State { Output = Output.Sounding };
+            foreach (string name in new[] { "point", "ball", "plate" })
+            {
+                state.Objects.Add(name);
+            }
+            foreach (float figure in new[] { float.NaN, float.NaN, float.NaN, float.NaN, 0.98f, 0.06f, 0f, 1.3f, 1f, 0.5f, 0.25f, 0.125f })
+            {
+                state.Felt.Add(figure);
+            }
+            RegionFelt felt = new RegionFelt();
+            long begin = 0;
+            for (int i = 0; i < 100; i++)
+            {
+                begin = i == 10 ? GC.GetAllocatedBytesForCurrentThread() : begin;
+                felt = RegionFelt.Of(state, "plate");
+            }
+            ClientUnit.Equal(0L, GC.GetAllocatedBytesForCurrentThread() - begin);
+            ClientUnit.Equal(0.125f, felt.Spill);
+            ClientUnit.Equal("force 98 %, rms error 6 %, holes 0 %, beside it 130 %", RegionFelt.Of(state, "ball").ToString());
+            ClientUnit.Equal("not known", RegionFelt.Of(state, "point").ToString());
+            ClientUnit.Holds(!RegionFelt.Of(state, "gone").Known && !RegionFelt.Of(null, "ball").Known);
+            state.Output = Output.Silent;
+            ClientUnit.Holds(!RegionFelt.Of(state, "ball").Known);
+            state.Output = Output.Sounding;
+            state.Felt.Add(1f); // not four for each
+            ClientUnit.Holds(!RegionFelt.Of(state, "ball").Known);
+        }
+
         public void ProblemsSayWhatToDo()
         {
             ClientUnit.Holds(Problems.Version(2).EndsWith("update the client", StringComparison.Ordinal));

@@ -24,6 +24,7 @@ namespace Pacinian.Haptics.Editing
             {
                 EditorGUILayout.LabelField("Known to the server as", effect.WireName);
                 EditorGUILayout.LabelField("Emitted", effect.Emitted.ToString("F1", CultureInfo.InvariantCulture) + " Pa");
+                EditorGUILayout.LabelField("Felt", effect.RegionFelt.ToString());
             }
             if (effect.Problem.Length > 0)
             {

@@ -86,6 +86,12 @@ namespace Pacinian.Haptics
             get { return Haptics.Emitted.Most(Haptics.Emitted.Now, _name); }
         }
 
+        /// <summary>What is felt of it, against what was asked, as the server says; not known of a point.</summary>
+        public RegionFelt RegionFelt
+        {
+            get { return Pacinian.RegionFelt.Of(Haptics.Emitted.Now, _name); }
+        }
+
         /// <summary>Its shape, without what all have; null, and why, if it has none.</summary>
         protected internal abstract Wire.Felt Shaped(out string problem);
 

@@ -84,6 +84,7 @@ class Side:
             sampler=sampler or Sampler(),
             smoothing=Smoothing(rate=None),
             governed=False,
+            cycle=1,
             clock=self.clock,
         )
 

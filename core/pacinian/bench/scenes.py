@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Report
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
-    from pacinian.solving.solution import Solution
+    from pacinian.solving.problem import Targets
     from pacinian.types import Gains
 
 RATE = 1000.0  # [Hz] of the device, and of the ticks if they can be held
@@ -66,13 +66,16 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What was asked and given at a tick, at time t [s] of the scene. emitted: by the device, (N,)."""
+    """What was asked and given at a tick, at time t [s] of the scene.
+
+    sounding: the gains of the frames that the device plays in turn, (K, N): their mean counts.
+    """
 
     t: float
     scene: Scene
     samples: Samples
-    solution: Solution
-    emitted: Gains
+    targets: Targets
+    sounding: Gains
 
     @property
     def asked(self) -> float:
@@ -81,9 +84,7 @@ class Look:
 
     def sounded(self, medium: Air) -> float:
         """What of that was asked of the array [N]."""
-        return float(
-            radiation_pressure(self.solution.targets.amplitudes, medium) @ self.samples.area
-        )
+        return float(radiation_pressure(self.targets.amplitudes, medium) @ self.samples.area)
 
     def error(self, array: Array, medium: Air) -> float:
         """Relative error of the emitted sound pressures at the samples, in double precision."""
@@ -92,7 +93,8 @@ class Look:
         if self.samples.capsules is not None:
             facing = Facing(self.samples.normals, self.samples.capsules)
             B = B * facing.weights(q, array.positions)
-        return self.solution.targets.miss(B @ self.emitted)
+        p = B @ self.sounding.T
+        return self.targets.miss(np.sqrt((np.abs(p) ** 2).mean(axis=1)))
 
 
 class Run:
@@ -126,10 +128,10 @@ class Run:
 
     def _look(self, report: Report) -> None:
         """Keep what is to be evaluated later, when it holds nothing up."""
-        samples, solution = self.renderer.samples, self.renderer.solution
-        if samples is None or solution is None or report.ticks < self._gap * (len(self.looks) + 1):
+        samples, targets = self.renderer.samples, self.renderer.targets
+        if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
             return
-        self.looks.append(Look(*self._now, samples, solution, self.renderer.emitted))
+        self.looks.append(Look(*self._now, samples, targets, self.renderer.sounding))
 
     @property
     def held(self) -> bool:
@@ -160,7 +162,7 @@ class Run:
     def _felt(self, array: Array, medium: Air) -> dict[str, float] | None:
         """Medians of what was felt on skin, over the looks where any was asked for."""
         every = [
-            felt_on_skin(array, medium, look.scene, look.t, look.emitted) for look in self.looks
+            felt_on_skin(array, medium, look.scene, look.t, look.sounding) for look in self.looks
         ]
         found = [felt for felt in every if felt is not None]
         if not found:

@@ -14,7 +14,6 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reach import Reach
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.scene.sampling.samples import ISOLATED
 from pacinian.scene.sampling.sources import FINEST
 from pacinian.session import Session
 from pacinian.solving.felt import HOLE, Felt
@@ -34,13 +33,14 @@ def felt_on_skin(array: Array, medium: Air, scene: Scene, t: float, gains: Gains
     """What is felt of a scene at time t [s], against what its materials ask; None where no hand is in a region.
 
     Over the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the sampler.
-    gains: as emitted, (N,). Spill is the highest pressure on skin 3 to 10 mm beside what is touched.
+    gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3 to 10 mm
+    beside what is touched.
     """
     sampler = Sampler(BUDGET, FINEST, perception=False)
     sampler.skin = _fine()
     sampler.prepare(array, medium)
     samples = sampler.sample(scene, t)
-    samples = samples.only(samples.regions != ISOLATED)
+    samples = samples.only(samples.regions >= 0)
     if samples.capsules is None or not len(samples):
         return None
     session = Session(array, medium)
@@ -49,7 +49,7 @@ def felt_on_skin(array: Array, medium: Air, scene: Scene, t: float, gains: Gains
     if not asked.any():
         return None
     session.propagator.place(q, facing)
-    P, area = radiation_pressure(session.propagator.apply(gains), medium), samples.area
+    P, area = _pressed(session, gains), samples.area
     e, mean = P - asked, float(asked @ area) / float(area.sum())
     return Felt(
         force=float(P @ area) / float(asked @ area),
@@ -72,9 +72,14 @@ def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> fl
         if len(beside):
             facing = Facing(placed.normals[beside], placed.capsules)
             session.propagator.place(placed.points[beside], facing)
-            P = radiation_pressure(session.propagator.apply(gains), session.medium)
-            most = max(most, float(P.max()))
+            most = max(most, float(_pressed(session, gains).max()))
     return most
+
+
+def _pressed(session: Session, gains: Gains) -> Floats:
+    """Radiation pressure where the session's propagator is, (M,) [Pa]: the mean over several gains."""
+    made = [session.propagator.apply(g) for g in np.atleast_2d(gains)]
+    return np.asarray(np.mean([radiation_pressure(p, session.medium) for p in made], axis=0))
 
 
 @functools.cache

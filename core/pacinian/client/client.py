@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.time.envelope import Envelope
     from pacinian.scene.time.technique import Technique
+    from pacinian.solving.felt import Felt
     from pacinian.types import ArrayLike, Complexes
 
 CHANGE = 12.0  # [s] that another solver or backend may take to be ready
@@ -236,6 +238,20 @@ class Client(Connected):
             if state is None:
                 live.lose(f"the server has published no state within {patience:g} s")
             yield state
+
+    @staticmethod
+    def felt(state: State) -> dict[str, Felt]:
+        """What is felt of each surface and volume in a state, by name: between its samples, against what was asked.
+
+        Points and paths are left out, and all objects in silence.
+        """
+        from pacinian.solving.felt import Felt
+
+        if state.output != "sounding":
+            return {}
+        figures = unpack(state.felt, 4).tolist()
+        told = {name: Felt(*four) for name, four in zip(state.objects, figures, strict=False)}
+        return {name: felt for name, felt in told.items() if not math.isnan(felt.force)}
 
     def age(self, state: State) -> float:
         """How long ago a state was published [s]; right to half of the shortest round trip."""

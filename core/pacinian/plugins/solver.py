@@ -16,8 +16,8 @@ class Result(NamedTuple):
     """What a solver says of its answer; the session measures the rest itself.
 
     iterations: how many. limited: transducers are held at their limit. late: stopped by the budget.
-    bound, objective, multipliers, mu: as in `Solution`. note: free text. solver: the name of the solver that it was
-    passed on to.
+    bound, objective, multipliers, mu: as in `Solution`. quiet_weight: in both, of the points beside regions
+    (`Targets.beside`). note: free text. solver: the name of the solver that it was passed on to.
     """
 
     iterations: int = 0
@@ -27,6 +27,7 @@ class Result(NamedTuple):
     objective: float = float("nan")
     multipliers: Complexes | None = None
     mu: float = float("nan")
+    quiet_weight: float = 1.0
     note: str = ""
     solver: str = ""
 
@@ -46,6 +47,9 @@ class Solver(ABC):
     linear: ClassVar[bool] = False
     """Whether targets c times as strong have gains c times as strong while no limit is reached: the
     session then need not ask again."""
+    surrounds: ClassVar[bool] = False
+    """Whether the points beside a region (`Targets.beside`) count so little that a loop may add some around each
+    region, to keep sound from what lies there."""
 
     @abstractmethod
     def solve(

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import ArgumentError
+from pacinian.rendering.cycle import Cycle, frames_of
 from pacinian.rendering.drive import Quantiser
 from pacinian.rendering.governor import Governor
-from pacinian.rendering.player import Player
+from pacinian.rendering.player import Player, joins
 from pacinian.rendering.probe import Probe
 from pacinian.rendering.turns import Turns
 from pacinian.rendering.warming import load, try_out
-from pacinian.scene.sampling.samples import ISOLATED, nothing
+from pacinian.scene.sampling.samples import nothing
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.types import Floats, Gains
+    from pacinian.types import Complexes, Floats, Gains
 
 SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
 MOST = 1000  # frames a tick
@@ -38,8 +39,8 @@ class Pipeline:
     """Makes the frames of one loop.
 
     session: solves. sampler: samples. smoothing: from row to row. capability: of the device. period: of a
-    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. stages: tells
-    how long each took, and has the report to count in. Raises ArgumentError.
+    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. most: frames
+    whose mean a region may be. stages: tells how long each took, and has the report to count in. Raises ArgumentError.
     """
 
     def __init__(
@@ -50,13 +51,15 @@ class Pipeline:
         capability: Capability,
         period: float,
         governed: bool,
+        most: int,
         stages: Stages,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
-        self.stages = stages
+        self.stages, self._most = stages, most
         sampler.prepare(session.array, session.medium)
         times, gap = rows(capability, period)
-        self.player = Player(session, times, gap, smoothing, stages.report.skipped)
+        cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget)
+        self.player = Player(session, times, gap, smoothing, stages.report.skipped, cycle)
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self.governor = Governor(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
@@ -92,6 +95,7 @@ class Pipeline:
             return
         times, gap = rows(capability, self.period)
         self.player.retime(times, gap)
+        self.player.cycle.most = frames_of(self._most, capability.rate)
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
@@ -148,7 +152,7 @@ class Pipeline:
         fresh = self.player.fresh
         if self.governor is None or self.turns.tick(seconds, bool(fresh)) or not fresh:
             return
-        if any((one.samples.regions != ISOLATED).any() for one in fresh):
+        if any((one.samples.regions >= 0).any() for one in fresh):
             return  # a region of fewer samples would have holes
         samples = max(len(one.samples) for one in fresh)
         self.sampler.allowed = self.governor.tick(seconds, samples)
@@ -161,6 +165,9 @@ class Pipeline:
         """What to play now."""
         self._changed = self._changed or scene is not self._seen
         self._seen = scene
+        alone = joins(self.limits)
+        self.sampler.bands = 1 if alone else self.player.cycle.most
+        self.sampler.surround = self.session.solver.surrounds and not alone
         if self.turns.samples:
             if self._changed:  # also where it has come back since
                 self.sampler.changed()
@@ -177,14 +184,34 @@ class Pipeline:
         for one in self.player.fresh:
             report.solved(one.solution.status)
         self._unlooked += 1
-        if self._unlooked < LOOK or placed is None or not len(placed.samples):
+        cycle = self.player.cycle
+        several = cycle.count > 1 and len(cycle.sounding) == cycle.count
+        if self._unlooked < LOOK or not (several or (placed is not None and len(placed.samples))):
             return
-        if not self.player.fresh and placed.solution.targets.regions is None:
-            return  # there is nothing new to see
-        self._unlooked, gains = 0, self.emitted(placed.gains)
-        p = self.session.propagator.apply(gains)
-        felt = self.probe.look(placed.samples, placed.solution, gains)
-        report.looked(placed.solution.targets.miss(p), felt)
+        if several:
+            samples, targets, facing = cycle.samples, cycle.targets, cycle.facing
+            gains = self.sounding
+            p: Complexes | Floats = self.probe.hear(samples.positions, facing, gains)
+        else:
+            assert placed is not None
+            samples, targets = placed.samples, placed.solution.targets
+            if not self.player.fresh and targets.regions is None:
+                return  # there is nothing new to see
+            propagator = self.session.propagator
+            facing, gains = propagator.facing, self.emitted(placed.gains)[None]
+            p = propagator.apply(gains[0])
+        self._unlooked = 0
+        report.looked(targets.miss(p), self.probe.look(samples, targets, facing, gains))
+
+    @property
+    def sounding(self) -> Gains:
+        """What the device makes of the gains of the frames that sound in turn, (K, N)."""
+        every = self.player.cycle.sounding if self.player.cycle.count > 1 else []
+        if not every and self.player.solved:
+            every = [self.player.solved[-1].gains]
+        N = len(self.session.array)
+        made = [self.emitted(gains).copy() for gains in every]
+        return np.array(made, np.complex64).reshape(-1, N)
 
     @property
     def _ceiling(self) -> float:

@@ -9,15 +9,17 @@ import numpy as np
 
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import sound_pressure
-from pacinian.rendering.reach import Reach
+from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.smooth import Smoother
 from pacinian.rendering.voices import Voices, contributions
-from pacinian.scene.sampling.samples import joined, nothing
+from pacinian.scene.sampling.samples import BESIDE, joined, nothing
 from pacinian.solving.solution import Status
 
 if TYPE_CHECKING:
     from collections import Counter
 
+    from pacinian.rendering.cycle import Part
+    from pacinian.rendering.reach import Reach
     from pacinian.rendering.smooth import Smoothing
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
@@ -63,7 +65,7 @@ class Player:
     """Turns samples into rows of gains.
 
     session: solves. times: of a tick's rows from its begin, (K,) [s]. gap: from row to row [s]. skipped:
-    counts what was not needed, by reason.
+    counts what was not needed, by reason. cycle: makes regions in several frames, if that may be.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class Player:
         gap: float,
         smoothing: Smoothing,
         skipped: Counter[str],
+        cycle: Cycle | None = None,
     ) -> None:
         self.session, self.skipped = session, skipped
         self.smoother = Smoother(smoothing, len(session.array))
@@ -83,14 +86,21 @@ class Player:
         """Those that were solved for this tick."""
         self.placed: Solved | None = None
         """The one whose points the propagator has; None where it may have others."""
-        self.reach = Reach(session)
+        self.cycle = cycle or Cycle(session)
+        self._row = 0  # number of the next row
         self._key: tuple[object, ...] = ()
         self._steps: dict[Step, Solved] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
         self._followed: list[Solved] = []
         self._limited = False  # anew: what kept other limits may not fade
         self._further = True  # with what there was no time for
+        self._several = False  # frames that sound in turn
         self.retime(times, gap)
+
+    @property
+    def reach(self) -> Reach:
+        """Which samples sound can be sent to."""
+        return self.cycle.parts[0].reach
 
     def retime(self, times: Floats, gap: float) -> None:
         """Make rows at other times from the next tick on, as for a new player; what is solved stays."""
@@ -106,6 +116,7 @@ class Player:
         """Forget what was solved, and begin from silence."""
         self._key, self._steps, self._limited = (), {}, False
         self.solved, self._followed, self.placed = [], [], None
+        self.cycle.reset()
         self.smoother.reset()
 
     def solve(
@@ -120,10 +131,18 @@ class Player:
         if self._key != key:
             self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
             self._key, self._steps, self._parts = key, {}, _parts(samples)
+            alone = bool(self._parts[1]) or joins(limits)
+            self.cycle.begin(samples, 1 if alone else None)
         self.fresh = []
         base, parts = self._parts
+        self._several = self.cycle.count > 1
+        if self._several:
+            self.solved = self._in_turn(limits, deadline)
+            return
         if not parts:
-            self.solved = [self._found((), base, t, limits, deadline)]
+            found = self._found((), base, t, limits, deadline)
+            self.cycle.consider(found)
+            self.solved = [found]
             return
         solved: list[Solved] = []
         for now in (t + self.times).tolist():
@@ -145,6 +164,7 @@ class Player:
         """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused."""
         solved = self.solved
         flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
+        flat = flat and not self._several
         if flat:
             self._smooth[:] = self.smoother.gains
         else:
@@ -154,7 +174,8 @@ class Player:
         strengths = [None if one.voices is None else one.voices.strength(at) for one in solved]
         for k in range(len(at)):
             one, strength = solved[k % len(solved)], strengths[k % len(solved)]
-            self._rows[k] = self._row(one, None if strength is None else strength[:, k], k)
+            self._rows[k] = self._mixed(one, None if strength is None else strength[:, k], k)
+        self._row += len(at)
         self.steady = flat and solved[0].steady
         return self._rows
 
@@ -163,13 +184,13 @@ class Player:
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
         # a focus that is meant to jump is not held back, and new limits hold from the first row on
-        jumps = self._limited or bool(self._parts[1])
+        jumps = self._limited or bool(self._parts[1]) or self.cycle.count > 1
         self.smoother.settings = self._jumps if jumps else self._smoothing
         self._limited = False
         self.smoother.follow(carriers, self._gap, self._smooth)
         self._followed = solved
 
-    def _row(self, solved: Solved, strength: Floats | None, k: int) -> Gains:
+    def _mixed(self, solved: Solved, strength: Floats | None, k: int) -> Gains:
         """One row: each voice as strong as it is now. strength: of radiation pressure, (voices,)."""
         s: Gains = self._smooth[k]
         if strength is None:
@@ -198,7 +219,7 @@ class Player:
         """
         voices = Voices(samples)
         P = samples.radiation_pressure
-        joint = len(voices) > 1 and (limits.power is not None or bool(limits.asked))
+        joint = len(voices) > 1 and joins(limits)
         if joint:
             strength = voices.strength(t + self.times).mean(axis=1)
             P, step = P * strength[voices.index], (*step, strength.tobytes())
@@ -206,8 +227,48 @@ class Player:
         if kept is not None and self._done(kept):
             self.skipped["solve, nothing moved"] += 1
             return kept
+        made = self._made(self.cycle.parts[0], samples, P, voices, joint, limits, deadline)
+        if kept is not None and made.solution.error > BETTER * kept.solution.error:
+            vain = kept.vain + 1
+            final = made.final or vain == TRIES
+            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
+        self.fresh.append(made)
+        self.placed = made
+        if (len(self._steps) + 1) * made.nbytes > KEPT:
+            self._steps = {}
+        self._steps[step] = made
+        return made
+
+    def _in_turn(self, limits: Limits, deadline: float) -> list[Solved]:
+        """What each row plays where a few frames make what is asked: one of these is solved anew, if any needs it."""
+        cycle, samples = self.cycle, self.cycle.samples
+        part = cycle.due()
+        if part is None:
+            self.skipped["solve, nothing moved"] += 1
+        elif self._further or not cycle.sounding:
+            P, voices = samples.radiation_pressure, Voices(samples)
+            made = self._made(part, samples, P, voices, False, limits, deadline)
+            cycle.keep(part, made)
+            cycle.consider(made)
+            self.fresh.append(made)
+            self.placed = None
+        rows = (cycle.row(self._row + k) for k in range(len(self.times)))
+        return [solved for solved in rows if solved is not None]
+
+    def _made(
+        self, part: Part, samples: Samples, P: Floats, voices: Voices, joint: bool, limits: Limits,
+        deadline: float,
+    ) -> Solved:  # fmt: skip
+        """A new solution for pressures P, (M,) [Pa], or for what the other parts of the cycle leave of them.
+
+        joint: whether the voices' strengths are in P already.
+        """
+        several = self.cycle.count > 1
         q = samples.positions
-        sounded = (P > 0.0) & self.reach.reachable(q, self.skipped)
+        sounded = (P > 0.0) | (samples.regions == BESIDE)
+        sounded &= part.reach.reachable(q, self.skipped)
+        if several:
+            sounded &= self.cycle.sounds(part)
         index = voices.index
         if limits.exact is not None:  # which of them, of those that are left
             exact = limits.exactly(len(q))[sounded] if len(q) else None
@@ -217,10 +278,14 @@ class Player:
         facing, self.placed = None, None
         if samples.capsules is not None and len(q):
             facing = Facing.of(samples.normals, samples.capsules)
-            P = P * self.reach.share(q, facing, self.skipped)
-        solution = self.session.solve(
+            P = P * part.reach.share(q, facing, self.skipped)
+        if several:
+            P = self.cycle.left(part, sounded, P, facing)
+        session = part.session
+        session.solver = self.session.solver
+        solution = session.solve(
             q,
-            sound_pressure(P, self.session.medium),
+            sound_pressure(P, session.medium),
             limits=limits,
             deadline=deadline,
             facing=facing,
@@ -229,21 +294,16 @@ class Player:
         voices.index = index
         parts = None
         if len(voices) > 1 and not joint and len(q):
-            parts = contributions(solution, self.session.propagator, index, len(voices))
+            parts = contributions(solution, session.propagator, index, len(voices))
         late = solution.late and solution.targets.regions is not None
         final = not late and solution.status is not Status.deadline
         steady, sounding = voices.steady and final, None if joint else voices
-        made = Solved(solution.gains, sounding, parts, solution, samples, steady, final)
-        if kept is not None and solution.error > BETTER * kept.solution.error:
-            vain = kept.vain + 1
-            final = final or vain == TRIES
-            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
-        self.fresh.append(made)
-        self.placed = made
-        if (len(self._steps) + 1) * made.nbytes > KEPT:
-            self._steps = {}
-        self._steps[step] = made
-        return made
+        return Solved(solution.gains, sounding, parts, solution, samples, steady, final)
+
+
+def joins(limits: Limits) -> bool:
+    """Whether limits join all gains, so that these cannot be put together from parts."""
+    return limits.power is not None or bool(limits.asked)
 
 
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

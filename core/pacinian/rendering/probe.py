@@ -10,11 +10,12 @@ from pacinian.solving.felt import Places, Sums
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.facing import Facing
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.solving.solution import Solution
-    from pacinian.types import Gains
+    from pacinian.solving.problem import Targets
+    from pacinian.types import Floats, Gains
 
 PLACES = 24  # between samples in one look; many looks add up
 
@@ -23,28 +24,35 @@ class Probe:
     """Looks at other places each time, so that the figures of many looks are those of the regions as a whole."""
 
     def __init__(self, session: Session) -> None:
-        self._session = session
         self._propagator = Propagator(session.array, session.medium)
         self._chance = np.random.default_rng(0)
 
-    def look(self, samples: Samples, solution: Solution, gains: Gains) -> dict[str, Sums]:
+    def look(
+        self, samples: Samples, targets: Targets, facing: Facing | None, gains: Gains
+    ) -> dict[str, Sums]:
         """What is felt of each object that has a region, by its name.
 
-        samples: of the solution, where the session's propagator is. gains: as emitted, (N,).
+        targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose mean is felt.
         """
-        if solution.targets.regions is None:
+        if (regions := targets.regions) is None:
             return {}
-        q, facing = samples.positions, self._session.propagator.facing
-        places = Places.some(q, solution.targets, facing, PLACES, self._chance)
+        places = Places.some(samples.positions, targets, facing, PLACES, self._chance)
         if places is None:
             return {}
-        self._propagator.place(places.points, places.facing)
         found: dict[str, Sums] = {}
-        regions = solution.targets.regions
-        for number, sums in enumerate(places.sums(self._propagator.apply(gains))):
+        for number, sums in enumerate(places.sums(self.hear(places.points, places.facing, gains))):
             item = samples.items[samples.objects[np.flatnonzero(regions == number)[0]]]
             found[name_of(item)] = found.get(name_of(item), Sums()).plus(sums)
         return found
+
+    def hear(self, points: Floats, facing: Facing | None, gains: Gains) -> Floats:
+        """Sound pressure amplitude at points (M, 3) [m] that presses as the mean of the frames does, (M,) [Pa].
+
+        gains: of the frames, (K, N).
+        """
+        self._propagator.place(points, facing)
+        p = np.array([self._propagator.apply(g) for g in gains])
+        return np.asarray(np.sqrt((np.abs(p).astype(np.float64) ** 2).mean(axis=0)))
 
 
 def name_of(item: Object) -> str:

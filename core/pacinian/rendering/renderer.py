@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import kind, number
+from pacinian.checks import integer, kind, number
 from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.clock import BEHIND, Clock, SystemClock, paced
+from pacinian.rendering.cycle import MOST
 from pacinian.rendering.emitter import Emitter
 from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.report import Report, Stages
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.acoustics.facing import Facing
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.governor import Governor
@@ -37,8 +39,9 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Fault
     from pacinian.rendering.turns import Turns
     from pacinian.scene.sampling.samples import Samples
+    from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution
-    from pacinian.types import Gains
+    from pacinian.types import Floats, Gains
 
 RAMP = 0.005  # [s] in which a sample comes up or goes
 
@@ -55,6 +58,10 @@ class Renderer:
     and objects have different envelopes, each one's mean over a tick counts. Where ticks would be late, one
     samples the scene and the next solves for it, by turns, and then there are fewer samples, highest priority
     first, until there is time again: `governed`. Every tick sends a frame.
+
+    cycle: so many frames at most, whose mean is felt, may make a region together, where the device plays each of them
+    500 times a second: in bands where it has more samples than the budget, with waves from two sides where
+    transducers are at their limit. 1: every frame makes all that is asked.
 
     Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a device is gone)
     silences the output and holds it silent until `reset`; the loop goes on and counts. Raises ArgumentError,
@@ -74,6 +81,7 @@ class Renderer:
         sampler: Sampler | None = None,
         smoothing: Smoothing | None = None,
         governed: bool = True,
+        cycle: int = MOST,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
     ) -> None:
@@ -92,11 +100,13 @@ class Renderer:
         self.smoothing = Smoothing() if smoothing is None else smoothing
         kind("smoothing", self.smoothing, Smoothing)
         self.period = 1.0 / number("rate", rate, low=1.0, high=100_000.0)  # [s]
+        self.cycle = integer("cycle", cycle, low=1)
         self.report = Report()
         self.recorder = recorder
         self._stages = Stages(self.clock.now, self.report)
         self._pipeline = Pipeline(
-            self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self._stages,
+            self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
+            self._stages,
         )  # fmt: skip
         self._emitter = Emitter(made, self._stages)
         self.start = 0.0  # [s] by its clock, when it was opened: the scene's time 0
@@ -134,8 +144,17 @@ class Renderer:
 
     @property
     def samples(self) -> Samples | None:
-        """What was asked of it; None before the first."""
+        """What was asked of it, or of all frames of a cycle together; None before the first."""
+        if self.player.cycle.count > 1:
+            return self.player.cycle.samples
         return self.player.solved[-1].samples if self.player.solved else None
+
+    @property
+    def targets(self) -> Targets | None:
+        """What was asked at the samples, of all frames of a cycle together; None before the first solve."""
+        if self.player.cycle.count > 1:
+            return self.player.cycle.targets
+        return None if self.solution is None else self.solution.targets
 
     def open(self) -> None:
         """Claim the device, silent; compile and load what a tick needs."""
@@ -268,6 +287,15 @@ class Renderer:
             np.zeros(len(self.session.array), np.complex64) if solution is None else solution.gains
         )
         return self._pipeline.emitted(gains).copy()
+
+    @property
+    def sounding(self) -> Gains:
+        """As `emitted`, of each frame that sounds in turn, (K, N): what is felt is their mean."""
+        return self._pipeline.sounding
+
+    def hear(self, points: Floats, facing: Facing | None = None) -> Floats:
+        """Sound pressure amplitude at points (M, 3) [m] that presses as the mean of these frames, (M,) [Pa]."""
+        return self._pipeline.probe.hear(points, facing, self.sounding)
 
     def reset(self) -> None:
         """Sound again after a fault, from silence and with nothing remembered."""

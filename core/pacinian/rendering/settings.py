@@ -27,6 +27,7 @@ def written(renderer: Renderer) -> dict[str, Any]:
     return {
         "rate": 1.0 / renderer.period,
         "governed": renderer.governor is not None,
+        "cycle": renderer.cycle,
         "smoothing": asdict(renderer.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},
         "medium": medium,
@@ -47,5 +48,6 @@ def read(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock)
         sampler=Sampler(**settings["sampler"]),
         smoothing=Smoothing(**settings["smoothing"]),
         governed=settings["governed"],
+        cycle=settings.get("cycle", 1),
         clock=clock,
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.probe import name_of
+from pacinian.scene.sampling.samples import BESIDE
 from pacinian.scene.sampling.tracks import HOLD
 from pacinian.serving.guarding import plain
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
-    from pacinian.types import Floats
+    from pacinian.types import Complexes, Floats
 
 LOOKS = 20  # that what is felt is the mean of: a second or so
 UNKNOWN = (math.nan,) * 4
@@ -50,12 +51,17 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
     if renderer.halted is not None or not player.solved:
         return {}
     solved = player.solved[-1]
-    samples, solution = solved.samples, solved.solution
+    samples, solution, targets = solved.samples, solved.solution, solved.solution.targets
     if not len(samples):
         return {"status": solution.status.name}
-    p = solution.sound_pressure
-    if solved is player.placed:  # or else it is a step of a modulation, as it was solved
+    p: Complexes | Floats = solution.sound_pressure
+    if player.cycle.count > 1:
+        samples, targets = player.cycle.samples, player.cycle.targets
+        p = renderer.hear(samples.positions, player.cycle.facing)
+    elif solved is player.placed:  # or else it is a step of a modulation, as it was solved
         p = session.propagator.apply(renderer.emitted)
+    error, shown = targets.miss(p), samples.regions != BESIDE
+    samples, p = samples.only(shown), p[shown]
     used, index = np.unique(samples.objects, return_inverse=True)
     return {
         "points": samples.positions.astype("<f4").tobytes(),
@@ -64,7 +70,7 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
         "achieved": radiation_pressure(p, session.medium).astype("<f4").tobytes(),
         "index": index.astype("<i4").tobytes(),
         "objects": tuple(samples.items[i].name for i in used.tolist()),
-        "error": solution.targets.miss(p),
+        "error": error,
         "felt": _felt(renderer, [samples.items[i] for i in used.tolist()]),
         "status": solution.status.name,
     }

@@ -11,7 +11,7 @@ from pacinian.solving.solution import Status
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits, Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Complexes
+    from pacinian.types import Complexes, Floats
 
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
 EVEN = 0.05  # the same where there are regions: at their samples, 10 % of the pressure that is felt
@@ -47,18 +47,20 @@ def violations(
     return found
 
 
-def bound(B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None) -> float:
-    """What 1/2 ||p - B g||^2 + mu/2 ||g||^2 cannot be less than under |g_n| <= gain [Pa^2].
+def bound(
+    B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None, weights: Floats
+) -> float:
+    """What 1/2 sum_m w_m |p - B g|_m^2 + mu/2 ||g||^2 cannot be less than under |g_n| <= gain [Pa^2].
 
-    B: (M, N). p: targets, (M,). y: any multipliers, (M,): the dual of `lagrange`,
-    D(y) = Re(y^H p) - ||y||^2 / 2 - sum_n c(|B^H y|_n), c(s) = s^2 / (2 mu), or gain s - mu gain^2 / 2
+    B: (M, N). p: targets, (M,). weights: w, (M,). y: any multipliers, (M,): the dual of `lagrange`,
+    D(y) = Re(y^H p) - sum_m |y_m|^2 / (2 w_m) - sum_n c(|B^H y|_n), c(s) = s^2 / (2 mu), or gain s - mu gain^2 / 2
     where s > mu gain.
     """
     s = np.abs(B.conj().T @ y)
     cost = s * s / (2.0 * mu)
     if gain is not None:
         cost = np.where(s <= mu * gain, cost, gain * s - mu * gain * gain / 2.0)
-    return float(np.vdot(y, p).real - np.vdot(y, y).real / 2.0 - cost.sum())
+    return float(np.vdot(y, p).real - np.vdot(y, y / weights).real / 2.0 - cost.sum())
 
 
 def missed(targets: Targets, p: Complexes) -> float:
@@ -70,7 +72,7 @@ def missed(targets: Targets, p: Complexes) -> float:
 
 def reached(targets: Targets, p: Complexes) -> float:
     """The multiple of the targets that pressures p, (M,) [Pa], are as strong as."""
-    return float(np.linalg.norm(p)) / targets.norm
+    return float(np.linalg.norm(p[~targets.beside])) / targets.norm
 
 
 def judge(

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pacinian.acoustics.facing import Facing
-from pacinian.solving.problem import ISOLATED
+from pacinian.errors import PointOnTransducer
 
 if TYPE_CHECKING:
     from numpy.random import Generator
     from scipy.spatial import KDTree
 
     from pacinian.solving.problem import Targets
+    from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
-NEIGHBOURS = 1.5  # times as far as the nearest sample, in the region's median
+NEIGHBOURS = 1.5  # times as far as the nearest sample that lies elsewhere
+SAME = 1e-4  # [m]: samples that are no farther apart lie in one place
+CELLS = 28  # one sample, those that may be so near in cells of that width, and one that is not
+ON = 1e-5  # [m]: a place that is no farther from a transducer lies on it
 BESIDE = 0.003, 0.004, 0.005  # [m]
 AROUND = 12  # directions in which is looked there
 HOLE = 0.5  # of what was asked: less is a hole
@@ -93,7 +97,7 @@ class Places:
     """Places between the samples of regions, and beside these.
 
     points: (K, 3) [m]. asked: square of the sound pressure amplitude, (K,) [Pa^2]; 0 beside. region: of
-    each, (K,). facing: of the skin there.
+    each, (K,). facing: of the skin there. count: of regions.
     """
 
     points: Floats
@@ -101,6 +105,7 @@ class Places:
     region: Longs
     beside: Flags
     facing: Facing | None
+    count: int
 
     @classmethod
     def of(cls, points: Floats, targets: Targets, facing: Facing | None) -> Places:
@@ -111,11 +116,14 @@ class Places:
         from scipy.spatial import KDTree
 
         assert targets.regions is not None
-        tree = KDTree(points)
+        sounding = ~targets.beside
+        tree = KDTree(points[sounding])
         first, second = np.empty((2, 0), np.intp)
         outside, of = np.empty((0, 3)), np.empty(0, np.intp)
         for number in range(int(targets.regions.max()) + 1):
-            own = np.flatnonzero(targets.regions == number)
+            own = np.flatnonzero((targets.regions == number) & sounding)
+            if not len(own):
+                continue
             a, b, spacing = _neighbours(points[own])
             first, second = np.append(first, own[a]), np.append(second, own[b])
             if len(own) > 1:
@@ -132,20 +140,23 @@ class Places:
         Beside is outward from a neighbour. Takes a tenth of a millisecond, where `of` takes tens.
         """
         assert targets.regions is not None
-        own = np.flatnonzero(targets.regions != ISOLATED)
+        sounding = np.flatnonzero(~targets.beside)
+        own = np.flatnonzero(targets.regions[sounding] >= 0)
         if not len(own):
             return None
         first = chance.choice(own, 2 * count)
-        d = points[first][:, None] - points
+        d = points[sounding[first]][:, None] - points[sounding]
         square = np.einsum("mok,mok->mo", d, d)
-        apart = targets.regions[first][:, None] != targets.regions
+        apart = targets.regions[sounding[first]][:, None] != targets.regions[sounding]
         apart[np.arange(2 * count), first] = True
+        apart |= square <= SAME * SAME
         within = np.where(apart, np.inf, square)
         near = within <= NEIGHBOURS**2 * within.min(axis=1, keepdims=True)
         near &= np.isfinite(within)
         second = np.where(
             near.any(axis=1), (chance.random(near.shape) * near).argmax(axis=1), first
         )
+        first, second = sounding[first], sounding[second]
         a, b = first[:count], second[:count]
         # the others: outward from the neighbour
         m, n = first[count:], second[count:]
@@ -153,7 +164,7 @@ class Places:
         size = np.sqrt((away * away).sum(axis=1, keepdims=True))
         r = chance.uniform(BESIDE[0], BESIDE[-1], (count, 1))
         beside = points[m] + r * away / np.where(size > 0.0, size, 1.0)
-        d = beside[:, None] - points
+        d = beside[:, None] - points[sounding]
         nearest = np.einsum("mok,mok->mo", d, d).min(axis=1)
         free = np.flatnonzero((nearest >= (0.99 * r[:, 0]) ** 2) & (size[:, 0] > 0.0))
         return cls._at(points, targets, facing, (a, b), beside[free], m[free])
@@ -174,26 +185,49 @@ class Places:
             size = np.sqrt((between * between).sum(axis=1, keepdims=True))
             between = np.where(size > 0.0, between / np.where(size > 0.0, size, 1.0), n[first])
             seen = Facing(np.concatenate([between, n[of]]), facing.capsules, facing.edge)
+        region = targets.regions[np.append(first, of)]
         return cls(
             np.concatenate([(points[first] + points[second]) / 2.0, outside]),
             np.concatenate([(P[first] + P[second]) / 2.0, np.zeros(len(of))]),
-            targets.regions[np.append(first, of)],
+            region,
             np.arange(inside + len(of)) >= inside,
             seen,
+            int(targets.regions.max()) + 1,
         )
 
-    def felt(self, p: Complexes, multiple: float = 1.0) -> tuple[Felt, ...]:
+    def heard_by(self, propagator: Propagator) -> Places:
+        """Put the propagator's points here; what lies on a transducer is left out. Returns what is left."""
+        try:
+            propagator.place(self.points, self.facing)
+        except PointOnTransducer:
+            from scipy.spatial import KDTree
+
+            away = KDTree(propagator.array.positions).query(self.points)[0]
+            left = np.flatnonzero(away > ON)
+        else:
+            return self
+        facing = self.facing
+        if facing is not None:
+            facing = Facing(facing.normals[left], facing.capsules, facing.edge)
+        places = replace(
+            self, points=self.points[left], asked=self.asked[left], region=self.region[left],
+            beside=self.beside[left], facing=facing,
+        )  # fmt: skip
+        propagator.place(places.points, facing)
+        return places
+
+    def felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[Felt, ...]:
         """The figures of each region, in their order, for sound pressures p, (K,) [Pa].
 
         multiple: of the amplitudes that count as asked.
         """
         return tuple(sums.felt for sums in self.sums(p, multiple))
 
-    def sums(self, p: Complexes, multiple: float = 1.0) -> list[Sums]:
+    def sums(self, p: Complexes | Floats, multiple: float = 1.0) -> list[Sums]:
         """The sums of each region, in their order; arguments as for `felt`."""
         made, asked = np.abs(p).astype(np.float64) ** 2, self.asked * multiple**2
         found: list[Sums] = []
-        for number in range(int(self.region.max(initial=-1)) + 1):
+        for number in range(self.count):
             own = self.region == number
             inside = own & ~self.beside
             P, t = made[inside], asked[inside]
@@ -215,16 +249,24 @@ class Places:
 
 
 def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
-    """Pairs of neighbours among the samples of a region, (M, 3) [m], and how far apart they are [m]."""
+    """Pairs of neighbours among the samples of a region, (M, 3) [m], and how far apart they are, in the median [m].
+
+    Of samples in one place one counts. A region that is all in one place is a pair of that sample with itself.
+    """
     from scipy.spatial import KDTree
 
-    if len(points) == 1:
-        return np.zeros(1, np.intp), np.zeros(1, np.intp), 0.0
-    tree = KDTree(points)
-    nearest = np.asarray(tree.query(points, 2)[0])
-    spacing = float(np.median(nearest[:, 1]))
-    pairs = tree.query_pairs(NEIGHBOURS * spacing, output_type="ndarray")
-    return pairs[:, 0], pairs[:, 1], spacing
+    kept = np.unique(np.round(points / SAME), axis=0, return_index=True)[1]
+    tree = KDTree(points[kept])
+    away = np.asarray(tree.query(points[kept], CELLS)[0])
+    nearest = np.where((away > SAME) & np.isfinite(away), away, np.inf).min(axis=1)
+    others = np.flatnonzero(np.isfinite(nearest))
+    if not len(others):
+        return kept[:1], kept[:1], 0.0
+    near = tree.query_ball_point(points[kept[others]], NEIGHBOURS * nearest[others])
+    pairs = np.array([(i, j) for i, of in zip(others, near, strict=True) for j in of])
+    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    first, second = pairs[pairs[:, 0] < pairs[:, 1]].T
+    return kept[first], kept[second], float(np.median(nearest[others]))
 
 
 def _around(points: Floats, radius: float, every: KDTree) -> tuple[Floats, Indices]:

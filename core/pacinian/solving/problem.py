@@ -30,6 +30,7 @@ def _anything(count: int) -> Floats:
 
 
 ISOLATED = -1  # the number of a point that belongs to no region
+BESIDE = -2  # the number of a point beside regions, where silence is asked
 QUIETEST, LOUDEST = 1e-30, 1e30  # [Pa]: what single precision can work with
 
 
@@ -40,7 +41,8 @@ class Targets:
     amplitudes: peak sound pressure [Pa], shape (M,), not negative; below 1e-30 Pa counts as 0.
     phases: [rad], shape (M,), NaN where free.
     scale: "exact" (these pressures) or "max" (as strong as the limits allow in these proportions).
-    regions: the region of each point, shape (M,), -1 for an isolated one; None where all are. When a solver
+    regions: the region of each point, shape (M,), -1 for an isolated one, -2 for one beside regions, where silence is
+    asked; None where there is no region. When a solver
     is asked, the phases of a region's points are given: those of one wave (`pacinian.joint_phases`).
     """
 
@@ -88,6 +90,10 @@ class Targets:
         number = numbered(count, regions)
         return cls(t, phi, "exact" if str(scale) == "exact" else "max", number)
 
+    def __post_init__(self) -> None:
+        if self.regions is not None and self.amplitudes[self.beside].any():
+            raise ArgumentError("amplitudes", "must be 0 at points of `regions` -2, beside regions")
+
     @functools.cached_property
     def norm(self) -> float:
         """||amplitudes|| [Pa]."""
@@ -109,6 +115,13 @@ class Targets:
         t, phi = amplitudes.copy(), _anything(len(amplitudes))
         t.flags.writeable = False
         return cls(t, phi, regions=regions)
+
+    @functools.cached_property
+    def beside(self) -> Flags:
+        """Which points are beside regions, shape (M,)."""
+        if self.regions is None:
+            return np.zeros(len(self.amplitudes), np.bool_)
+        return np.asarray(self.regions == BESIDE)
 
     def multiple(self, other: Targets) -> float:
         """The c for which these targets are c times `other`, in the same phases; NaN if there is none."""
@@ -132,13 +145,17 @@ class Targets:
         angle = phases if self.all_free else np.where(self.free, phases, self.phases)
         return np.asarray(self.amplitudes * np.exp(1j * angle), np.complex128)
 
-    def miss(self, p: Complexes) -> float:
-        """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them."""
+    def miss(self, p: Complexes | Floats) -> float:
+        """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them.
+
+        Points beside regions do not count. p may also be amplitudes, where no phase is given.
+        """
         from pacinian.solving import kernels
 
-        return float(
-            kernels.miss(p.astype(np.complex128, copy=False), self.amplitudes, self.phases)
-        )
+        made: Complexes = p.astype(np.complex128, copy=False)
+        if self.regions is not None:
+            made = np.where(self.beside, 0.0, made)
+        return float(kernels.miss(made, self.amplitudes, self.phases))
 
 
 def numbered(count: int, regions: ArrayLike | None) -> Longs | None:
@@ -153,10 +170,16 @@ def numbered(count: int, regions: ArrayLike | None) -> Longs | None:
         raise ArgumentError(
             "regions", f"must be {count} whole numbers, one for each point; -1 for an isolated one"
         )
-    if not count or not (given >= 0).any():
+    if count and given.dtype.kind == "i" and given.min() < BESIDE:
+        where = int(given.argmin())
+        raise ArgumentError(
+            "regions", f"must be -2 (beside), -1 (isolated) or more: [{where}] is {given[where]}"
+        )
+    own = given >= 0
+    if not own.any():
         return None
-    number = np.unique(np.where(given < 0, ISOLATED, given), return_inverse=True)[1]
-    number = number.astype(np.int64) - int((given < 0).any())
+    number = np.where(given == BESIDE, BESIDE, ISOLATED).astype(np.int64)
+    number[own] = np.unique(given[own], return_inverse=True)[1]
     number.flags.writeable = False
     return number
 

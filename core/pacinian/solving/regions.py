@@ -24,7 +24,7 @@ from pacinian.acoustics.compiled import compiled
 from pacinian.checks import kind, numbers
 from pacinian.solving import kernels
 from pacinian.solving.phases import beginning
-from pacinian.solving.problem import ISOLATED
+from pacinian.solving.problem import BESIDE, ISOLATED
 from pacinian.solving.propagator import gram
 
 if TYPE_CHECKING:
@@ -36,6 +36,12 @@ if TYPE_CHECKING:
 
 STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
 NEAR = 3e-3  # [m]: a sample goes on from one that is so near
+SHARED = 0.4  # of the array's radius: from so far around its centre a region's wave comes
+NEAREST, FARTHEST = 0.35, 4.0  # times the region's distance: where its wave converges, beyond it
+THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
+SOME = 128  # transducers that stand for all
+TINY = 1e-30
+STEEP = 0.9  # cosine of the angle to the x axis, from which a wave along it is tilted along z
 
 
 def joint_phases(
@@ -47,10 +53,16 @@ def joint_phases(
 ) -> Floats:
     """Phases of a region's points, phi_m = k |q_m - f| [rad], (M,): of a wave that converges to a point beyond.
 
-    The point f = 2 m - c is as far beyond the region's middle m as the array's centre c is before it. With these
-    phases a field is even between points at most half a wavelength apart. array: whose centre counts. points: q, of one
-    region, (M, 3) [m]. medium: `Air()` unless given. radiation_pressure: asked at the points, (M,), of which the
-    middle is the centre, so that a point which comes or goes with little of it changes little; all alike unless given.
+    The point f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c. The
+    wave comes from transducers within w (1 + d/d') of c, w being the region's width (root mean square, across the
+    wave): d'/d is such that this is 0.4 of the array's radius, but 0.35 to 1, so that many transducers share the work.
+    A wave grows stronger on its way to f. So a region with a thickness s (root mean square along its thinnest axis),
+    as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases a field is even between points at most
+    half a wavelength apart.
+
+    array: as its radius counts the root mean square, each transducer weighted by its power at m. points: q, of one
+    region, (M, 3) [m]. medium: `Air()` unless given. radiation_pressure: asked at the points, (M,), by which they are
+    weighted, so that a point which comes or goes with little of it changes little; all alike unless given.
     Raises ArgumentError.
     """
     kind("array", array, Array)
@@ -59,38 +71,114 @@ def joint_phases(
     P = np.ones(len(q))
     if radiation_pressure is not None:
         P = numbers("radiation_pressure", radiation_pressure, (len(q),))
-    return _converging(q, P, array.centre, k) if len(q) else np.empty(0)
+    return _converging(q, P, array.positions, array.centre, k) if len(q) else np.empty(0)
 
 
-def _converging(q: Floats, P: Floats, centre: Floats, k: float) -> Floats:
-    total = float(P.sum())
-    middle = P @ q / total if total > 0.0 else q.mean(axis=0)
-    away = q - (2.0 * middle - centre)
-    return np.asarray(k * np.sqrt(np.einsum("mk,mk->m", away, away)))
+def _converging(
+    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, tilt: float = 0.0
+) -> Floats:
+    """As `joint_phases`.
+
+    positions: of the transducers, (N, 3) [m], and their centre, (3,). tilt: by how much the point f is moved aside,
+    over the array's radius times d'/d.
+    """
+    phases = np.empty(len(q))
+    converge(q, P, positions[:: -(-len(positions) // SOME)].copy(), centre.copy(), k, tilt, phases)
+    return phases
 
 
-def settle(propagator: Propagator, targets: Targets, warm: Solution | None) -> Targets:
+@compiled("f8(f8[:, ::1])")
+def _least(A: Floats) -> float:
+    """The least eigenvalue of a symmetric matrix, (3, 3) (Smith 1961)."""
+    mean = (A[0, 0] + A[1, 1] + A[2, 2]) / 3.0
+    size = 2.0 * (A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2)
+    for i in range(3):
+        size += (A[i, i] - mean) ** 2
+    size = np.sqrt(size / 6.0)
+    if size <= 1e-12 * mean or size == 0.0:
+        return float(mean)
+    a, b, c = (A[0, 0] - mean) / size, (A[1, 1] - mean) / size, (A[2, 2] - mean) / size
+    d, e, f = A[0, 1] / size, A[0, 2] / size, A[1, 2] / size
+    half = (a * b * c + 2.0 * d * e * f - a * f * f - b * e * e - c * d * d) / 2.0
+    turn = np.arccos(min(max(half, -1.0), 1.0)) / 3.0
+    return float(mean + 2.0 * size * np.cos(turn + 2.0 * np.pi / 3.0))
+
+
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8[::1])")
+def converge(
+    q: Floats, P: Floats, some: Floats, centre: Floats, k: float, tilt: float, phases: Floats
+) -> None:
+    """Write the phases [rad] of a region's points, (M,): see `joint_phases`.
+
+    q: (M, 3) [m]. P: radiation pressures, (M,) [Pa]. some: transducers that stand for all, (V, 3) [m], and the centre
+    of all, (3,). k: wavenumber [1/m]. tilt: see `_converging`.
+    """
+    M, V = len(q), len(some)
+    total = P.sum()
+    weights = P / total if total > 0.0 else np.full(M, 1.0 / M)
+    middle, A = np.zeros(3), np.zeros((3, 3))
+    for m in range(M):
+        for i in range(3):
+            middle[i] += weights[m] * q[m, i]
+    for m in range(M):
+        for i in range(3):
+            for j in range(3):
+                A[i, j] += weights[m] * (q[m, i] - middle[i]) * (q[m, j] - middle[j])
+    out = middle - centre
+    far = max(np.sqrt((out * out).sum()), TINY)
+    axis = out / far
+    along = 0.0
+    for i in range(3):
+        for j in range(3):
+            along += axis[i] * A[i, j] * axis[j]
+    width = np.sqrt(max(A[0, 0] + A[1, 1] + A[2, 2] - along, 0.0))
+    thickness = np.sqrt(max(_least(A), 0.0))
+    # the transducers count by their power at the middle
+    whole, first, second = 0.0, np.zeros(3), 0.0
+    for v in range(V):
+        r = some[v] - middle
+        power = 1.0 / max((r * r).sum(), TINY)
+        whole += power
+        second += power * (r * r).sum()
+        first += power * r
+    radius = np.sqrt(max(second / whole - (first * first).sum() / (whole * whole), 0.0))
+    shared = SHARED * radius - width
+    ratio = min(max(width / shared, NEAREST), 1.0) if shared > 0.0 else 1.0
+    ratio = min(max(ratio, THICK * thickness / far), FARTHEST)
+    focus = middle + ratio * out
+    focus[0 if abs(axis[0]) < STEEP else 2] += tilt * radius * ratio
+    for m in range(M):
+        d = q[m] - focus
+        phases[m] = k * np.sqrt((d * d).sum())
+
+
+def settle(
+    propagator: Propagator, targets: Targets, warm: Solution | None, tilt: float = 0.0
+) -> Targets:
     """The same targets with every phase given, for points where some belong to regions.
 
     Within a region the phases are those of `joint_phases`, turned as a whole by the region's own phase. Those,
     and the phases of isolated samples, are chosen by Gerchberg-Saxton steps, as in `phases`: from those
-    that `warm` made, so that none jumps. Phases that were given stay.
+    that `warm` made, so that none jumps. Phases that were given stay. tilt: by how much the waves come from aside, over
+    the array's radius; 0 for none.
     """
     assert targets.regions is not None
+    positions, centre = propagator.array.positions, propagator.origin
     t, given = targets.amplitudes, ~targets.free
     M = len(t)
     k = propagator.medium.wavenumber(propagator.array.transducer.frequency)
     wave = np.zeros(M)
     for number in range(int(targets.regions.max()) + 1):
         own = targets.regions == number
-        wave[own] = _converging(propagator.points[own], t[own] ** 2, propagator.origin, k)
+        wave[own] = _converging(propagator.points[own], t[own] ** 2, positions, centre, k, tilt)
     group, count = _groups(targets.regions, given)
     alone = (targets.regions == ISOLATED) & ~given
     start, steps = beginning(M, None if warm is None else _phases(warm))
     if warm is None:
         start = np.where(alone, start, wave)
     phi = np.where(given, targets.phases, np.where(alone, start, wave))
-    p = t * np.exp(1j * phi)
+    # squares in single precision must not overflow
+    p = t / (targets.norm or 1.0) * np.exp(1j * phi)
     # by how much each group is turned: the mean over its samples of what `start` has beyond `phi`
     z = np.zeros(count, np.complex128)
     np.add.at(z, group, t * np.exp(1j * (start - phi)))
@@ -128,7 +216,7 @@ def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Fl
     known, nearest = np.zeros(len(q), np.bool_), np.zeros(len(q), np.intp)
     for kind_now, kind_then in (
         (now == ISOLATED, were == ISOLATED),
-        (now != ISOLATED, were != ISOLATED),
+        (now >= 0, were >= 0),
     ):
         here, there = np.flatnonzero(kind_now), np.flatnonzero(kind_then)
         if len(here) and len(there):
@@ -149,6 +237,7 @@ def _groups(regions: Longs, given: Flags) -> tuple[Longs, int]:
 
     Samples of given phase are group 0, if there are any.
     """
+    regions = np.where(regions == BESIDE, 0, regions)  # silence has no phase
     own = np.where(regions == ISOLATED, regions.max() + 1 + np.arange(len(regions)), regions)
     names, group = np.unique(np.where(given, ISOLATED, own), return_inverse=True)
     return group.astype(np.int64), len(names)

@@ -72,7 +72,8 @@ class Solution:
     felt: of each region, what is felt between its samples; where there are regions, from `pacinian.solve` and
     `Session.certify`. gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
     late: whether the time was up before the solver was done. asked_phases: what the solver was given [rad], (M,),
-    where there are regions: to go on from.
+    where there are regions: to go on from. quiet_weight: of the points beside regions (`Targets.beside`), where others
+    have 1, in bound and objective.
     note: what the solver has to say, such as why `auto` chose it.
     """
 
@@ -93,11 +94,17 @@ class Solution:
     felt: tuple[Felt, ...] = ()
     late: bool = False
     asked_phases: Floats | None = None
+    quiet_weight: float = 1.0
 
     @property
     def asked(self) -> Complexes:
         """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
         return self.targets.complex(np.angle(self.sound_pressure))
+
+    @property
+    def weights(self) -> Floats:
+        """What the squared error at each point counts in objective and bound, (M,)."""
+        return np.where(self.targets.beside, self.quiet_weight, 1.0)
 
     @property
     def saturation(self) -> float:
@@ -122,7 +129,7 @@ class Solution:
     @property
     def shape_error(self) -> float:
         """As `error`, against the best multiple of the targets: whether the proportions are right."""
-        p, t = self.sound_pressure, self.asked
+        p, t = np.where(self.targets.beside, 0.0, self.sound_pressure), self.asked
         if not p.any() or not t.any():
             return self.error
         scale = (t.conj() @ p).real / (t.conj() @ t).real

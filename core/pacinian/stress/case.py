@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import ArrayLike, Complexes, Floats
 
+    Before = tuple[Floats, ArrayLike] | tuple[Floats, ArrayLike, ArrayLike]
+
 PATIENCE = 3.0  # [s] for problems that ask for no deadline: a solver that would not end is seen
 TABLE = 2e-5  # what the kernels' directivity table is off by, of 1
 FAINT = math.exp(-32.0)  # where absorption leaves less, the kernels have none
@@ -38,9 +40,9 @@ FAINT = math.exp(-32.0)  # where absorption leaves less, the kernels have none
 class Case:
     """One problem; its arguments as in `Session` and `Session.solve`.
 
-    name: "family: what is hard". history: points (M, 3) [m] and amplitudes (M,) [Pa] that the same
-    session solved before. refused: the error that is the right answer. slow: left out of a quick run.
-    clock: of the session and of what is told of its time [s]; for tests.
+    name: "family: what is hard". history: points (M, 3) [m] and amplitudes (M,) [Pa], and regions (M,) where there
+    are any, that the same session solved before. refused: the error that is the right answer. slow: left out of a
+    quick run. clock: of the session and of what is told of its time [s]; for tests.
     """
 
     name: str
@@ -53,9 +55,10 @@ class Case:
     medium: Air = field(default_factory=Air)
     precision: Precision = "single"
     deadline: float = PATIENCE
-    history: Sequence[tuple[Floats, ArrayLike]] = ()
+    history: Sequence[Before] = ()
     refused: type[PacinianError] | None = None
     slow: bool = False
+    regions: ArrayLike | None = None
     clock: Callable[[], float] = time.perf_counter
 
     def __repr__(self) -> str:
@@ -67,22 +70,36 @@ class Case:
         return self.name.partition(":")[0]
 
     def solve(self, solver: str | Solver) -> Solution:
-        """The last solution of a session that went through `history`. Raises what the session does."""
+        """The last solution of a session that went through `history`, and what is felt of its regions.
+
+        Raises what the session does.
+        """
         session = Session(
             self.array, self.medium, solver, precision=self.precision, clock=self.clock
         )
-        for points, amplitudes in self.history:
+        for points, amplitudes, *rest in self.history:
             with suppress(PointOnTransducer):
-                session.solve(points, amplitudes, limits=self.limits, deadline=self.deadline)
-        return session.solve(
-            self.points, self.amplitudes, self.phases,
+                session.solve(
+                    points, amplitudes, regions=rest[0] if rest else None,
+                    limits=self.limits, deadline=self.deadline,
+                )  # fmt: skip
+        solution = session.solve(
+            self.points, self.amplitudes, self.phases, regions=self.regions,
             limits=self.limits, scale=self.scale, deadline=self.deadline,
         )  # fmt: skip
+        return session.felt(solution)
 
     @functools.cached_property
     def targets(self) -> Targets:
         """The targets as the session reads them."""
-        return Targets.checked(len(self.points), self.amplitudes, self.phases, self.scale)
+        return Targets.checked(
+            len(self.points), self.amplitudes, self.phases, self.scale, self.regions
+        )
+
+    def asked(self, solution: Solution) -> Complexes:
+        """The targets [Pa], complex, (M,): in the phases that the solver was given, or else in those it found."""
+        phases = solution.asked_phases
+        return self.targets.complex(np.angle(solution.sound_pressure) if phases is None else phases)
 
     @functools.cached_property
     def B(self) -> Complexes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.stress import demands, places
+from pacinian.stress import demands, places, regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -17,6 +17,7 @@ FAMILIES: dict[str, Callable[[], Iterable[Case]]] = {
         places.coincident, places.touching, places.mirror, places.duplicate, places.rank,
         places.condition, places.offset, places.media,
         demands.extreme, demands.saturated, demands.limits, demands.size, demands.moves,
+        regions.regions,
     )
 }  # fmt: skip
 EVERY = 5  # a quick run takes one problem of so many of each family, of those that are not slow

@@ -14,7 +14,7 @@ from pacinian.solving.solution import Status
 from pacinian.stress import promises
 from pacinian.stress.case import PATIENCE
 from pacinian.stress.every import breaches, excess
-from pacinian.stress.reference import CLOSED
+from pacinian.stress.reference import CLOSED, Reference
 
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
@@ -84,24 +84,33 @@ def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float
 def _comparable(case: Case, near: Near, solution: Solution) -> bool:
     """Whether `near` says anything of this problem."""
     plain = case.limits.power is None and not case.limits.asked and case.scale == "exact"
-    phases = near.free or not case.targets.free.any() or len(case.points) == 1
-    done = solution.status is not Status.deadline and case.targets.amplitudes.any()
-    return bool(plain and phases and done)
+    given = solution.asked_phases is not None or not case.targets.free.any()
+    phases = near.free or given or len(case.points) == 1
+    done = solution.status is not Status.deadline and not solution.late
+    return bool(plain and phases and done and case.targets.amplitudes.any())
 
 
 def near(case: Case, promised: Near, solution: Solution) -> float:
-    """The residual over what `promised` allows with a factor of 1, for the phases found."""
-    p = case.targets.complex(np.angle(solution.sound_pressure))
+    """The residual over what `promised` allows with a factor of 1, for the phases found, or given where regions are."""
+    weights = np.sqrt(solution.weights)
+    p = weights * case.asked(solution)
     scale = float(np.abs(p).max())  # so that squares neither vanish nor overflow
     p, g = p / scale, solution.gains.astype(np.complex128) / scale
-    made = case.B @ g
+    B, reference = case.B, case.reference
+    if (weights != 1.0).any():
+        B = weights[:, None] * B
+        reference = Reference.of(B)
+    made = B @ g
     if not promised.limited and (power := float(np.vdot(made, made).real)):
         made *= max(0.0, float(np.vdot(made, p).real) / power)
-    mu = promised.mu * float(np.linalg.norm(case.B)) ** 2 / len(case.B)
+    mu, enough = promised.mu, 0.0
+    if case.targets.regions is not None:
+        mu, enough = promised.mu_regions, promised.enough
+    mu *= float(np.linalg.norm(case.B)) ** 2 / len(case.B)
     limited = promised.limited and case.limits.gain is not None
     limit = (case.limits.gain or 0.0) / scale if limited else math.inf
-    best = case.reference.best(p, mu, case.blur**2, limit, g)
+    best = reference.best(p, mu, case.blur**2, limit, g)
     if limited:
-        best = max(best, CLOSED * float(np.vdot(p, p).real))
+        best = max(best, max(CLOSED, enough**2) * float(np.vdot(p, p).real))
     residual = float(np.linalg.norm(p - made))
     return residual / math.sqrt(best) if best > 0.0 else (math.inf if residual else 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.solution import Status
+from pacinian.stress.wholes import split
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,6 +59,7 @@ def breaches(case: Case, solution: Solution, seconds: float) -> Iterator[tuple[s
         if max(reached) < 1.0 - REACHED:
             yield "strong", f"{max(reached):.5f} of the limit"
     yield from _kept(case, solution, g)
+    yield from split(case, solution, g)
     late = seconds - case.deadline * (1 + len(case.history)) - ALLOWANCE
     if late > 0.0 and late > 10.0 * case.work:
         yield "late", f"{seconds:.2f} s of {case.deadline:g} s"
@@ -67,7 +69,10 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
     """Objective and bound, where they are given of the targets themselves."""
     if math.isnan(solution.gap) or case.scale == "max":
         return
-    rest = float(np.linalg.norm(case.targets.complex(np.angle(case.B @ g)) - case.B @ g))  # [Pa]
+    made = case.B @ g
+    phases = np.angle(made) if solution.asked_phases is None else solution.asked_phases
+    missed = case.targets.complex(phases) - made
+    rest = float(np.linalg.norm(np.sqrt(solution.weights) * missed))  # [Pa]
     true = 0.5 * rest**2 + 0.5 * solution.mu * float(np.vdot(g, g).real)
     if math.isnan(true):  # it does not say of which mu
         true = solution.objective

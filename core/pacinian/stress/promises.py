@@ -15,6 +15,9 @@ EVERY = {
     "strong": 'with scale="max" a limit is reached, unless all gains are zero',
     "quiet": "|p| <= limit at quiet points within 0.1 %, or the rounding of B",
     "exact": "exact samples are met within 0.1 %, or the status is infeasible",
+    "together": "free phases of a region are those of one wave, turned as a whole; given ones stay",
+    "even": "a region of status ok is: 5 % off at most at its samples; half way between these"
+    " force within 5 %, rms at most 0.10, no holes",
     "late": "back within the deadline, 1 s, and 10 times what B and B B^H take in double precision",
 }
 """Of every solver, also those of others; it may refuse `quiet` and `exact` (UnsupportedLimit)."""
@@ -43,12 +46,16 @@ class Near:
     can do to B (`Case.rounding`): no more is asked than B in its precision can tell. Within a limit the
     bracket is at least 1e-7 ||p||: bounds are told no better.
     free: also promised where phases are free, for the phases found.
+    With regions, p has the phases that the solver was given, mu is `mu_regions`, and the bracket is at least
+    `enough` times ||p||: samples closer than the array resolves need no more.
     """
 
     factor: float
     limited: bool
     mu: float = 0.0
     free: bool = False
+    mu_regions: float = 0.0
+    enough: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,10 @@ class Promise:
 
 
 SILENCE = Near(factor=3.0, limited=False)
-LAGRANGE = Promise(answers=True, near=Near(factor=1.2, limited=True, mu=1e-6, free=True))
+LAGRANGE = Promise(
+    answers=True,
+    near=Near(factor=1.2, limited=True, mu=1e-6, free=True, mu_regions=5e-3, enough=5e-3),
+)
 PROMISES = {
     "auto": LAGRANGE,
     "lagrange": LAGRANGE,

@@ -140,7 +140,7 @@ def _told(asked: Slice | Volume, pressure: bytes, at: float) -> bytes:
         return told(
             SliceTold(
                 id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
-                shape=asked.shape, pressure=pressure, time=at,
+                shape=asked.shape, of=asked.of, pressure=pressure, time=at,
             )
         )  # fmt: skip
     return told(

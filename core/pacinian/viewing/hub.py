@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from pacinian.viewing.messages import AnyAsked, Told
     from pacinian.viewing.model import Model
+    from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # what all else is of
 ORDER = "record", "replay", "histogram", "frame", "state"
@@ -25,14 +26,15 @@ EVENTS = 64  # that wait for one page
 
 
 class Drive(NamedTuple):
-    """What the field is computed from. gains: (N,) complex64; empty for silence.
+    """What the field is computed from. gains: of the frames whose mean is felt, (K, N) complex64; empty for silence.
 
-    time: of the frame [s].
+    time: of the frame [s]. regions: None where none are known.
     """
 
     model: Model
     gains: bytes
     time: float
+    regions: Regions | None = None
 
 
 class Hub:

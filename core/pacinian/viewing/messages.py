@@ -36,7 +36,8 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
     """The field in a plane is wanted, again whenever what is emitted has changed, until `hide`.
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
-    u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols.
+    u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols. of: radiation pressure, or its error on
+    regions: made minus asked.
     """
 
     id: Id
@@ -45,6 +46,7 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
     v: Direction
     size: tuple[Length, Length]
     shape: tuple[Side, Side]
+    of: Literal["pressure", "error"] = "pressure"
 
     def __post_init__(self) -> None:
         _few(self.shape)
@@ -191,7 +193,7 @@ class SceneryTold(Told, frozen=True, kw_only=True, tag="scenery"):
 
 
 class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
-    """As asked; pressure: radiation pressure (rows, cols) float32 [Pa]. time: of the frame [s]."""
+    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa]. time: of the frame [s]."""
 
     id: int
     centre: Position
@@ -199,6 +201,7 @@ class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
     v: Direction
     size: tuple[float, float]
     shape: tuple[int, int]
+    of: str
     pressure: bytes
     time: float
 

@@ -59,7 +59,7 @@ class Model:
         return pickle.dumps((self.array, self.medium))
 
     def gains(self, frame: FrameState) -> bytes:
-        """What a frame's levels stand for, (N,) complex64; empty in silence. Raises ValueError, IndexError."""
+        """What a frame's levels stand for, (1, N) complex64; empty in silence. Raises ValueError, IndexError."""
         if not frame.phase:
             return b""
         phase, amplitude = (

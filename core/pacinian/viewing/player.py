@@ -23,10 +23,11 @@ from pacinian.viewing.messages import (
     told,
 )
 from pacinian.viewing.model import Model
+from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scenery import Scenery
 from pacinian.wire.codec import decode_state
 from pacinian.wire.objects import Object
-from pacinian.wire.state import FrameState
+from pacinian.wire.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,6 +59,8 @@ class Player:
         self._place = 0  # entries before it have been shown
         self._scenery = Scenery()
         self._model: Model | None = None
+        self._drive: Drive | None = None
+        self._regions: Regions | None = None
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
@@ -127,10 +130,11 @@ class Player:
                 case "array":
                     array = _decode(data, ArrayTold)
                     if hub.values.get("array", (0, b""))[1] != told(array):
-                        self._model = None
+                        self._model = self._drive = None
                         hub.put("array", array)
                         self._model = Model.of(array)
                 case "lost":
+                    self._drive = self._regions = None
                     hub.lose(_decode(data, Lost).reason)
                 case "scenery" | "poses":
                     scene = _decode(data, SceneryTold)
@@ -141,8 +145,12 @@ class Player:
                 case "frame" | "state":
                     said = decode_state(data)
                     hub.put(entry.kind, msgspec.msgpack.encode(said))
-                    if isinstance(said, FrameState) and self._model is not None:
-                        hub.drive_by(Drive(self._model, self._model.gains(said), said.time))
+                    if isinstance(said, State):
+                        self._regions = Regions.of(said)
+                    elif self._model is not None:
+                        self._drive = Drive(self._model, self._model.gains(said), said.time)
+                    if self._drive is not None:
+                        hub.drive_by(self._drive._replace(regions=self._regions))
                 case _:
                     pass  # of a later version
 

@@ -22,16 +22,16 @@ import numpy as np
 from pacinian.acoustics.grid import Grid
 from pacinian.errors import ArgumentError
 from pacinian.serving.priority import AUTOGROUP
-from pacinian.viewing.messages import Volume
+from pacinian.viewing.messages import Slice, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.types import Floats
+    from pacinian.types import Floats, Gains
     from pacinian.viewing.hub import Drive
-    from pacinian.viewing.messages import Slice
+    from pacinian.viewing.region_error import Regions
 
 PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
 CALM = 19  # nice
@@ -63,12 +63,17 @@ class Fields:
     async def pressure(
         self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
     ) -> bytes | None:
-        """Radiation pressure, float32 [Pa], in the order of the answer; None once it is not `wanted` any more.
+        """Radiation pressure, or its error, float32 [Pa], in the order of the answer; None once it is not `wanted`.
 
-        NaN on a transducer. Raises ArgumentError.
+        Pressure is NaN on a transducer, an error away from regions. Raises ArgumentError.
         """
         where = grid(asked)
         count = math.prod(where.shape)
+        if isinstance(asked, Slice) and asked.of == "error":
+            if drive.regions is None:
+                return np.full(count, np.nan, np.float32).tobytes()
+            across = tuple(np.cross(asked.u, asked.v).tolist())
+            return await self._done(region_errors, drive, where, across, drive.regions)
         if not drive.gains:
             return bytes(4 * count)
         if where not in self._rough:
@@ -111,9 +116,16 @@ def interpolated(model: bytes, gains: bytes, where: Grid) -> bytes:
     from pacinian.solving.blas import one_thread
 
     array, medium = _unpacked(model)
-    with one_thread():
-        p = where.field(array, np.frombuffer(gains, np.complex64), medium)
-    return b"" if p is None else radiation_pressure(p, medium).astype(np.float32).tobytes()
+    total: Floats | None = None
+    frames = _frames(gains, array)
+    for g in frames:
+        with one_thread():
+            p = where.field(array, g, medium)
+        if p is None:
+            return b""
+        made = radiation_pressure(p, medium)
+        total = made if total is None else total + made
+    return b"" if total is None else (total / len(frames)).astype(np.float32).tobytes()
 
 
 def pressure(model: bytes, gains: bytes, where: Grid, begin: int, end: int) -> bytes:
@@ -123,16 +135,32 @@ def pressure(model: bytes, gains: bytes, where: Grid, begin: int, end: int) -> b
     from pacinian.errors import PointOnTransducer
 
     array, medium = _unpacked(model)
-    g, at = np.frombuffer(gains, np.complex64), _points(where)[begin:end]
+    frames, at = _frames(gains, array), _points(where)[begin:end]
     found = np.full(len(at), np.nan, np.float32)
     here = np.ones(len(at), np.bool_)
     try:
-        p = field(array, g, at, medium)
+        p = [field(array, frames[0], at, medium)]
     except PointOnTransducer as error:
         here[list(error.indices)] = False
-        p = field(array, g, at[here], medium)
-    found[here] = radiation_pressure(p, medium)
+        p = [field(array, frames[0], at[here], medium)]
+    p += [field(array, g, at[here], medium) for g in frames[1:]]
+    found[here] = np.mean([radiation_pressure(each, medium) for each in p], axis=0)
     return found.tobytes()
+
+
+def region_errors(
+    model: bytes, gains: bytes, where: Grid, across: tuple[float, ...], regions: Regions
+) -> bytes:
+    """The error of radiation pressure on regions near all points of a grid, float32 [Pa]: see `region_error.error`."""
+    from pacinian.viewing.region_error import error
+
+    array, medium = _unpacked(model)
+    found = error(array, medium, _frames(gains, array), _points(where), np.array(across), regions)
+    return found.astype(np.float32).tobytes()
+
+
+def _frames(gains: bytes, array: Array) -> Gains:
+    return np.frombuffer(gains, np.complex64).reshape(-1, len(array)).copy()
 
 
 @functools.lru_cache(maxsize=2)

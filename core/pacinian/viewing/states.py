@@ -14,6 +14,7 @@ from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import WRONG, ArrayTold
 from pacinian.viewing.model import Model, histogram
+from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scenery import POSE, Scenery
 from pacinian.wire.codec import decode_state
 from pacinian.wire.state import FRAME, STATE, FrameState, State
@@ -41,6 +42,9 @@ class States:
         self._socket: zmq.Socket[bytes] | None = None
         self._scenery, self._known = Scenery(), ("", 0)
         self._levels: tuple[bytes, bytes] | None = None
+        self._drive: Drive | None = None
+        self._emitted: Drive | None = None
+        self._regions: Regions | None = None
         self._sent: ArrayTold | None = None
         self._came = self._looked = self._counted = 0.0
         self._shows = True
@@ -59,7 +63,7 @@ class States:
         if not watched:
             if self._socket is not None:
                 self._unsubscribe()
-                self._levels = None
+                self._levels = self._drive = None
                 self._post(self._hub.rest)
             return
         if self._socket is None:
@@ -75,6 +79,7 @@ class States:
         if FRAME in news:
             with suppress(*WRONG):
                 self._frame(news[FRAME])
+        self._emit()
         if self._changed and now >= self._asked + RARELY:
             self._array(now)
         if self._shows and (self._scenery.poses or now >= self._looked + RARELY):
@@ -111,7 +116,7 @@ class States:
         fields = {name: getattr(told, name) for name in ARRAY}
         server = self._client.server
         array = ArrayTold(server=server, fields=self._model is not None, **fields)
-        self._levels = None
+        self._levels = self._drive = None
         if array != self._sent:
             self._sent = array
             self._post(self._hub.put, "array", array)
@@ -125,6 +130,7 @@ class States:
         if state.tick_counts and now >= self._counted + RARELY:
             self._counted = now
             self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
+        self._regions = Regions.of(state)
 
     def _frame(self, data: bytes) -> None:
         frame, told = decode_state(data), self._told
@@ -135,7 +141,15 @@ class States:
         levels = frame.phase, frame.amplitude
         if levels != self._levels and self._model is not None:
             self._levels = levels
-            self._post(self._hub.drive_by, Drive(self._model, self._model.gains(frame), frame.time))
+            self._drive = Drive(self._model, self._model.gains(frame), frame.time)
+
+    def _emit(self) -> None:
+        """Tell what the field is computed from, if that is another."""
+        if self._drive is not None:
+            self._drive = self._drive._replace(regions=self._regions)
+        if self._drive != self._emitted and self._drive is not None:
+            self._post(self._hub.drive_by, self._drive)
+        self._emitted = self._drive
 
     def _show(self) -> None:
         """Ask for what is new in the scene."""

@@ -33,6 +33,7 @@ class Auto(pc.Solver):
 
     name: ClassVar[str] = "auto"
     linear: ClassVar[bool] = True
+    surrounds: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     error: float = 1e-3

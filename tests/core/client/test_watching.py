@@ -16,6 +16,8 @@ import pacinian as pc
 from pacinian.client import link
 from pacinian.client.timing import Timing, Trips
 from pacinian.client.watching import PASSES, newest
+from pacinian.solving.felt import Felt
+from pacinian.wire.bulk import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.state import STATE
 
@@ -103,6 +105,14 @@ def test_where_states_come_without_end_the_first_fresh_one_is_taken(
     seen = newest(Stream(*ages), lambda state: -state.time)  # type: ignore[arg-type]
     assert seen is not None
     assert seen.sequence == read
+
+
+def test_what_is_felt_of_regions_is_told_by_name() -> None:
+    felt = pack([[np.nan] * 4, [0.5, 0.25, 0.125, 1.5]])
+    told = pc.Client.felt(state(output="sounding", objects=("point", "ball"), felt=felt))
+    assert told == {"ball": Felt(0.5, 0.25, 0.125, 1.5)}
+    assert pc.Client.felt(state(output="silent", objects=("point", "ball"), felt=felt)) == {}
+    assert pc.Client.felt(state(output="sounding")) == {}
 
 
 def test_no_state_in_time_is_a_loss(client: pc.Client) -> None:

@@ -34,7 +34,9 @@ def disc(x: float, pressure: float, name: str = "") -> pc.Surface:
 def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, looks: int) -> Any:
     probe, sums = Probe(session), dict[str, Sums]()
     for _ in range(looks):
-        for name, found in probe.look(samples, solution, solution.gains).items():
+        for name, found in probe.look(
+            samples, solution.targets, session.propagator.facing, solution.gains[None]
+        ).items():
             sums[name] = sums.get(name, Sums()).plus(found)
     return {name: all_.felt for name, all_ in sums.items()}
 
@@ -90,7 +92,7 @@ def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
 def test_points_have_none_and_the_report_has_each_object() -> None:
     point = pc.Point(position=(MIDDLE[0] + 0.03, MIDDLE[1], MIDDLE[2]), radiation_pressure=3.0)
     session, samples, solution = solved(point)
-    assert Probe(session).look(samples, solution, solution.gains) == {}
+    assert Probe(session).look(samples, solution.targets, None, solution.gains[None]) == {}
     scene = pc.Scene((point, disc(-0.01, 1.0, "disc")))
     with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
         summary = renderer.run(2.0).summary()

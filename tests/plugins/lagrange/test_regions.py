@@ -83,7 +83,7 @@ def solve(array, points, P, **options):
 
 
 @pytest.mark.parametrize(
-    ("array", "P", "most"), [(ONE, 0.5, 1.3), (NINE, 1.5, 0.8)], ids=["one unit", "nine"]
+    ("array", "P", "most"), [(ONE, 0.5, 1.45), (NINE, 1.5, 1.05)], ids=["one unit", "nine"]
 )
 @pytest.mark.parametrize("shape", SHAPES)
 def test_pressure_is_even_between_the_samples_and_little_beside(shape, array, P, most):
@@ -249,7 +249,7 @@ def test_a_quiet_point_beside_a_region_is_kept():
 
 def test_no_time_is_a_finite_answer_in_time():
     q = at(SHAPES["square"][0])
-    solution = solve(NINE, q, 10.0, deadline=0.0)
+    solution = solve(NINE, q, 40.0, deadline=0.0)
     assert solution.status is pc.Status.deadline
     assert np.isfinite(solution.gains).all()
 
@@ -272,7 +272,7 @@ def test_where_samples_come_and_go_a_region_is_as_asked_from_step_to_step(array,
         solution = session.solve(q, amplitudes, regions=whole(q), deadline=deadline)
         felt = session.felt(solution).felt[0]
         assert felt.force == pytest.approx(1.0, abs=0.06)
-        assert felt.rms < 0.15
+        assert felt.rms < (0.15 if deadline is None else 0.2)
         assert solution.iterations <= 3
         phases = dict(zip(names.tolist(), solution.asked_phases, strict=True))
         if before:  # nothing jumps: by a tenth of a turn at most

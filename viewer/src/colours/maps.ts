@@ -2,10 +2,11 @@
  * Colour maps of 256 colours, RGBA bytes.
  *
  * Phase goes once around an ellipse in OKLab: light and dark across, blue and orange across the other way, so that
- * phases a quarter apart differ also for eyes that lack one kind of cone. Pressure is viridis, from D3.
+ * phases a quarter apart differ also for eyes that lack one kind of cone. Pressure is viridis, an error ColorBrewer's
+ * RdBu, both from D3.
  */
 
-import { interpolateViridis } from "d3-scale-chromatic";
+import { interpolateRdBu, interpolateViridis } from "d3-scale-chromatic";
 
 import { byte, linear, type Colour } from "./oklab";
 
@@ -30,6 +31,11 @@ export function viridis(): Map256 {
     const found = interpolateViridis(k / (COLOURS - 1)).match(/[0-9a-f]{2}/g) ?? [];
     return found.map((pair) => parseInt(pair, 16));
   });
+}
+
+/** Error, from as much too little, blue, over right, white, to as much too much, red. */
+export function diverging(): Map256 {
+  return filled((k) => (interpolateRdBu(1 - k / (COLOURS - 1)).match(/\d+/g) ?? []).map(Number));
 }
 
 /** A colour of a map, 0..1 from first to last, for a style. */

@@ -136,10 +136,14 @@ export interface Plane {
   shape: [number, number];
 }
 
-/** Radiation pressure on a plane [Pa]. */
+/** What a slice is of: radiation pressure, or its error on regions, made minus asked. */
+export type Quantity = "pressure" | "error";
+
+/** Radiation pressure on a plane, or its error [Pa]; NaN where there is none. */
 export interface Slice extends Plane {
   type: "slice";
   id: number;
+  of: Quantity;
   pressure: Bytes;
   time: number;
 }
@@ -223,7 +227,7 @@ export interface Selection {
 }
 
 export type ToServer =
-  | ({ type: "slice"; id: number } & Plane)
+  | ({ type: "slice"; id: number; of: Quantity } & Plane)
   | ({ type: "volume"; id: number } & Box)
   | { type: "hide"; what: "slice" | "volume" }
   | { type: "seen"; id: number }

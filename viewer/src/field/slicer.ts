@@ -1,6 +1,6 @@
 /** Which slice of the field is wanted: told to the server when it changes, at most once a frame. */
 
-import type { Plane, ToServer, Triple } from "../feed/messages";
+import type { Plane, Quantity, ToServer, Triple } from "../feed/messages";
 import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./ids";
 
@@ -9,6 +9,7 @@ const FARTHEST = 10; // [m]
 
 export class Slicer {
   axis: Axis = "y";
+  of: Quantity = "pressure";
   on = true;
   private readonly centre: Triple = [0, 0, 0.2];
   private side = 0.2; // [m]
@@ -60,6 +61,12 @@ export class Slicer {
     this.change();
   }
 
+  /** Pressure, or its error. */
+  choose(of: Quantity): void {
+    this.of = of;
+    this.change();
+  }
+
   show(on: boolean): void {
     this.on = on;
     this.change();
@@ -72,7 +79,7 @@ export class Slicer {
       this.send({ type: "hide", what: "slice" });
       return;
     }
-    this.send({ type: "slice", id: nextId(), ...this.plane });
+    this.send({ type: "slice", id: nextId(), of: this.of, ...this.plane });
   }
 
   private change(): void {

@@ -3,8 +3,9 @@
 import type { Boxer } from "../field/boxer";
 import { round, type Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
+import type { Quantity } from "../feed/messages";
 import type { Store } from "../feed/store";
-import { AXES, number, peak } from "../space/planes";
+import { AXES, number, peak, range } from "../space/planes";
 import type { Space } from "../space/space";
 import { button, element, input, say, select } from "./dom";
 import { digits, millimetres } from "./words";
@@ -16,7 +17,7 @@ export class FieldPanel {
     private readonly space: Space,
     private readonly slicer: Slicer,
     private readonly boxer: Boxer,
-    private readonly scale: Scale,
+    private readonly scales: Record<Quantity, Scale>,
     store: Store,
   ) {
     this.listenSlice();
@@ -24,6 +25,7 @@ export class FieldPanel {
     this.listenScale();
     slicer.onChange(() => {
       this.showSlice();
+      this.showScale();
       if (store.link === "live") say(element("slice-most"), slicer.on ? WAIT : "–");
     });
     store.on("array", (array) => {
@@ -40,7 +42,12 @@ export class FieldPanel {
   private listenSlice(): void {
     const { slicer, space } = this;
     input("slice-on").addEventListener("change", () => slicer.show(input("slice-on").checked));
-    for (const radio of radios()) {
+    for (const radio of radios("of")) {
+      radio.addEventListener("change", () => {
+        if (radio.checked) slicer.choose(radio.value === "error" ? "error" : "pressure");
+      });
+    }
+    for (const radio of radios("axis")) {
       radio.addEventListener("change", () => {
         const axis = AXES.find((each) => each === radio.value);
         if (radio.checked && axis) slicer.turn(axis);
@@ -77,19 +84,29 @@ export class FieldPanel {
   }
 
   private listenScale(): void {
-    const { scale, space } = this;
+    const { space } = this;
     const top = input("scale");
     select("scale-auto").addEventListener("change", () => {
-      scale.auto = select("scale-auto").value === "auto";
+      this.scale.auto = select("scale-auto").value === "auto";
       this.showMost();
     });
     top.addEventListener("change", () => {
+      const { scale } = this;
       scale.auto = false;
-      select("scale-auto").value = "fixed";
       scale.most = Number(top.value) > 0 ? Number(top.value) : round(scale.most);
       space.rescale();
       this.showMost();
     });
+  }
+
+  /** Of what is wanted. */
+  private get scale(): Scale {
+    return this.scales[this.slicer.of];
+  }
+
+  private showScale(): void {
+    select("scale-auto").value = this.scale.auto ? "auto" : "fixed";
+    if (document.activeElement !== input("scale")) input("scale").value = String(this.scale.most);
   }
 
   private showSlice(): void {
@@ -103,17 +120,19 @@ export class FieldPanel {
     at.setAttribute("aria-valuetext", `${slicer.axis} = ${millimetres(slicer.position)} mm`);
     input("slice-mm").value = String(Math.round(1e4 * slicer.position) / 10);
     input("slice-on").checked = slicer.on;
-    for (const radio of radios()) radio.checked = radio.value === slicer.axis;
+    for (const radio of radios("axis")) radio.checked = radio.value === slicer.axis;
+    for (const radio of radios("of")) radio.checked = radio.value === slicer.of;
   }
 
   private showMost(): void {
-    const { plane, values } = this.space.slice;
-    if (plane) {
+    const { plane, values, of } = this.space.slice;
+    if (plane && of === "error") say(element("slice-most"), errorWords(values));
+    else if (plane) {
       const { most, at } = peak(plane, values);
       const place = at.map((x) => millimetres(x)).join(", ");
       say(element("slice-most"), most ? `most ${digits(most)} Pa, at (${place}) mm` : "most 0 Pa");
     }
-    if (document.activeElement !== input("scale")) input("scale").value = String(this.scale.most);
+    this.showScale();
     this.showLevel();
   }
 
@@ -123,6 +142,12 @@ export class FieldPanel {
   }
 }
 
-function radios(): HTMLInputElement[] {
-  return [...document.querySelectorAll<HTMLInputElement>("input[name=axis]")];
+function radios(name: string): HTMLInputElement[] {
+  return [...document.querySelectorAll<HTMLInputElement>(`input[name=${name}]`)];
+}
+
+function errorWords(values: Float32Array): string {
+  const found = range(values);
+  if (!found) return "No surface or volume that is felt is within 5 mm of this slice.";
+  return `at most ${digits(-found.low)} Pa too little, ${digits(found.high)} Pa too much`;
 }

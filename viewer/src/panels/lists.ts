@@ -4,7 +4,7 @@ import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
-import { digits, percent, plural, seconds, whole } from "./words";
+import { digits, plural, seconds, whole } from "./words";
 
 const OBJECTS = 8; // that are listed
 const KEPT = 50; // faults
@@ -96,6 +96,6 @@ function sampled(state: State): string[][] {
       whole(count),
       digits(sum.asked / count),
       digits(sum.achieved / count),
-      Number.isFinite(sum.force) ? `${percent(sum.force)} ± ${percent(sum.rms)}` : "–",
+      Number.isFinite(sum.force) ? `${digits(100 * sum.force, 2)} ± ${digits(100 * sum.rms, 2)} %` : "–",
     ]);
 }

@@ -29,6 +29,7 @@ export function listen(space: Space, slicer: Slicer): void {
     x: () => slicer.turn("x"),
     y: () => slicer.turn("y"),
     z: () => slicer.turn("z"),
+    e: () => slicer.choose(slicer.of === "error" ? "pressure" : "error"),
     c: () => slicer.centreOn(space.middle),
   };
   view.canvas.addEventListener("keydown", (event) => {

@@ -9,10 +9,11 @@ import {
   type Wrapping,
 } from "three";
 
-import { COLOURS, cyclic, viridis, type Map256 } from "../colours/maps";
+import { COLOURS, cyclic, diverging, viridis, type Map256 } from "../colours/maps";
 
 export const PHASES = cyclic();
 export const PRESSURES = viridis();
+export const ERRORS = diverging();
 
 function row(map: Map256, wrapping: Wrapping): DataTexture {
   const texture = new DataTexture(map, COLOURS, 1);
@@ -25,3 +26,4 @@ function row(map: Map256, wrapping: Wrapping): DataTexture {
 
 export const phaseMap = row(PHASES, RepeatWrapping);
 export const pressureMap = row(PRESSURES, ClampToEdgeWrapping);
+export const errorMap = row(ERRORS, ClampToEdgeWrapping);

@@ -65,12 +65,12 @@ export function value(plane: Plane, values: Float32Array, s: number, t: number):
   );
 }
 
-/** The most of a plane, and where it is; what is no number does not count. */
+/** The largest size of a value of a plane, and where it is; what is no number does not count. */
 export function peak(plane: Plane, values: Float32Array): { most: number; at: Triple } {
   let most = 0;
   let best = 0;
   for (let k = 0; k < values.length; k++) {
-    const each = values[k] ?? 0;
+    const each = Math.abs(values[k] ?? 0);
     if (each > most) [most, best] = [each, k];
   }
   const [rows, columns] = plane.shape;
@@ -79,4 +79,17 @@ export function peak(plane: Plane, values: Float32Array): { most: number; at: Tr
   const along = (n: 0 | 1 | 2): number =>
     plane.centre[n] + s * plane.size[0] * plane.u[n] + t * plane.size[1] * plane.v[n];
   return { most, at: [along(0), along(1), along(2)] };
+}
+
+/** The least and the most of values, neither on the other side of zero; null if none is a number. */
+export function range(values: Float32Array): { low: number; high: number } | null {
+  let [low, high] = [0, 0];
+  let known = false;
+  for (const each of values) {
+    if (Number.isNaN(each)) continue;
+    known = true;
+    low = Math.min(low, each);
+    high = Math.max(high, each);
+  }
+  return known ? { low, high } : null;
 }

@@ -2,6 +2,7 @@
 
 import { Raycaster, Vector2, Vector3 } from "three";
 
+import type { Quantity } from "../feed/messages";
 import type { Slicer } from "../field/slicer";
 import { hit, number, value } from "./planes";
 import type { Space } from "./space";
@@ -13,7 +14,9 @@ const HEADLONG = 0.97; // cosine: looked at along the normal, the mouse goes up 
 export interface Told {
   x: number;
   y: number;
-  pressure: number;
+  /** Of what is shown [Pa]; NaN where there is none. */
+  value: number;
+  of: Quantity;
   at: Vector3;
 }
 
@@ -104,8 +107,8 @@ export class Pointing {
       this.tell(null);
       return;
     }
-    const pressure = value(plane, values, found.s, found.t);
-    this.tell({ x: event.clientX, y: event.clientY, pressure, at: found.at });
+    const { of } = this.space.slice;
+    this.tell({ x: event.clientX, y: event.clientY, value: value(plane, values, found.s, found.t), of, at: found.at });
   }
 
   private grips(event: PointerEvent): boolean {

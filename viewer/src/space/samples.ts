@@ -1,4 +1,4 @@
-/** Samples: a ring whose area is the pressure asked, filled as far as it is achieved. */
+/** Samples: a ring whose area is the pressure asked, filled as far as it is achieved; of one size for each object. */
 
 import {
   DoubleSide,
@@ -12,17 +12,18 @@ import {
 } from "three";
 
 import type { State } from "../feed/messages";
-import { floats } from "../feed/numbers";
+import { floats, indices } from "../feed/numbers";
+import { radii } from "./crowding";
 import { FACED, Quads } from "./quads";
 
-const LARGEST = 0.0045; // [m] radius of the strongest
+const LARGEST = 0.0045; // [m] radius of the strongest, where there is room
 const ABOVE = 0.0012; // [m] over the skin
 const BEHIND = 0.3; // opacity where something is before it
 
 const VERTEX = `
 attribute vec2 corner;
 attribute vec3 centre, facing;
-attribute float asked, achieved;
+attribute float asked, achieved, size;
 uniform float most;
 varying vec2 at;
 varying float ring, fill;
@@ -32,7 +33,7 @@ void main() {
   fill = sqrt(achieved / most);
   at = corner * (max(ring, fill) + 0.25);
   vec3 n = dot(facing, facing) > 0.5 ? facing : normalize(cameraPosition - centre);
-  vec3 p = centre + ${ABOVE} * n + ${LARGEST} * faced(n, at);
+  vec3 p = centre + ${ABOVE} * n + size * faced(n, at);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(p, 1.0);
 }`;
 
@@ -59,7 +60,7 @@ export class Samples {
   most = 0;
   /** The mean place of all. */
   readonly middle = new Vector3();
-  private readonly discs = new Quads({ centre: 3, facing: 3, asked: 1, achieved: 1 });
+  private readonly discs = new Quads({ centre: 3, facing: 3, asked: 1, achieved: 1, size: 1 });
   private readonly scale = { value: 1 };
   private readonly point = new Vector3();
 
@@ -80,6 +81,7 @@ export class Samples {
     this.discs.write("facing", floats(state.normals));
     this.discs.write("asked", asked);
     this.discs.write("achieved", floats(state.achieved));
+    this.discs.write("size", radii(points, indices(state.index), LARGEST));
     this.most = asked.reduce((a, b) => Math.max(a, b), 0);
     this.scale.value = this.most || 1;
     this.middle.set(0, 0, 0);

@@ -19,13 +19,14 @@ import {
   Vector3,
 } from "three";
 
-import type { Plane, Slice } from "../feed/messages";
+import type { Plane, Quantity, Slice } from "../feed/messages";
 import { into } from "../feed/numbers";
 import type { Turned } from "./glass";
-import { pressureMap } from "./maps";
+import { errorMap, pressureMap } from "./maps";
 import { matrix } from "./planes";
 
 const ACCENT = "#8fc7ff";
+const OVER = 7000; // what is drawn over all but frame, arrow and samples
 const GRIP = 52; // [px] length of the arrow that is dragged
 
 const VERTEX = `
@@ -37,12 +38,18 @@ void main() {
 
 const FIELD = `
 uniform sampler2D values, map;
-uniform float most;
+uniform float most, signed;
 varying vec2 at;
 void main() {
-  float share = clamp(texture2D(values, at).r / most, 0.0, 1.0);
-  if (!(share >= 0.0)) share = 0.0;
-  gl_FragColor = vec4(texture2D(map, vec2(share, 0.5)).rgb, mix(0.38, 0.97, smoothstep(0.0, 0.3, share)));
+  float value = texture2D(values, at).r / most;
+  bool known = value >= -1e9;
+  if (signed > 0.5) {
+    if (!known) discard;
+    value = 0.5 + 0.5 * value;
+  }
+  float share = known ? clamp(value, 0.0, 1.0) : 0.0;
+  float opacity = mix(0.38, 0.97, smoothstep(0.0, 0.3, share));
+  gl_FragColor = vec4(texture2D(map, vec2(share, 0.5)).rgb, max(opacity, 0.97 * signed));
 }`;
 
 const FRAME = `
@@ -63,19 +70,21 @@ export class FieldSlice implements Turned {
   /** What is shown, and its values [Pa]. */
   plane: Plane | undefined;
   values = new Float32Array(0);
+  of: Quantity = "pressure";
   /** How many there were. */
   count = 0;
   private readonly field: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly frame: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly grip = new Group();
   private readonly placing = new Matrix4();
+  private last = 0;
 
   /** smooth: whether the graphics card can look between float numbers. */
   constructor(private readonly smooth: boolean) {
     const square = new PlaneGeometry(1, 1);
     this.field = new Mesh(
       square,
-      material(FIELD, { values: null, map: pressureMap, most: 1 }),
+      material(FIELD, { values: null, map: pressureMap, most: 1, signed: 0 }),
     );
     this.frame = new Mesh(
       square,
@@ -98,7 +107,8 @@ export class FieldSlice implements Turned {
   }
 
   set turn(turn: number) {
-    this.field.renderOrder = 2 * turn;
+    this.last = turn;
+    this.field.renderOrder = this.of === "error" ? OVER : 2 * turn;
   }
 
   /** What is white on the colour bar [Pa]. */
@@ -135,7 +145,12 @@ export class FieldSlice implements Turned {
   show(slice: Slice): void {
     const [rows, columns] = slice.shape;
     if (slice.pressure.length !== 4 * rows * columns) return;
-    if (this.plane?.shape[0] !== rows || this.plane.shape[1] !== columns) {
+    if (this.plane?.shape[0] !== rows || this.plane.shape[1] !== columns || this.of !== slice.of) {
+      this.of = slice.of;
+      this.set(this.field, "map", this.of === "error" ? errorMap : pressureMap);
+      this.set(this.field, "signed", this.of === "error" ? 1 : 0);
+      this.field.material.depthTest = this.of === "pressure"; // regions lie on hands and in objects
+      this.turn = this.last;
       this.values = new Float32Array(rows * columns);
       this.texture?.dispose();
       this.set(this.field, "values", this.made(rows, columns));
@@ -168,7 +183,8 @@ export class FieldSlice implements Turned {
 
   private made(rows: number, columns: number): DataTexture {
     const texture = new DataTexture(this.values, columns, rows, RedFormat, FloatType);
-    texture.minFilter = texture.magFilter = this.smooth ? LinearFilter : NearestFilter;
+    const smooth = this.smooth && this.of === "pressure"; // beside an error there is none
+    texture.minFilter = texture.magFilter = smooth ? LinearFilter : NearestFilter;
     return texture;
   }
 

@@ -6,7 +6,7 @@ import { css } from "../colours/maps";
 import type { Boxer } from "../field/boxer";
 import type { Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
-import type { Arrayed, Frame, Slice, State, Triple, Volume } from "../feed/messages";
+import type { Arrayed, Frame, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
 import { floats, same } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { Axes, type Extent } from "./axes";
@@ -24,6 +24,7 @@ import { View } from "./view";
 const AHEAD = 0.3; // [m] before the array that is looked at
 const FOCUS = 0.2; // [m] before the array, where there is no sample
 const ROOM = 0.02; // [m] around the array
+const BRIGHT = 2; // of the most that is asked: stronger is as bright; waves are stronger beyond a region
 const CLOSE = 0.09; // [m] around the samples
 
 export class Space {
@@ -52,7 +53,7 @@ export class Space {
     store: Store,
     private readonly slicer: Slicer,
     private readonly boxer: Boxer,
-    private readonly scale: Scale,
+    private readonly scales: Record<Quantity, Scale>,
   ) {
     this.view = new View(element);
     this.slice = new FieldSlice(this.view.smooth);
@@ -92,9 +93,14 @@ export class Space {
     this.view.fit(new Box3(middle.clone(), middle).expandByScalar(CLOSE));
   }
 
+  /** The colour scale of the slice that is shown. */
+  get scale(): Scale {
+    return this.scales[this.slice.of];
+  }
+
   /** The level of the surface [Pa]. */
   get level(): number {
-    return this.boxer.share * this.scale.most;
+    return this.boxer.share * this.scales.pressure.most;
   }
 
   /** The surface of another level, or none. */
@@ -167,12 +173,16 @@ export class Space {
     if (!this.slicer.on) return;
     this.slice.show(slice);
     this.most = peak(slice, this.slice.values).most;
+    this.slice.most = this.scale.most;
+    this.samples.group.visible = slice.of === "pressure"; // an error tells of them, and between them
     this.look();
   }
 
   /** Let the scale follow the slice that is shown. */
   private look(): void {
-    if (this.slicer.on && this.scale.see(this.most)) this.rescale();
+    const asked = this.slice.of === "pressure" ? this.samples.most : 0;
+    const most = asked > 0 ? Math.min(this.most, BRIGHT * asked) : this.most;
+    if (this.slicer.on && this.scale.see(most)) this.rescale();
   }
 
   private fill(volume: Volume): void {
@@ -183,7 +193,10 @@ export class Space {
 
   private wanted(): void {
     this.slice.group.visible = this.slicer.on;
-    if (!this.slicer.on) this.slice.clear();
+    if (!this.slicer.on) {
+      this.slice.clear();
+      this.samples.group.visible = true;
+    }
     this.slice.want(this.slicer.plane);
     this.view.urge();
   }

@@ -226,6 +226,7 @@ void Level::status() {
        << R"(", "armed": )" << (server->IsArmed() ? "true" : "false") << R"(, "lease": )" << server->GetGrantedLease()
        << R"(, "latency": )" << server->GetLatency() << R"(, "solvers": )" << server->GetSolvers().Num()
        << R"(, "emitted": )" << volume->GetEmitted() << R"(, "wrong": )" << quoted(volume->GetProblem())
+       << R"(, "force": )" << volume->GetRegionFelt().Force << R"(, "pointed": )" << (point->GetRegionFelt().bKnown ? "true" : "false")
        << R"(, "faulty": )" << quoted(point->GetProblem())
        << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")
        << R"(, "samples": )" << numbers(places) << R"(, "problem": )" << quoted(server->GetProblem()) << "}";

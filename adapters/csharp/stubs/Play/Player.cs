@@ -145,7 +145,8 @@ namespace Pacinian.Tests
                 "output", state == null ? "" : state.Output.ToString().ToLowerInvariant(),
                 "solver", state == null ? "" : state.Solver, "intensity", state == null ? -1.0 : state.Intensity,
                 "objects", state == null ? -1 : state.Objects.Count, "hands", state == null ? -1 : state.Hands.Numbers / 78,
-                "emitted", _level == null ? 0.0 : _level.Ball.Emitted, "playing", _level != null && _level.Point.Playing,
+                "emitted", _level == null ? 0.0 : _level.Ball.Emitted, "force", _level != null && _level.Ball.RegionFelt.Known ? _level.Ball.RegionFelt.Force : 0.0,
+                "pointed", _level != null && _level.Point.RegionFelt.Known, "playing", _level != null && _level.Point.Playing,
                 "wrong", _level == null ? "" : _level.Ball.Problem, "flash", _level == null ? 0.0 : _level.Point.Emitted, "drawn", Gizmos.Spheres.Count,
                 "apart", _level == null ? 0.0 : Apart(), "said", string.Join("|", Debug.Said.ToArray()),
                 "behaviours", Engine.Count, "current", HapticServer.Current != null);

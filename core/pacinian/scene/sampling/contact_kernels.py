@@ -184,3 +184,42 @@ def share_out(
             nodes[count] = n
             count += 1
     return count
+
+
+@compiled("i8(f8[:, ::1], f8[:, ::1], i8, f8[:, ::1], f8[::1], f8, f8, i8[::1], i8[::1])")
+def around(
+    points: Floats, normals: Floats, count: int, q: Floats, centre: Floats, inner: float,
+    outer: float, which: Indices, nearest: Indices,
+) -> int:  # fmt: skip
+    """Write which of the first `count` points of a skin lie beside q, (K, 3), and by which of these they are nearest.
+
+    points, normals: (N, 3). inner, outer: how far away the nearest of q is [m]. centre: (3,); points that face away
+    from it are left out. which, nearest: (count,). Returns how many there are.
+    """
+    low, high = q[0].copy(), q[0].copy()
+    for k in range(len(q)):
+        for i in range(3):
+            low[i], high[i] = min(low[i], q[k, i]), max(high[i], q[k, i])
+    found = 0
+    for n in range(count):
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
+        if not (
+            low[0] - outer < x < high[0] + outer
+            and low[1] - outer < y < high[1] + outer
+            and low[2] - outer < z < high[2] + outer
+        ):
+            continue
+        faces = normals[n, 0] * (centre[0] - x) + normals[n, 1] * (centre[1] - y)
+        if faces + normals[n, 2] * (centre[2] - z) <= 0.0:
+            continue
+        best, at = outer * outer, -1
+        for k in range(len(q)):
+            square = (q[k, 0] - x) ** 2 + (q[k, 1] - y) ** 2 + (q[k, 2] - z) ** 2
+            if square < best:
+                best, at = square, k
+                if square < inner * inner:
+                    break
+        if at >= 0 and best >= inner * inner:
+            which[found], nearest[found] = n, at
+            found += 1
+    return found

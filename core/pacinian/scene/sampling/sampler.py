@@ -30,6 +30,7 @@ from pacinian.scene.sampling.sources import (
     contact,
     dense,
 )
+from pacinian.scene.sampling.surround import add_surround
 from pacinian.scene.sampling.tracks import HandTrack, Tracks
 from pacinian.scene.time.technique import AM
 from pacinian.scene.time.waves import Constant
@@ -84,6 +85,10 @@ class Sampler:
         self.spacing = spacing
         self.ramp = number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
+        self.bands = 1
+        """So many at most that sound in turn, each within the budget; the loop sets it."""
+        self.surround = False
+        """Whether silent samples surround what touches skin; the loop sets it, by what its solver can do."""
         self.skipped: Counter[str] = Counter()
         """What was left out, by reason."""
         self.skin: Skin | None = None
@@ -114,7 +119,7 @@ class Sampler:
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """Samples of `scene` at time t [s]; the same object as before where nothing has changed."""
-        asked = scene, self.allowed, self.spacing
+        asked = scene, self.allowed, self.spacing, self.bands, self.surround
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
             self._asked = asked
@@ -143,9 +148,15 @@ class Sampler:
             self._levels,
             self._cut(scene.workspace),
             self.skipped,
+            self.bands,
         )
         if len(parts) > 1:
             parts = [self._merged([source.item for source, _ in sources], parts)]
+        if self.surround and skin and solid and self._resolving is not None:
+            touching, centre = [hand for hand, _ in hands], self._resolving.centre
+            resolved = min(self._resolving.spacing(hand.centre) for hand in touching)
+            left = budget - len(parts[0])
+            parts = [add_surround(parts[0], touching, centre, resolved, left)]
         if skin:
             self.skipped["samples too faint to feel"] += sum(s.faint for s, _ in sources)
         return parts[0] if len(hands) < 2 else replace(parts[0], capsules=capsules)

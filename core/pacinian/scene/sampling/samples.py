@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices, Longs
 
 
-ISOLATED = -1  # the region of a sample of none, as in `pacinian.Targets`
+ISOLATED, BESIDE = (
+    -1,
+    -2,
+)  # samples of no region, and silent ones beside regions, as in `pacinian.Targets`
 
 
 @dataclass(frozen=True, eq=False)

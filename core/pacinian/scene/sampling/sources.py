@@ -27,9 +27,6 @@ ANYWHERE = np.empty((0, 3))
 UNTURNED = np.zeros((1, 3))
 LONE = np.array([ISOLATED])
 UNTURNED.flags.writeable = LONE.flags.writeable = False
-RIM = (
-    0.1  # of the most: samples that press less hold sound off the rim, so that it presses beside it
-)
 FINEST = 1e-4  # [m], a hundredth of a wavelength
 
 
@@ -163,9 +160,6 @@ class Contact:
         among = hand.thinned if fine else hand.shared
         nodes, force, area = among(self.touched, self.force, spacing)
         P = force / area
-        if fine and len(P):
-            rim = RIM * P.max() > P
-            nodes, P, area = nodes[~rim], P[~rim], area[~rim]
         felt = self.least <= P
         K = int(felt.sum())
         self.faint = len(nodes) - K

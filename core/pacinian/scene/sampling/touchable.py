@@ -72,6 +72,24 @@ class Touchable:
         )  # fmt: skip
         return inside[:count], force[:count]
 
+    def around(
+        self, q: Floats, spacing: float, inner: float, outer: float, centre: Floats
+    ) -> tuple[Indices, Indices]:
+        """Nodes of the level nearest to `spacing` [m] that lie beside q, (K, 3) [m], K > 0, and face `centre`, (3,).
+
+        inner, outer: how far away the nearest of q is [m]. Returns indices of the nodes, (I,), none inside of another
+        finger, and of the nearest of q, (I,).
+        """
+        from pacinian.scene.sampling.contact_kernels import around
+
+        count = self.skin.counts[self.skin.level(spacing)]
+        which, nearest = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
+        found = around(
+            self.points, self.normals, count, q, centre, inner, outer, which, nearest
+        )  # fmt: skip
+        shown = self.exposed(which[:found])
+        return which[:found][shown], nearest[:found][shown]
+
     def exposed(self, touched: Indices) -> Flags:
         """Which of the points are not inside of another finger."""
         return self.skin.exposed(self.placed, touched)

@@ -44,6 +44,7 @@ class Lagrange(pc.Solver):
 
     name: ClassVar[str] = "lagrange"
     linear: ClassVar[bool] = True
+    surrounds: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     mu: float = 1e-6
@@ -106,7 +107,7 @@ class Lagrange(pc.Solver):
     ) -> bool:
         """Whether gains, (N,), break a limit other than that of the gains."""
         if limits.power is not None:
-            if targets.scale == "max":
+            if targets.scale == "max" and targets.regions is None:
                 return True  # the strongest for the gain limit is not that for power
             power = float(np.vdot(out, out).real)
             if not power <= WHOLE * limits.power:
@@ -185,7 +186,10 @@ class Lagrange(pc.Solver):
 
         problem = Constrained.of(propagator, targets, limits, budget, mu)
         exact = targets.scale == "exact"
-        found = problem.nearest(self.rounds) if exact else problem.strongest()
+        if exact:
+            found = problem.nearest(self.rounds)
+        else:
+            found = problem.strongest() if targets.regions is None else problem.evenly()
         answer = found.answer
         out[:] = problem.unit * answer.h
         at_limit = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0

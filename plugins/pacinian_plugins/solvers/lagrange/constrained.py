@@ -11,14 +11,15 @@ import numpy as np
 from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose
 from pacinian.solving.propagator import gram
-from pacinian_plugins.solvers.lagrange.convex import least_squares, strongest
+from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, strongest
+from pacinian_plugins.solvers.lagrange.evenly import climb
 
 if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
-    from pacinian_plugins.solvers.lagrange.convex import Answer
 
 MET = 1e-4  # relative error at which free phases need not be chosen anew
+ROUGH = 1e-3  # relative gap that will do on the way to the strongest even distribution
 GAIN = 0.02  # a round of new phases that lowers the error by less is the last
 
 
@@ -122,6 +123,29 @@ class Constrained:
             )
         )
 
+    def evenly(self) -> Found:
+        """The largest multiple of a region's targets that the limits allow evenly: `evenly.climb`."""
+        B, limits, answers = self.propagator.B, self.limits, list[Answer]()
+        p = self.targets.complex(self.targets.phases) / self.unit
+        reach = np.full(len(p), np.inf)
+        if limits.gain is not None:
+            reach = np.abs(B).sum(axis=1, dtype=np.float64)
+        if self._power is not None:
+            reach = np.minimum(reach, math.sqrt(self._power) * np.linalg.norm(B, axis=1))
+
+        def attempt(some: Complexes) -> Complexes:
+            answer = least_squares(
+                self.A, self._down(some), mu=self.mu, gram=self.gram, quiet=self._quiet,
+                gain=limits.gain is not None, power=self._power, tolerance=ROUGH,
+                start=answers[-1].y if answers else None, budget=self.budget,
+            )  # fmt: skip
+            answers[:] = [answer]
+            return self._made(answer)
+
+        reach[self.targets.beside] = 0.0
+        climb(p, reach, attempt, self.budget)
+        return self._found(answers[-1])
+
     def _proven(self, found: Found, p: Complexes, down: Complexes, exact: Flags | None) -> Found:
         """With bound and objective for the phases made, not those of p: the dual is linear in p."""
         answer = found.answer
@@ -150,9 +174,12 @@ class Constrained:
         return None if power is None else power / self.unit**2
 
     def _found(self, answer: Answer) -> Found:
-        M = len(self.targets.amplitudes)
-        made = answer.made[:M] if self.reduced is None else self.propagator.B @ answer.h
+        made = self._made(answer)
         return Found(answer, made, self.targets.miss(made * self.unit))
+
+    def _made(self, answer: Answer) -> Complexes:
+        M = len(self.targets.amplitudes)
+        return answer.made[:M] if self.reduced is None else self.propagator.B @ answer.h
 
 
 def _lost(p: Complexes, down: Complexes) -> float:

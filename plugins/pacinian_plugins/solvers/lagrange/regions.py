@@ -1,12 +1,16 @@
 """Least squares under the gain limit where every phase is given, without the Gram matrix: for regions.
 
 Samples of a region lie closer than the array resolves, so B B^H is nearly singular and its regularisation
-mu is felt. The dual is that of `convex.dual`: y is where F(y) = p - y - B h(B^H y) = 0. Newton steps find it,
-each the solution of (1 + B W B^H) d = F by conjugate gradients, W = dh/dx: 1 / mu in both directions
-where a gain is below its limit, 1 / |x| along its phase where it is held. One product reads B once.
+mu is felt. The squared errors are weighted: 1, or `QUIET` beside regions. The dual is that of `convex.dual`:
+y is where F(y) = p - D y - B h(B^H y) = 0, D being 1 over the weights. Newton steps find it, each the solution of
+(D + B W B^H) d = F by conjugate gradients, W = dh/dx: 1 / mu in both directions where a gain is below its limit,
+1 / |x| along its phase where it is held. One product reads B once.
 
-Every fourth transducer is enough to tell what samples have in common: of these 1 + B W B^H is computed and factored,
+Every fourth transducer is enough to tell what samples have in common: of these D + B W B^H is computed and factored,
 and preconditions the conjugate gradients. 2 to 4 products do then, where it were 30 to 60.
+
+An error d of the sound pressure changes the radiation pressure by 2 |p| d where |p| is asked, but by d^2 where nothing
+is. So points beside a region need little weight to keep sound away, and have little, to leave the region as it is.
 """
 
 from __future__ import annotations
@@ -20,25 +24,25 @@ from scipy.linalg import blas, lapack
 
 import pacinian as pc
 from pacinian.acoustics.compiled import compiled
-from pacinian.solving.evidence import EVEN
 from pacinian.solving.passes import TILE, backward, forward, load
 from pacinian.solving.rooms import give, take
-from pacinian_plugins.solvers.lagrange.attempt import certify, deliver
+from pacinian_plugins.solvers.lagrange.attempt import deliver
 from pacinian_plugins.solvers.lagrange.double import newton
+from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.small import within
 from pacinian_plugins.solvers.lagrange.sweeps import evaluate
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
 
+QUIET = 0.02  # the weight of points beside regions
 ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: less changes nothing that is felt
 INEXACT = 0.1  # of ||F||: how well a Newton step is solved for
 SOME, FEW = 4, 400  # one in so many transducers preconditions; more samples are too many to factor
-STEPS, PASSES = 30, 300  # Newton steps at most; conjugate gradients at most, for each
+STEPS, PASSES = 15, 300  # Newton steps at most; conjugate gradients at most, for each
 LEAST = 4  # of the first, whatever the time: to go on from, where it was too short
 ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
-WEAK, CLOSE = 1e3, 0.005  # under full drive towards one sample; relative, of the strongest
-AS_EVEN = 1.5  # times the error of a weak field: the strongest's
+AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as held
 REFINED = 16  # Newton steps in double precision
 
 
@@ -84,15 +88,15 @@ class Space(NamedTuple):
 
 
 class Nearly:
-    """The inverse of nearly 1 + B W B^H, at gains h: of one in four transducers, each standing for four."""
+    """The inverse of nearly D + B W B^H, at gains h: of one in four transducers, each standing for four."""
 
-    def __init__(self, B: Gains, h: Singles, mu: float) -> None:
+    def __init__(self, B: Gains, D: Floats, h: Singles, mu: float) -> None:
         size = h[2, ::SOME]
         # a held gain can turn, but not grow: one of two directions
         weight = np.where(size > mu, 0.5 / np.maximum(size, f4(mu)), f4(1.0 / mu))
         some = B[:, ::SOME] * np.sqrt(weight * f4(B.shape[1] / len(size)))
         gram = blas.cherk(1.0, some.T, trans=2)  # its upper triangle, conjugate
-        gram.ravel("K")[:: len(gram) + 1] += 1.0
+        gram.ravel("K")[:: len(gram) + 1] += D.astype(f4)
         self._factor, failed = lapack.cpotrf(gram, overwrite_a=True)
         self._fails = bool(failed)
 
@@ -105,14 +109,20 @@ class Nearly:
 
 
 class Descent:
-    """Newton steps on y, (M,), from where it is given, for targets p, (M,) [Pa per unit limit]."""
+    """Newton steps on y, (M,), from where it is given, for targets p, (M,) [Pa per unit limit].
+
+    D: 1 over the weights of the squared errors, (M,).
+    """
 
     def __init__(
-        self, B: Gains, p: Complexes, y: Complexes, mu: float, space: Space, budget: pc.Budget
-    ) -> None:
-        self.B, self.p, self.y, self.mu = B, p, y, mu
+        self, B: Gains, p: Complexes, D: Floats, y: Complexes, mu: float, space: Space,
+        budget: pc.Budget,
+    ) -> None:  # fmt: skip
+        self.B, self.p, self.D, self.y, self.mu = B, p, D, y, mu
         self.space, self.budget = space, budget
         self.steps = 0
+        self.met = False
+        """Whether the steps have come to their end."""
         self._nearly: Nearly | None = None
         self.cost = 0.0
         """The sum of c(x_n) at y."""
@@ -136,31 +146,42 @@ class Descent:
                 self._look(at)
                 break
             self.steps += 1
+        self.met = missed <= ENOUGH * size
 
-    def uneven(self) -> float:
-        """|| |p| - |B h| || / ||p||."""
-        size = np.abs(self.p)
-        return float(np.linalg.norm(size - np.abs(self._made())) / np.linalg.norm(size))
+    def turn_to(self, p: Complexes) -> Complexes:
+        """Go on from here for other targets, (M,), in the same phases; returns what is made of them."""
+        self.y = self.y * (np.linalg.norm(p) / np.linalg.norm(self.p))
+        self.p = p
+        self.run()
+        return self._made()
+
+    def proof(self) -> tuple[float, float]:
+        """D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
+        rest = self.p - self._made()
+        dual = float(np.vdot(self.y, self.p).real - np.vdot(self.y, self.D * self.y).real / 2.0)
+        power = float((self.space.h[:2].astype(np.float64) ** 2).sum())
+        return dual - self.cost, (float(np.vdot(rest, rest / self.D).real) + self.mu * power) / 2.0
 
     def _look(self, y: Complexes) -> tuple[Complexes, float]:
         """F and the dual's value D at y, which is kept with its gains."""
         space, self.y = self.space, y
         self.cost = evaluate(self.B, self._planes(y), f4(self.mu), space.h, space.made, space.tile)
-        value = float(np.vdot(y, self.p).real - np.vdot(y, y).real / 2.0) - self.cost
-        return self.p - y - self._made(), value
+        Dy = self.D * y
+        value = float(np.vdot(y, self.p).real - np.vdot(y, Dy).real / 2.0) - self.cost
+        return self.p - Dy - self._made(), value
 
     def _direction(self, F: Complexes, enough: float) -> Complexes:
-        """The d of (1 + B W B^H) d = F with a residual of at most `enough`."""
+        """The d of (D + B W B^H) d = F with a residual of at most `enough`."""
         space = self.space
         if self._nearly is None and len(F) <= FEW:
-            self._nearly = Nearly(self.B, space.h, self.mu)
+            self._nearly = Nearly(self.B, self.D, space.h, self.mu)
         nearly = self._nearly.times if self._nearly else np.copy
         d, r = np.zeros_like(F), F.copy()
         q = nearly(r)
         square = float(np.vdot(r, q).real)
         for done in range(PASSES):
             bend(self.B, self._planes(q), space.h, f4(self.mu), space.made, space.tile)
-            Hq = q + self._made()
+            Hq = self.D * q + self._made()
             a = square / float(np.vdot(q, Hq).real)
             d += a * q
             r -= a * Hq
@@ -203,57 +224,46 @@ def solve(
     p *= share / unit
     key = Space, M, N
     space = take(key, lambda: Space.of(M, N))
-    descent = Descent(B, p, begin(targets, warm) * (share / unit), mu, space, budget)
+    D = np.where(targets.beside, 1.0 / QUIET, 1.0)
+    descent = Descent(B, p, D, begin(targets, warm) * (share / unit), mu, space, budget)
     strongest = targets.scale == "max"
     if strongest:
-        climb(descent)
+        reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
+        climb(p, reach, descent.turn_to, budget)
         share = max(share, 1.0)  # of any strength
     else:
         descent.run()
-    p, y, scale = descent.p, descent.y, unit / max(share, 1.0)
-    proof, free = np.zeros(8), np.zeros(M, np.bool_)
-    if out.dtype == np.complex64:
+    p, y, scale, steps = descent.p, descent.y, unit / max(share, 1.0), descent.steps
+    w = 1.0 / np.sqrt(D)  # of rows, so that each error counts by its weight
+    if not (strongest or descent.met or budget.spent):
+        from pacinian_plugins.solvers.lagrange.convex import least_squares  # more to compile
+
+        answer = least_squares(w[:, None] * propagator.B, w * p, mu=mu, start=y / w, budget=budget)
+        out[:] = scale * answer.h
+        y, bound, objective = w * answer.y, answer.bound, answer.objective
+        steps += answer.steps
+    elif out.dtype == np.complex64:
         deliver(space.h, scale, out)
-        certify(p, free, mu, y, space.h, space.made, descent.cost, proof)
-        bound, objective = proof[5:7].tolist()
+        bound, objective = descent.proof()
     else:
-        fine = newton(propagator.B, propagator.gram, p, free, mu, y, REFINED, budget)
+        G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
+        fine = newton(w[:, None] * propagator.B, G, w * p, free, mu, y / w, REFINED, budget)
         out[:] = scale * fine.h
-        y, bound, objective = fine.y, fine.bound, fine.objective
-    held = int((space.h[2] > mu).sum())
+        y, bound, objective = w * fine.y, fine.bound, fine.objective
+    held = int((np.abs(out) > AT_LIMIT * scale).sum())
     give(key, space, M * N)
     proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
-        iterations=descent.steps,
+        iterations=steps,
         limited=held > 0 and limits.gain is not None,
         late=budget.spent,
         bound=bound * proven,
         objective=objective * proven,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
+        quiet_weight=QUIET,
         note=f"{held / N:.0%} of the transducers at their limit" if held else "",
     )
-
-
-def climb(descent: Descent) -> None:
-    """The largest multiple of the targets that is made as evenly as a weak one, or within `EVEN`."""
-    p, B = descent.p, descent.B
-    asked = np.abs(p) > 0.0
-    top = float((np.abs(B[asked]).sum(axis=1) / np.abs(p[asked])).min())  # all towards one sample
-    if not top:
-        return
-    low, high = math.log(top / WEAK), math.log(top)
-    enough, at, best = 0.0, low, low
-    while True:
-        descent.y = descent.y * (math.exp(at) * np.linalg.norm(p) / np.linalg.norm(descent.p))
-        descent.p = math.exp(at) * p
-        descent.run()
-        error = descent.uneven()
-        enough = enough or max(EVEN, AS_EVEN * error)
-        best, high = (at, high) if error <= enough else (best, at)
-        if descent.budget.spent or (high - best < CLOSE and best == at):
-            return
-        at = best if high - best < CLOSE else (best + high) / 2.0
 
 
 def begin(targets: pc.Targets, warm: pc.Solution | None) -> Complexes:

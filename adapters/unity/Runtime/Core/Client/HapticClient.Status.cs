@@ -77,6 +77,12 @@ namespace Pacinian
             get { return _shared.News.Read; }
         }
 
+        /// <summary>What is felt of an object's surface or volume, by its name, in the newest state.</summary>
+        public RegionFelt Felt(string name)
+        {
+            return RegionFelt.Of(State, name);
+        }
+
         /// <summary>Our steady clock [s].</summary>
         public double Now
         {

@@ -91,7 +91,8 @@ def climb(
             size = abs(point.value)
             smooth = smooth.next(state.promise / max(size, 1e-300), tolerance)
             dual = dual.smoothed(smooth.rows * size, smooth.gains * size)
-            state = state._replace(point=dual.at(point.y, point.x))
+            point = dual.at(point.y, point.x)
+            state = state._replace(point=point, made=dual.make(point.h))
         state = newton.step(dual, state)
         step += 1
     if best.excess > 0.0 and not dual.rows.hard:

@@ -76,6 +76,21 @@ float UHapticEffectComponent::GetEmitted() const {
   return State && Sent ? Haptic::Strongest(*State, Sent->Name) : 0.0f;
 }
 
+FHapticRegionFelt UHapticEffectComponent::GetRegionFelt() const {
+  const TSharedPtr<FHapticLink> Link = Haptic::LinkOf(this);
+  const wire::State* State = Haptic::Fresh(Link);
+  const pacinian::RegionFelt Felt = Sent ? pacinian::RegionFelt::of(State, Sent->Name) : pacinian::RegionFelt();
+  FHapticRegionFelt Told;
+  Told.bKnown = Felt.known();
+  if (Told.bKnown) {
+    Told.Force = Felt.force;
+    Told.Rms = Felt.rms;
+    Told.Holes = Felt.holes;
+    Told.Spill = Felt.spill;
+  }
+  return Told;
+}
+
 #if WITH_EDITOR
 void UHapticEffectComponent::PostEditChangeProperty(FPropertyChangedEvent& Event) {
   Super::PostEditChangeProperty(Event);

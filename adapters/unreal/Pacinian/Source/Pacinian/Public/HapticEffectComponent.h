@@ -88,6 +88,10 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetEmitted() const;
 
+  /** What is felt of it, against what was asked, as the server says; not known of a point. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  FHapticRegionFelt GetRegionFelt() const;
+
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetRadiationPressure(float Pressure);
 

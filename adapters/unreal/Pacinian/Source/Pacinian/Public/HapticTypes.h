@@ -45,3 +45,29 @@ enum class EHapticStrength : uint8 {
 /** Which hand. */
 UENUM(BlueprintType)
 enum class EHapticSide : uint8 { Left, Right };
+
+/** What is felt of a surface or volume, against what was asked: between its samples, over the last second or so. */
+USTRUCT(BlueprintType)
+struct PACINIAN_API FHapticRegionFelt {
+  GENERATED_BODY()
+
+  /** Whether the server tells. Not of a point, nor in silence: then all numbers are 0. */
+  UPROPERTY(BlueprintReadOnly, Category = "Haptics")
+  bool bKnown = false;
+
+  /** Force over what was asked; 1 if right. */
+  UPROPERTY(BlueprintReadOnly, Category = "Haptics")
+  float Force = 0.0f;
+
+  /** Root mean square of the error of radiation pressure, over that of what was asked; 0 if right. */
+  UPROPERTY(BlueprintReadOnly, Category = "Haptics")
+  float Rms = 0.0f;
+
+  /** Share that is pressed with less than half of what was asked; 0 if right. */
+  UPROPERTY(BlueprintReadOnly, Category = "Haptics")
+  float Holes = 0.0f;
+
+  /** Highest radiation pressure 3 to 5 mm beside it, over the mean asked. */
+  UPROPERTY(BlueprintReadOnly, Category = "Haptics")
+  float Spill = 0.0f;
+};

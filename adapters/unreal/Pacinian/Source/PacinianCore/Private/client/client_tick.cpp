@@ -113,5 +113,6 @@ const std::string& Client::scene() const { return in_->view.scene; }
 const std::string& Client::server() const { return in_->view.server; }
 const wire::Abilities* Client::capabilities() const { return in_->view.abilities.get(); }
 const wire::State* Client::state() const { return in_->has_state ? &in_->state : nullptr; }
+RegionFelt Client::felt(std::string_view name) const { return RegionFelt::of(state(), name); }
 
 }  // namespace pacinian

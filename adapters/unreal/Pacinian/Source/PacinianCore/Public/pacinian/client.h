@@ -10,6 +10,7 @@
 #include "pacinian/api.h"
 #include "pacinian/client/events.h"
 #include "pacinian/client/options.h"
+#include "pacinian/client/region_felt.h"
 #include "pacinian/wire/commands.h"
 #include "pacinian/wire/control.h"
 #include "pacinian/wire/replies.h"
@@ -53,6 +54,8 @@ class Client {
   PACINIANCORE_API const std::string& server() const;   ///< what the server says that it is
   PACINIANCORE_API const wire::Abilities* capabilities() const;  ///< null without a session
   PACINIANCORE_API const wire::State* state() const;             ///< the newest; null before the first
+  /// What is felt of an object's surface or volume, by its name, in the newest state.
+  PACINIANCORE_API RegionFelt felt(std::string_view name) const;
 
   /// Its clock [s].
   PACINIANCORE_API double now() const;

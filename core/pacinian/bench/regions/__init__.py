@@ -1,0 +1,1 @@
+"""How evenly regions press, measured at places that no solver was given."""

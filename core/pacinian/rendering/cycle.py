@@ -1,0 +1,190 @@
+"""Cycles: regions whose frames differ, and whose mean over a few frames is what was asked.
+
+Skin integrates what comes again fast enough. So a region that is too large for one solve sounds in bands, one after the
+other; and one that the array makes unevenly sounds in two frames, whose waves come from different sides and leave
+different errors. Of K frames, each is asked for what the others leave: K P - sum_j P_j, where P is asked of all
+together and frame j makes P_j.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
+from pacinian.rendering.reach import Reach
+from pacinian.scene.sampling.bands import Bands
+from pacinian.scene.sampling.samples import nothing
+from pacinian.session import Session
+from pacinian.solving.problem import Targets, numbered
+
+if TYPE_CHECKING:
+    from pacinian.rendering.player import Solved
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.types import Flags, Floats, Gains
+
+INTEGRATED = 500.0  # [Hz]: what comes again so often is felt as steady up to some 6 Pa
+MOST = 4  # frames of a cycle, unless told otherwise
+TILTS = -0.15, 0.15  # of the waves of two frames that are to differ: see `Session.tilt`
+HELD, FREE = (
+    0.02,
+    0.01,
+)  # share of the transducers at their limit: two frames from there on; one again
+LEAST, HIGHEST = 0.15, 2.5  # of its share of what is asked: what a frame may be asked for
+ROUNDS, TRIES = (
+    3,
+    12,
+)  # solves of each frame after the samples have changed; with those whose time was too short
+
+
+@dataclass
+class Part:
+    """One frame of a cycle, and what solves for it.
+
+    session: with the points and the last solution of this frame. solved: what it plays; None before the first.
+    tries: solves since the samples have changed. rounds: of these, those that had enough time. turn: when it was solved
+    last, in solves.
+    """
+
+    session: Session
+    reach: Reach
+    solved: Solved | None = None
+    tries: int = 0
+    rounds: int = 0
+    turn: int = 0
+
+
+class Cycle:
+    """The frames that sound in turn, for one player.
+
+    session: solves for the first, and for all that needs no others. most: frames at most. budget: samples at most in
+    each, where bands can bring that about.
+    """
+
+    def __init__(self, session: Session, most: int = 1, budget: int = 256) -> None:
+        self.most, self.budget = most, budget
+        self._first = Part(session, Reach(session))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all that was solved."""
+        self._first.solved = None
+        self.parts = [self._first]
+        self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
+        self.samples = nothing()
+        """What the frames make together."""
+        self._shares = np.ones((0, 1))
+        self._asked = np.zeros(0)
+
+    @property
+    def count(self) -> int:
+        """Frames that sound in turn; 1 where each makes all that is asked."""
+        return len(self.parts)
+
+    def begin(self, samples: Samples, most: int | None = None) -> None:
+        """Make these samples from now on. most: frames, if fewer than usual."""
+        solid = bool((samples.regions >= 0).any())
+        most = min(self.most, self.most if most is None else most) if solid else 1
+        self.samples, self._asked = samples, samples.radiation_pressure.copy()
+        self._shares = self._bands.shares(samples, self.budget, most)
+        self._banded = self._shares.shape[1] > 1
+        self._tilted = self._tilted and not self._banded and most >= len(TILTS)
+        self._arrange()
+
+    def consider(self, solved: Solved) -> None:
+        """See how a solve went: whether two frames are worth it from now on, or one does.
+
+        Two are where transducers are at their limit: then their mean was nearer to what is asked wherever we tried.
+        """
+        solution = solved.solution
+        if self._banded or self.most < len(TILTS) or solution.targets.regions is None:
+            return
+        enough = FREE if self._tilted else HELD
+        tilted = not solution.late and solution.saturation >= enough
+        if tilted != self._tilted:
+            self._tilted = tilted
+            self._arrange()
+
+    def _arrange(self) -> None:
+        """Have as many parts as there are frames, each with its tilt, and all to be solved again."""
+        M, count = self._shares.shape
+        if not self._banded:
+            count = len(TILTS) if self._tilted else 1
+            self._shares = np.full((M, count), 1.0 / count)
+        first = self._first.session
+        if count < len(self.parts):
+            del self.parts[count:]
+        while len(self.parts) < count:
+            session = Session(first.array, first.medium, first.solver, clock=first.clock)
+            session.propagator.work = first.propagator.work
+            self.parts.append(Part(session, Reach(session)))
+        for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
+            part.rounds = part.tries = 0
+            part.session.tilt, part.session.solver = tilt, first.solver
+
+    def due(self) -> Part | None:
+        """The part to be solved next: the one whose last time is longest ago; None if all are as good as they get."""
+        open_ = [part for part in self.parts if part.rounds < ROUNDS and part.tries < TRIES]
+        return min(open_, key=lambda part: part.turn) if open_ else None
+
+    def sounds(self, part: Part) -> Flags:
+        """Which samples sound in one part, (M,)."""
+        return self._shares[:, self.parts.index(part)] > 0.0
+
+    def left(self, part: Part, own: Flags, P: Floats, facing: Facing | None) -> Floats:
+        """What the other frames leave for one of them to make at its own samples, (M',) [Pa].
+
+        own: which of the samples those are, (M,). P: asked of all frames together there, (M',) [Pa].
+        """
+        self._asked[own] = P
+        K, q = self.count, self.samples.positions[own]
+        part.session.propagator.place(q, facing)
+        others = np.zeros(len(q))
+        for share, other in zip(self._shares[own].T, self.parts, strict=True):
+            if other is part:
+                continue
+            solved = other.solved
+            if solved is None:
+                others += K * share * P
+            else:
+                p = part.session.propagator.apply(solved.gains)
+                others += radiation_pressure(p, part.session.medium)
+        nominal = K * self._shares[own, self.parts.index(part)] * P
+        return np.asarray(np.clip(K * P - others, LEAST * nominal, HIGHEST * nominal))
+
+    def keep(self, part: Part, solved: Solved) -> None:
+        """One part has been solved."""
+        self._turn += 1
+        part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
+        part.rounds += solved.final
+
+    def row(self, number: int) -> Solved | None:
+        """What the row of that number plays; None before the first solve."""
+        here = self.parts[number % self.count].solved
+        return here or next((part.solved for part in self.parts if part.solved), None)
+
+    @property
+    def sounding(self) -> list[Gains]:
+        """The gains of the frames that sound in turn, each (N,)."""
+        return [part.solved.gains for part in self.parts if part.solved is not None]
+
+    @property
+    def targets(self) -> Targets:
+        """What is asked of all frames together."""
+        t = sound_pressure(self._asked, self._first.session.medium)
+        return Targets.simple(t, numbered(len(t), self.samples.regions))
+
+    @property
+    def facing(self) -> Facing | None:
+        """Of the skin at the samples."""
+        if self.samples.capsules is None:
+            return None
+        return Facing.of(self.samples.normals, self.samples.capsules)
+
+
+def frames_of(most: int, rate: float) -> int:
+    """Frames of a cycle at most, on a device of `rate` frames a second [Hz]: each place comes again at 500 Hz."""
+    return max(1, min(most, int(rate / INTEGRATED)))

@@ -1,0 +1,58 @@
+"""The surround: skin beside what is touched, of which silence is asked.
+
+Samples say how the field presses where something is touched. They say nothing of the skin beside it, and there the
+field may press up to three times harder. A sparse ring of silent samples, which count little, keeps it away.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.scene.sampling.samples import BESIDE, joined
+from pacinian.scene.sampling.sources import keys
+
+if TYPE_CHECKING:
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.sampling.touchable import Touchable
+    from pacinian.types import Floats, Indices
+
+INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
+APART = 0.45  # of that, from one silent sample to the next
+MOST = 1.0 / 3.0  # of the samples that press: more silent ones make little difference
+
+
+def add_surround(
+    samples: Samples, hands: list[Touchable], centre: Floats, resolved: float, most: int
+) -> Samples:
+    """Add silent samples on the skin beside the regions that touch it.
+
+    At most a third of the samples that press, evenly spread. centre: of the array, (3,) [m]; skin that faces away from
+    it has none. resolved: by the array, there [m]. most: silent samples at most.
+    """
+    of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
+    most = min(most, int(MOST * len(of)))
+    if most <= 0:
+        return samples
+    q, every = samples.positions[of], [samples]
+    for hand in hands:
+        nodes, nearest = hand.around(
+            q, APART * resolved, INNER * resolved, OUTER * resolved, centre
+        )  # fmt: skip
+        nodes, nearest = nodes[:most], nearest[:most]
+        if len(nodes):
+            silent = _silent(samples, of[nearest], hand.points[nodes], hand.normals[nodes])
+            silent.keys[:] = keys(hand.salt % (1 << 31), APART * resolved, nodes)
+            every.append(silent)
+            most -= len(nodes)
+    return joined(every)
+
+
+def _silent(samples: Samples, beside: Indices, points: Floats, normals: Floats) -> Samples:
+    """Silent samples beside those of the indices `beside`, (K,): they stand for no area."""
+    made = samples.only(beside)
+    made.positions[:], made.normals[:] = points, normals
+    made.radiation_pressure[:] = made.area[:] = 0.0
+    made.regions[:] = BESIDE
+    return made

@@ -1,0 +1,166 @@
+"""The error of what is felt on regions, for a slice: radiation pressure made minus asked, also between the samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Self
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.types import Flags, Floats, Gains, Indices
+    from pacinian.wire.state import State
+
+NEAR = 0.005  # [m] from a point of the slice to a sample of a region, at most
+BESIDE = (
+    0.003  # [m] from the samples, at least: nearer to a rim pressure falls, wherever it is asked to
+)
+CLOSE = (
+    1.7  # times the distance of neighbours: samples that surround a place are no farther from it
+)
+AROUND = 12  # samples that are looked at around each place
+SAME = 1e-4  # [m]: no farther apart is in one place
+STRAIGHT = np.pi + 1e-3  # [rad]: a larger angle without a neighbour is of a place outside
+PAIRS = 1 << 21  # of places and transducers at a time
+JOINTS = 26  # of a hand
+
+
+class Regions(NamedTuple):
+    """Samples as a state has them, (M, ...) each: bytes, so that they can be compared.
+
+    points, normals: (M, 3) float32 [m]. asked: radiation pressure, float32 [Pa]. objects: which, int32; -1 of
+    samples that are isolated. hands: joints, (hands, 26, 3) float32 [m]; with any, sound counts along the normals.
+    """
+
+    points: bytes
+    normals: bytes
+    asked: bytes
+    objects: bytes
+    hands: bytes
+
+    @classmethod
+    def of(cls, state: State) -> Self | None:
+        """None where nothing is known to be a region. Raises ValueError, IndexError of a damaged state."""
+        known = np.isfinite(np.frombuffer(state.felt, "<f4").reshape(-1, 4)[:, 0])
+        if not known.any():
+            return None
+        index = np.frombuffer(state.index, "<i4")
+        index = np.where(known[index], index, -1).astype("<i4")
+        rows = len(index)
+        if not len(state.points) == len(state.normals) == 12 * rows == 3 * len(state.asked):
+            raise ValueError(f"not as many points, normals and pressures as samples: {rows}")
+        if len(state.hands) % (12 * JOINTS):
+            raise ValueError(f"hands must be of {JOINTS} joints each")
+        for each in (state.points, state.normals, state.asked, state.hands):
+            if not np.isfinite(np.frombuffer(each, "<f4")).all():
+                raise ValueError("not all numbers of samples and hands are finite")
+        return cls(state.points, state.normals, state.asked, index.tobytes(), state.hands)
+
+
+class Places(NamedTuple):
+    """Places on regions, or beside them. rows: of which points. points, normals: (K, 3). asked: (K,) [Pa], 0 beside."""
+
+    rows: Indices
+    points: Floats
+    normals: Floats
+    asked: Floats
+
+
+def error(
+    array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
+) -> Floats:
+    """Radiation pressure made minus asked, at the place of a region that is nearest to each point, (P,) [Pa].
+
+    gains: of the frames whose mean is felt, (K, N). at: points, (P, 3) [m]. across: direction that surfaces face
+    whose samples have no normal, (3,). NaN of a point that is more than 5 mm from the samples of any region, and of one
+    beside a region and less than 3 mm from its samples: `Solution.felt` counts no such places either. Also NaN near
+    transducers. With hands, sound counts along the normals and is hidden by hands of an adult's size: the state does
+    not tell how large they are.
+    """
+    from pacinian.acoustics.facing import Facing
+    from pacinian.acoustics.pressure import radiation_pressure
+    from pacinian.errors import PointOnTransducer
+    from pacinian.scene.hands.capsules import capsules
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.solving.propagator import Propagator
+
+    found = np.full(len(at), np.nan)
+    places = nearest_places(at, across, regions)
+    joints = np.frombuffer(regions.hands, "<f4").reshape(-1, JOINTS, 3).astype(np.float64)
+    flesh = [capsules(Hand(each)) for each in joints]
+    propagator = Propagator(array, medium)
+    for k in range(0, len(places.rows), step := max(1, PAIRS // len(array))):
+        part = slice(k, k + step)
+        facing = Facing(places.normals[part], np.concatenate(flesh)) if flesh else None
+        try:
+            propagator.place(places.points[part], facing)
+        except PointOnTransducer:
+            continue
+        made = np.zeros(len(places.asked[part]))
+        for g in gains:
+            made += radiation_pressure(propagator.apply(g), medium) / len(gains)
+        found[places.rows[part]] = made - places.asked[part]
+    return found
+
+
+def nearest_places(at: Floats, across: Floats, regions: Regions) -> Places:
+    """Of points `at`, (P, 3) [m], those with a region near, moved to the nearest place of its surface.
+
+    The surface is the plane through the nearest sample. A place is inside where samples surround it, and is then
+    asked for their mean, weighted by the inverse square of the distance.
+    """
+    from scipy.spatial import KDTree
+
+    q = np.frombuffer(regions.points, "<f4").reshape(-1, 3).astype(np.float64)
+    n = np.frombuffer(regions.normals, "<f4").reshape(-1, 3).astype(np.float64)
+    P, index = np.frombuffer(regions.asked, "<f4"), np.frombuffer(regions.objects, "<i4")
+    up = np.where((n * n).sum(axis=1, keepdims=True) < 0.5, across, n)
+    up = up / np.linalg.norm(up, axis=1, keepdims=True)
+    tree = KDTree(q)
+    away, around = _nearest(tree, at, 1)
+    rows = np.flatnonzero((away[:, 0] <= NEAR) & (index[around[:, 0]] >= 0))
+    m = around[rows, 0]
+    x = at[rows] - np.einsum("pk,pk->p", at[rows] - q[m], up[m])[:, None] * up[m]
+
+    away, around = _nearest(tree, x, AROUND)
+    limit = CLOSE * _spacing(tree, index)[m]
+    own = (index[around] == index[m][:, None]) & (away <= limit[:, None])
+    inside = _surrounded(x, up[m], q[around], own) | (own & (away <= SAME)).any(axis=1)
+    weight = own / (away * away + SAME * SAME)
+    asked = np.where(inside, (weight * P[around]).sum(axis=1), 0.0)
+    asked /= np.where(inside, weight.sum(axis=1), 1.0)
+    kept = inside | ((away[:, 0] >= BESIDE) & (away[:, 0] <= NEAR))
+    return Places(rows[kept], x[kept], n[m][kept], asked[kept])
+
+
+def _spacing(tree: KDTree, index: Indices) -> Floats:
+    """How far from each sample its neighbours are from theirs, in the median, (M,) [m]; 0 of one without any."""
+    away, around = _nearest(tree, np.asarray(tree.data), AROUND)
+    own = (index[around] == index[:, None]) & np.isfinite(away)
+    nearest = np.where(own & (away > SAME), away, np.inf).min(axis=1)
+    every = np.sort(np.where(own, nearest[around], np.inf), axis=1)  # of others nothing counts
+    middle = (np.maximum(own.sum(axis=1), 1) - 1) // 2
+    found = np.take_along_axis(every, middle[:, None], axis=1)[:, 0]
+    return np.where(np.isfinite(found), found, 0.0)
+
+
+def _nearest(tree: KDTree, x: Floats, count: int) -> tuple[Floats, Indices]:
+    """How far the nearest samples are from each place, (K, count) [m], and which; infinite where there are fewer."""
+    away, which = tree.query(x, np.arange(1, count + 1))
+    return np.asarray(away), np.minimum(which, tree.n - 1)
+
+
+def _surrounded(x: Floats, n: Floats, q: Floats, own: Flags) -> Flags:
+    """Whether those of the samples q, (K, A, 3), that are the place's `own`, (K, A), lie on all sides of x, (K, 3)."""
+    other = np.where(np.abs(n[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[0.0, 1.0, 0.0]])
+    u = np.cross(other, n)
+    v = np.cross(n, u)
+    away = q - x[:, None]
+    turn = np.arctan2(np.einsum("kas,ks->ka", away, v), np.einsum("kas,ks->ka", away, u))
+    first = np.take_along_axis(turn, own.argmax(axis=1)[:, None], axis=1)
+    turn = np.sort(np.where(own, turn, first), axis=1)
+    gaps = np.diff(turn, axis=1, append=turn[:, :1] + 2.0 * np.pi)
+    return np.asarray(own.any(axis=1) & (gaps.max(axis=1) <= STRAIGHT))

@@ -1,0 +1,167 @@
+"""Regions in several frames: what the device was sent, heard with a field of its own, frame by frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.acoustics.propagation import field
+from pacinian.gallery import SCENES
+from pacinian.rendering.cycle import frames_of
+from pacinian.scene.time.waves import Constant
+from pacinian.testing import ManualClock
+
+AIR, PERIOD = pc.Air(), 1e-3
+ONE, NINE = pc.autd(), pc.autd(3, 3)
+
+
+def surface(array: pc.Array, shape: Any, pressure: float, **how: Any) -> pc.Surface:
+    x, y, _ = array.centre
+    return pc.Surface(shape=shape, pose=pc.Pose((x, y, 0.2)), radiation_pressure=pressure, **how)
+
+
+def square(side: float) -> np.ndarray[Any, Any]:
+    """Places in a square, off the lattice of any samples."""
+    x = np.arange(0.0004 - side / 2.0, side / 2.0, 0.0011)
+    X, Y = np.meshgrid(x, x)
+    return np.column_stack([X.ravel(), Y.ravel(), np.full(X.size, 0.2)])
+
+
+def sent(renderer: pc.Renderer, ticks: int, last: int) -> np.ndarray[Any, Any]:
+    """The gains that the device was sent in the last of the ticks, (frames, N)."""
+    rows, clock = [], renderer.clock
+    assert isinstance(clock, ManualClock)
+    with renderer:
+        for k in range(ticks):
+            renderer.tick(k * PERIOD)
+            clock.time = (k + 1) * PERIOD
+            if k >= ticks - last:
+                rows.append(renderer.sent.gains(renderer.backend.capability).copy())
+    return np.concatenate(rows)
+
+
+def press(array: pc.Array, gains: np.ndarray[Any, Any], places: np.ndarray[Any, Any]) -> Any:
+    """Radiation pressure of each frame, (frames, K) [Pa]."""
+    at = places + np.array([*array.centre[:2], 0.0])
+    return np.array([pc.radiation_pressure(field(array, g, at, AIR), AIR) for g in gains])
+
+
+def off(P: Any, asked: float) -> float:
+    return float(np.sqrt(((P - asked) ** 2).mean()) / asked)
+
+
+def test_frames_at_most_so_that_each_comes_again_500_times_a_second() -> None:
+    assert [frames_of(4, rate) for rate in (100, 999, 1000, 1999, 2000, 4000)] == [1, 1, 2, 3, 4, 4]
+    assert frames_of(1, 4000.0) == 1
+
+
+@pytest.mark.parametrize("most", [1, 4])
+def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) -> None:
+    places = square(0.1)
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=most)
+    P = press(NINE, sent(renderer, 80, 4), places)
+    mean = P.mean(axis=0)
+    for solved in renderer.player.solved:
+        assert len(solved.samples) <= renderer.sampler.budget
+    if most == 1:
+        assert (mean < 0.5).mean() > 0.1
+        return
+    assert len(renderer.sounding) == 2
+    assert (P < 0.25).any(
+        axis=0
+    ).mean() > 0.5  # most places are pressed by one band, not by the other
+    assert mean.mean() == pytest.approx(1.0, abs=0.03)
+    assert off(mean, 1.0) < 0.15
+    assert not (mean < 0.5).any()
+    told = renderer.report.felt(1)["surface"]
+    assert told.force == pytest.approx(1.0, abs=0.1)
+    assert told.holes == 0.0
+
+
+def strongest(array: pc.Array, shape: Any) -> float:
+    """The strongest even pressure of a shape [Pa]."""
+    sampler = pc.Sampler(1000)
+    sampler.prepare(array, AIR)
+    samples = sampler.sample(pc.Scene((surface(array, shape, 1.0),)))
+    t = pc.sound_pressure(samples.radiation_pressure, AIR)
+    made = pc.solve(array, samples.positions, t, regions=samples.regions, scale="max")
+    return float(np.linalg.norm(made.sound_pressure) / np.linalg.norm(t)) ** 2
+
+
+@pytest.mark.parametrize("array", [ONE, NINE])
+@pytest.mark.parametrize(("side", "share"), [(0.02, 0.5), (0.02, 1.0), (0.035, 0.8), (0.03, 1.3)])
+def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
+    array: pc.Array, side: float, share: float
+) -> None:
+    pressure, places = share * strongest(array, pc.Rectangle(side, side)), square(side)
+    errors = {}
+    for most in (1, 2):
+        scene = pc.Scene((surface(array, pc.Rectangle(side, side), pressure),))
+        renderer = pc.Renderer(array, scene, clock=ManualClock(), cycle=most)
+        errors[most] = off(press(array, sent(renderer, 40, 4), places).mean(axis=0), pressure)
+        assert len(renderer.sounding) == most
+    assert errors[2] < 0.95 * errors[1]
+
+
+def test_what_is_weak_or_has_no_region_or_other_limits_stays_in_one_frame() -> None:
+    point = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=1e4)
+    weak = surface(NINE, pc.Disc(0.01), 1.0)
+    strong = surface(NINE, pc.Disc(0.01), 60.0)
+    for item, limits in ((point, None), (weak, None), (strong, pc.Limits(power=100.0))):
+        renderer = pc.Renderer(NINE, pc.Scene((item,)), clock=ManualClock(), limits=limits)
+        with renderer:
+            for k in range(10):
+                renderer.tick(k * PERIOD)
+        assert renderer.player.cycle.count == 1
+
+
+def test_a_cycle_that_stands_still_is_solved_no_more_and_goes_on_in_turn() -> None:
+    pressure = strongest(ONE, pc.Disc(0.01))
+    scene = pc.Scene((surface(ONE, pc.Disc(0.01), pressure),))
+    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), cycle=2)
+    rows = sent(renderer, 60, 6)
+    assert renderer.report.solves < 20
+    assert (rows[0] != rows[1]).any()
+    assert (rows[::2] == rows[0]).all()
+    assert (rows[1::2] == rows[1]).all()
+    assert renderer.report.skipped["solve, nothing moved"] > 30
+
+
+def test_a_new_strength_a_reset_and_another_device_begin_anew() -> None:
+    pressure = strongest(ONE, pc.Disc(0.01))
+    item = surface(ONE, pc.Disc(0.01), pressure, name="disc")
+    scene = [pc.Scene((item,))]
+    renderer = pc.Renderer(ONE, lambda t: scene[0], clock=ManualClock(), cycle=2)
+    with renderer:
+        for k in range(20):
+            renderer.tick(k * PERIOD)
+        assert renderer.player.cycle.count == 2
+        scene[0] = pc.Scene((surface(ONE, pc.Disc(0.01), 0.01 * pressure, name="disc"),))
+        for k in range(20, 60):
+            renderer.tick(k * PERIOD)
+        assert renderer.player.cycle.count == 1
+        renderer.reset()
+        assert len(renderer.sounding) == 0
+        scene[0] = pc.Scene()
+        for k in range(60, 80):
+            renderer.tick(k * PERIOD)
+        assert not renderer.sent.amplitude.any()
+    assert not renderer.report.faults
+
+
+def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
+    still = SCENES["palm"](0.0)
+    plate = replace(still.objects[0], envelope=Constant(1.0))
+    renderer = pc.Renderer(NINE, pc.Scene((plate,), hands=still.hands), clock=ManualClock())
+    with renderer:
+        for k in range(40):
+            renderer.tick(k * PERIOD)
+            assert k < 5 or renderer.sent.amplitude.any()
+    assert not renderer.report.faults
+    assert renderer.player.cycle.count > 1
+    assert all(len(solved.samples) <= renderer.sampler.budget for solved in renderer.player.solved)

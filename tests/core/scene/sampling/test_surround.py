@@ -1,0 +1,116 @@
+"""Silent samples beside what is touched: where they are, and what they do to the skin there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+
+import pacinian as pc
+from pacinian.bench.skin import felt_on_skin
+from pacinian.gallery import SCENES
+from pacinian.scene.sampling.resolving import Resolving
+from pacinian.scene.sampling.surround import INNER, OUTER
+from pacinian.testing import ManualClock
+
+AIR, ARRAY = pc.Air(), pc.autd(3, 3)
+
+
+def ball(radius: float, depth: float) -> pc.Scene:
+    """Pressed into the palm of an open hand from below."""
+    hand = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.21)))
+    pose = pc.Pose((0.0, 0.0, 0.195 - radius + depth))
+    item = pc.Volume(shape=pc.Sphere(radius), pose=pose, radiation_pressure=6.0)
+    return pc.Scene((item,), hands=(hand,))
+
+
+def sampled(scene: pc.Scene, budget: int = 256, surround: bool = True) -> pc.Samples:
+    sampler = pc.Sampler(budget)
+    sampler.prepare(ARRAY, AIR)
+    sampler.surround = surround
+    return sampler.sample(scene, 0.0)
+
+
+@pytest.mark.parametrize("scene", [ball(0.01, 0.003), ball(0.03, 0.004), SCENES["crowd"](0.3)])
+def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Scene) -> None:
+    plain, both = sampled(scene, surround=False), sampled(scene)
+    silent = both.radiation_pressure == 0.0
+    assert 0.1 * len(plain) < silent.sum() < len(plain)
+    assert np.array_equal(both.positions[~silent], plain.positions)
+    assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
+    assert both.force == pytest.approx(plain.force)
+    assert len(set(both.keys.tolist())) == len(both)
+    resolved = Resolving(ARRAY, AIR).spacing((0.0, 0.0, 0.205))
+    away, nearest = KDTree(plain.positions).query(both.positions[silent])
+    assert away.min() >= INNER * resolved
+    assert away.max() < OUTER * resolved
+    assert (both.regions[silent] == -2).all()
+    assert np.array_equal(both.objects[silent], plain.objects[nearest])
+    towards = ((ARRAY.centre - both.positions[silent]) * both.normals[silent]).sum(axis=1)
+    assert towards.min() > 0.0
+
+
+def test_the_budget_is_kept_and_what_touches_comes_first() -> None:
+    scene = ball(0.03, 0.004)
+    plain = sampled(scene, surround=False)
+    some = sampled(scene, len(plain) + 5)
+    assert len(plain) < len(some) <= len(plain) + 5
+    assert len(sampled(scene, len(plain))) == len(plain)
+
+
+def test_without_a_hand_or_a_region_there_is_none() -> None:
+    plate = pc.Surface(shape=pc.Disc(0.01), pose=pc.Pose((0, 0, 0.2)), radiation_pressure=1.0)
+    assert sampled(pc.Scene((plate,))).radiation_pressure.min() > 0.0
+    hand = ball(0.01, 0.003).hands[0]
+    point = pc.Point(position=(0.0, 0.0, 0.195), radiation_pressure=5.0)
+    assert sampled(pc.Scene((point,), hands=(hand,))).radiation_pressure.min() > 0.0
+
+
+class Plain(pc.Solver):
+    """As `lagrange`, but says that it counts silent samples in full."""
+
+    name = "plain"
+    keeps = frozenset({"quiet", "exact"})
+
+    def solve(self, *problem: Any) -> Any:
+        return pc.solver("lagrange").solve(*problem)
+
+
+def played(scene: pc.Scene, **how: Any) -> pc.Renderer:
+    clock = ManualClock()
+    renderer = pc.Renderer(ARRAY, scene, clock=clock, **how)
+    with renderer:
+        for k in range(12):
+            renderer.tick(k * 1e-3)
+            clock.time = (k + 1) * 1e-3
+    return renderer
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.015, 0.03])
+def test_sound_keeps_off_the_skin_beside_a_ball(radius: float) -> None:
+    """Against a solver that is given no surround: by the skin of the benchmark, which neither has seen."""
+    scene, felt = ball(radius, 0.004), []
+    for solver in (Plain(), "auto"):
+        renderer = played(scene, solver=solver)
+        found = felt_on_skin(ARRAY, AIR, scene, 0.012, renderer.sounding)
+        assert found is not None
+        felt.append(found)
+    without, around = felt
+    assert around.spill < 0.75 * without.spill
+    assert around.spill < 1.2
+    assert around.rms < without.rms + 0.03
+    assert around.force == pytest.approx(1.0, abs=0.03)
+
+
+def test_other_limits_and_solvers_that_count_silence_in_full_get_no_surround() -> None:
+    scene = ball(0.01, 0.003)
+    assert (samples_of(played(scene)).radiation_pressure == 0.0).any()
+    for how in ({"solver": Plain()}, {"limits": pc.Limits(power=1000.0)}):
+        assert samples_of(played(scene, **how)).radiation_pressure.min() > 0.0
+
+
+def samples_of(renderer: pc.Renderer) -> pc.Samples:
+    assert renderer.samples is not None
+    return renderer.samples
