@@ -128,10 +128,9 @@ def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: 
             return False
         found = np.frombuffer(new["slice"]["pressure"], "<f4").reshape(40, 40)
         on = away < 0.009
-        if not np.isfinite(found[on]).all():
-            return False
-        assert np.isnan(found[(away > 0.0105) & (away < 0.0115)]).all()
-        assert np.isnan(found[away > 0.0155]).all()
+        off = ((away > 0.0105) & (away < 0.0115)) | (away > 0.0155)
+        if not np.isfinite(found[on]).all() or np.isfinite(found[off]).any():
+            return False  # another scene fades
         p = pc.field(ARRAY, gains(new["frame"]), plane[on], precision="double")
         wanted = pc.radiation_pressure(p, pc.Air()) - 5.0
         return float(np.abs(found[on] - wanted).max()) < 0.01

@@ -71,8 +71,9 @@ class Cycle:
 
     def reset(self) -> None:
         """Forget all that was solved."""
-        self._first.solved = None
+        self._first.solved, self._first.turn = None, 0
         self.parts = [self._first]
+        self._allowed = 1  # frames at most, now
         self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
         self.samples = nothing()
         """What the frames make together."""
@@ -87,7 +88,7 @@ class Cycle:
     def begin(self, samples: Samples, most: int | None = None) -> None:
         """Make these samples from now on. most: frames, if fewer than usual."""
         solid = bool((samples.regions >= 0).any())
-        most = min(self.most, self.most if most is None else most) if solid else 1
+        most = self._allowed = min(self.most, self.most if most is None else most) if solid else 1
         self.samples, self._asked = samples, samples.radiation_pressure.copy()
         self._shares = self._bands.shares(samples, self.budget, most)
         self._banded = self._shares.shape[1] > 1
@@ -100,7 +101,7 @@ class Cycle:
         Two are where transducers are at their limit: then their mean was nearer to what is asked wherever we tried.
         """
         solution = solved.solution
-        if self._banded or self.most < len(TILTS) or solution.targets.regions is None:
+        if self._banded or self._allowed < len(TILTS):
             return
         enough = FREE if self._tilted else HELD
         tilted = not solution.late and solution.saturation >= enough
@@ -116,6 +117,8 @@ class Cycle:
             self._shares = np.full((M, count), 1.0 / count)
         first = self._first.session
         if count < len(self.parts):
+            last = max(self.parts, key=lambda part: part.turn)
+            self._first.solved = last.solved  # until it is solved anew
             del self.parts[count:]
         while len(self.parts) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
 NEAR = 3e-3  # [m]: a sample goes on from one that is so near
 SHARED = 0.4  # of the array's radius: from so far around its centre a region's wave comes
-NEAREST, FARTHEST = 0.35, 4.0  # times the region's distance: where its wave converges, beyond it
+NEAREST, FARTHEST = 0.25, 4.0  # times the region's distance: where its wave converges, beyond it
 THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
 SOME = 128  # transducers that stand for all
 TINY = 1e-30
@@ -55,7 +55,7 @@ def joint_phases(
 
     The point f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c. The
     wave comes from transducers within w (1 + d/d') of c, w being the region's width (root mean square, across the
-    wave): d'/d is such that this is 0.4 of the array's radius, but 0.35 to 1, so that many transducers share the work.
+    wave): d'/d is such that this is 0.4 of the array's radius, but 0.25 to 1, so that many transducers share the work.
     A wave grows stronger on its way to f. So a region with a thickness s (root mean square along its thinnest axis),
     as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases a field is even between points at most
     half a wavelength apart.

@@ -9,6 +9,7 @@ import numpy as np
 from pacinian.acoustics.array import lattice
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.problem import Limits
+from pacinian.testing import shapes
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 SMALL = lattice(0.05, 0.05)  # 36 ideal transducers
-HEIGHT = 0.1  # [m]
+HEIGHT = shapes.HEIGHT  # [m]
 PHASES: dict[str, ArrayLike | None] = {"free": None, "fixed": 0.0}
 NO_LIMIT = Limits(gain=None)
 

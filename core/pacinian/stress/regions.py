@@ -4,32 +4,25 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.errors import PointOnTransducer
-from pacinian.solving.problem import ISOLATED, Limits
+from pacinian.solving.problem import BESIDE, ISOLATED, Limits
 from pacinian.stress.asking import HEIGHT, NO_LIMIT, SMALL, asked, scattered
 from pacinian.stress.case import Case
+from pacinian.testing.shapes import Shape, finger, line, of, points, ring, square
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from pacinian.stress.case import Before
-    from pacinian.types import ArrayLike, Floats, Longs
+    from pacinian.types import Floats
 
-SPACING = 0.003  # [m]: 0.35 wavelengths
 LEVELS = {0.3: "", 6.0: ", too strong"}
-
-
-class Shape(NamedTuple):
-    """Samples (M, 3) [m] and the region of each, (M,)."""
-
-    points: Floats
-    regions: Longs
 
 
 def regions() -> Iterator[Case]:
@@ -46,53 +39,12 @@ def regions() -> Iterator[Case]:
 # ---------------------------------------------------------------------- shapes
 
 
-def points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
-    """Points (M, 3) [m] from their coordinates."""
-    made: Floats = np.stack(np.broadcast_arrays(x, y, z), axis=1).astype(np.float64)
-    return made
-
-
-def line(count: int, spacing: float = SPACING) -> Floats:
-    """Samples in a row, (count, 3)."""
-    x = np.asarray(spacing * (np.arange(count) - (count - 1) / 2.0))
-    return points(x, 0.001, HEIGHT)
-
-
-def square(count: int, x: float = 0.0, z: float = HEIGHT, spacing: float = SPACING) -> Floats:
-    """A square of samples, (count^2, 3), around x."""
-    side = spacing * (np.arange(count) - (count - 1) / 2.0)
-    X, Y = np.meshgrid(x + side, side)
-    return points(X.ravel(), Y.ravel(), z)
-
-
-def ring(inner: float, outer: float) -> Floats:
-    """Samples on rings `inner` to `outer` [m], both among them."""
-    made: list[Floats] = []
-    for r in np.linspace(inner, outer, 1 + max(1, round((outer - inner) / SPACING))):
-        count = max(1, round(2.0 * np.pi * float(r) / SPACING))
-        angle = 2.0 * np.pi * np.arange(count) / count
-        made.append(points(r * np.cos(angle), r * np.sin(angle), HEIGHT))
-    return np.concatenate(made)
-
-
-def finger(radius: float = 0.008, length: float = 0.015) -> Floats:
-    """The half of a cylinder that faces the array, along y."""
-    angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, round(np.pi * radius / SPACING) + 1)
-    y = np.linspace(-length / 2.0, length / 2.0, round(length / SPACING) + 1)
-    A, Y = (each.ravel() for each in np.meshgrid(angle, y))
-    return points(radius * np.sin(A), Y, HEIGHT - radius * np.cos(A))
-
-
-def of(*parts: Floats) -> Shape:
-    """Each part as a region."""
-    return Shape(np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(q) for q in parts]))
-
-
 @functools.cache
 def shapes() -> dict[str, Shape]:
     """Regions by name."""
     disc, four, right = ring(0.0, 0.006), square(4), np.array([1.0, 0.0, 0.0])
     alone, lone = scattered(3, seed=1, height=0.11), np.full(3, ISOLATED)
+    around = ring(0.012, 0.016)
     mixed = of(disc, four + 0.02 * right)
     upright = points(four[:, 0], 0.002, HEIGHT + four[:, 1])
     return {
@@ -119,12 +71,16 @@ def shapes() -> dict[str, Shape]:
         "with isolated points": Shape(
             np.concatenate([mixed.points, alone]), np.append(mixed.regions, lone)
         ),
+        "with points beside": Shape(
+            np.concatenate([disc, around]), np.repeat([0, BESIDE], [len(disc), len(around)])
+        ),
     }
 
 
-def _case(what: str, shape: Shape, level: float = 0.3, shares: ArrayLike = 1.0) -> Case:
-    q = shape.points
-    return Case(f"regions: {what}", SMALL, q, asked(SMALL, q, level, shares), regions=shape.regions)
+def _case(what: str, shape: Shape, level: float = 0.3) -> Case:
+    q, own = shape.points, shape.regions != BESIDE
+    t = asked(SMALL, q, level, own)
+    return Case(f"regions: {what}", SMALL, q, t, regions=shape.regions)
 
 
 def _four(what: str, shape: Shape) -> Iterator[Case]:

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.problem import Limits, Targets
+from pacinian.solving.problem import BESIDE, Limits, Targets
 from pacinian.solving.regions import joint_phases
+from pacinian.testing.shapes import HEIGHT, Shape, finger, line, of, ring, square
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats, Longs
+
+ABOVE = 0.15  # [m] above the array
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,16 +47,42 @@ def ordinary(array: Array, count: int, level: float, seed: int = 0, fixed: bool 
     return Problem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
 
 
-def region(array: Array, level: float, apart: float = 0.4) -> Problem:
-    """A square of 4 x 4 points, `apart` wavelengths apart, above the array, with the phases of one wave.
+def region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
+    """Samples of a shape above the array, each region with the phases of one wave, as solvers are given them.
 
-    level: of what one focus could reach.
+    level: of what one focus could reach. Nothing is asked beside.
     """
-    x = apart * 340.0 / array.transducer.frequency * np.arange(-1.5, 2.0)
-    X, Y = np.meshgrid(x, x)
-    q = array.centre + np.c_[X.ravel(), Y.ravel(), np.full(16, 0.15)]
-    t = np.full(16, level * float(np.abs(matrix(array, q)).sum(axis=1).mean()) / 4.0)
-    return Problem(q, t, joint_phases(array, q), regions=np.zeros(16, np.int64))
+    q = shape.points + array.centre + [0.0, 0.0, ABOVE - HEIGHT]
+    t = np.where(shape.regions == BESIDE, 0.0, 1.0)
+    t *= level * float(np.abs(matrix(array, q)).sum(axis=1).mean()) / float(np.linalg.norm(t))
+    phases = np.zeros(len(q))
+    for number in range(int(shape.regions.max()) + 1):
+        own = shape.regions == number
+        phases[own] = joint_phases(array, q[own], radiation_pressure=t[own] ** 2)
+    return Problem(q, t, phases, regions=shape.regions)
+
+
+def regions(array: Array) -> list[tuple[str, Problem]]:
+    """One for each kind of region, and one too strong."""
+    disc, four, right = ring(0.0, 0.006), square(4), np.array([1.0, 0.0, 0.0])
+    around = ring(0.012, 0.016)
+    shapes = {
+        "a square": of(four),
+        "a line": of(line(9)),
+        "half of a cylinder": of(finger()),
+        "a disc in a ring": of(ring(0.0, 0.004), ring(0.009, 0.012)),
+        "two that touch": of(four - 0.006 * right, four + 0.006 * right),
+        "two in the same place": of(disc, disc),
+        "with points beside": Shape(
+            np.concatenate([disc, around]), np.repeat([0, BESIDE], [len(disc), len(around)])
+        ),
+        "one sample": of(disc[:1]),
+        "two samples": of(line(2)),
+        "all in one place": of(np.repeat(disc[:1], 16, axis=0)),
+        "1000 samples": of(square(32, spacing=0.00125)[:1000]),
+    }
+    made = [(f"a region: {what}", region(array, shape)) for what, shape in shapes.items()]
+    return [*made, ("a region: too strong", region(array, of(four), 3.0))]
 
 
 def named(array: Array) -> list[tuple[str, Problem]]:
@@ -70,6 +99,4 @@ def named(array: Array) -> list[tuple[str, Problem]]:
     below = four.q.copy()
     below[:, 2] = 2.0 * array.centre[2] - below[:, 2]
     made.append(("points behind the array", replace(four, q=below)))
-    made += [(f"a region at level {level:g}", region(array, level)) for level in (0.1, 3.0)]
-    made.append(("a region in one place", region(array, 0.1, apart=0.0)))
-    return made
+    return made + regions(array)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -165,3 +166,37 @@ def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
     assert not renderer.report.faults
     assert renderer.player.cycle.count > 1
     assert all(len(solved.samples) <= renderer.sampler.budget for solved in renderer.player.solved)
+
+
+def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
+    """Though the frame that is left had not been solved since a reset."""
+    renderer = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2)
+    cycle = renderer.player.cycle
+    cycle.reset()
+    sampler = pc.Sampler()
+    sampler.prepare(ONE, AIR)
+    cycle.begin(sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),))))
+    held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
+    free: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.0), final=False)
+    cycle.consider(held)
+    assert cycle.count == 2
+    cycle.keep(cycle.parts[1], free)
+    cycle.consider(free)
+    assert cycle.count == 1
+    assert cycle.row(0) is free
+
+
+def test_where_limits_join_all_gains_one_frame_stays_one() -> None:
+    """Also if transducers are at their limit, before a reset and after it."""
+    zone = pc.Limits(quiet=(np.array([[0.1, 0.0, 0.3]]), 500.0))
+    scene = pc.Scene((surface(ONE, pc.Disc(0.01), 40.0),))
+    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), limits=zone)
+    with renderer:
+        for k in range(20):
+            if k == 10:
+                renderer.reset()
+            renderer.tick(k * PERIOD)
+            assert renderer.player.cycle.count == 1
+        assert renderer.solution is not None
+        assert renderer.solution.saturation > 0.02
+    assert not renderer.report.faults

@@ -11,6 +11,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.plugins.registry import installed
+from pacinian.solving.phases import choose
 from pacinian.testing import NotConforming, check_solver, conformance_solver
 from pacinian.testing.problems import named
 
@@ -119,6 +120,31 @@ def inexact(given: Given) -> None:
     given.out[:] *= 0.95
 
 
+def tilts_regions(given: Given) -> None:
+    """Keeps no phases that it was given where there are regions: a wave from aside."""
+    if given.targets.regions is not None:
+        tilt = 200.0 * given.propagator.points[:, 0]
+        solve_again(given, given.targets.phases + tilt)
+
+
+def ignores_regions(given: Given) -> None:
+    """As if all phases of their points were free."""
+    if given.targets.regions is not None:
+        free = dataclasses.replace(given.targets, phases=np.full(len(given.targets.phases), np.nan))
+        solve_again(given, np.angle(choose(given.propagator, free, None)))
+
+
+def solve_again(given: Given, phases: Any) -> None:
+    targets = dataclasses.replace(given.targets, phases=phases)
+    RIGHT.solve(given.propagator, targets, pc.Limits(), None, given.budget, given.out)
+
+
+def no_regions(given: Given) -> None:
+    """Fails at samples in one place."""
+    if given.targets.regions is not None and not np.ptp(given.propagator.points, axis=0).any():
+        given.out[0] = np.inf
+
+
 WRONG: dict[str, tuple[str, dict[str, Any]]] = {
     "undocumented": ("class", {"__doc__": None}),
     "keeps what there is not": ("class", {"keeps": frozenset({"quiet", "peace"})}),
@@ -140,6 +166,9 @@ WRONG: dict[str, tuple[str, dict[str, Any]]] = {
     "a bound above the optimum": ("bound", {"spoil": boasts}),
     "says quiet": ("quiet", {"keeps": frozenset({"quiet"})}),
     "quiet by silence": ("quiet", {"keeps": frozenset({"quiet"}), "spoil": silent_where_quiet}),
+    "tilts regions": ("regions", {"spoil": tilts_regions}),
+    "ignores regions": ("regions", {"spoil": ignores_regions}),
+    "no regions": ("finite", {"spoil": no_regions}),
     "says exact": ("exact", {"keeps": frozenset({"exact"}), "spoil": inexact}),
 }
 

@@ -116,9 +116,9 @@ class Picture:
             panel.plot(x, made[middle], color=colour, linewidth=LINE, label=way)
         panel.set(
             xlabel=self.view.labels[0], ylabel="pressure [Pa]", title="along the middle",
-            xlim=(x[0], x[-1]), ylim=(0.0, None),
+            xlim=(x[0], x[-1]), ylim=(0.0, 2.2 * self.pressure), box_aspect=1.0,
         )  # fmt: skip
-        panel.legend(loc="upper left", bbox_to_anchor=(0.0, -0.32), frameon=False)
+        panel.legend(loc="upper center", framealpha=0.8)
 
 
 def draw_overview(pictures: Sequence[Picture]) -> Figure:

@@ -1,0 +1,62 @@
+"""Samples of surfaces, for problems with regions: straight, bent, nested."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.types import ArrayLike, Floats, Longs
+
+HEIGHT = 0.1  # [m]
+SPACING = 0.003  # [m]: 0.35 wavelengths
+
+
+class Shape(NamedTuple):
+    """Samples (M, 3) [m] and the region of each, (M,); silence is asked of those beside."""
+
+    points: Floats
+    regions: Longs
+
+
+def points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
+    """Points (M, 3) [m] from their coordinates."""
+    made: Floats = np.stack(np.broadcast_arrays(x, y, z), axis=1).astype(np.float64)
+    return made
+
+
+def line(count: int, spacing: float = SPACING) -> Floats:
+    """Samples in a row, (count, 3)."""
+    x = np.asarray(spacing * (np.arange(count) - (count - 1) / 2.0))
+    return points(x, 0.001, HEIGHT)
+
+
+def square(count: int, x: float = 0.0, z: float = HEIGHT, spacing: float = SPACING) -> Floats:
+    """A square of samples, (count^2, 3), around x."""
+    side = spacing * (np.arange(count) - (count - 1) / 2.0)
+    X, Y = np.meshgrid(x + side, side)
+    return points(X.ravel(), Y.ravel(), z)
+
+
+def ring(inner: float, outer: float) -> Floats:
+    """Samples on rings `inner` to `outer` [m], both among them."""
+    made: list[Floats] = []
+    for r in np.linspace(inner, outer, 1 + max(1, round((outer - inner) / SPACING))):
+        count = max(1, round(2.0 * np.pi * float(r) / SPACING))
+        angle = 2.0 * np.pi * np.arange(count) / count
+        made.append(points(r * np.cos(angle), r * np.sin(angle), HEIGHT))
+    return np.concatenate(made)
+
+
+def finger(radius: float = 0.008, length: float = 0.015) -> Floats:
+    """The half of a cylinder that faces the array, along y."""
+    angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, round(np.pi * radius / SPACING) + 1)
+    y = np.linspace(-length / 2.0, length / 2.0, round(length / SPACING) + 1)
+    A, Y = (each.ravel() for each in np.meshgrid(angle, y))
+    return points(radius * np.sin(A), Y, HEIGHT - radius * np.cos(A))
+
+
+def of(*parts: Floats) -> Shape:
+    """Each part as a region."""
+    return Shape(np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(q) for q in parts]))
