@@ -200,3 +200,25 @@ def test_where_limits_join_all_gains_one_frame_stays_one() -> None:
         assert renderer.solution is not None
         assert renderer.solution.saturation > 0.02
     assert not renderer.report.faults
+
+
+def test_lateral_modulation_moves_a_region_whole() -> None:
+    """Wherever it is, it presses evenly there: in the frames that were sent."""
+    item = surface(NINE, pc.Disc(0.012), 4.0, technique=pc.LM(50.0, 0.004))
+    clock, places = ManualClock(), square(0.016)
+    renderer = pc.Renderer(NINE, pc.Scene((item,)), clock=clock)
+    seen = set[float]()
+    with renderer:
+        for k in range(40):
+            renderer.tick(k * PERIOD)
+            clock.time = (k + 1) * PERIOD
+            if k < 20 or k % 3:
+                continue
+            samples = renderer.player.solved[-1].samples
+            x = float(samples.positions[:, 0].mean() - NINE.centre[0])
+            seen.add(round(x, 4))
+            moved = places + np.array([x, 0.0, 0.0])
+            P = press(NINE, renderer.sent.gains(renderer.backend.capability), moved)
+            assert off(P, 4.0) < 0.03
+    assert max(seen) > 0.003
+    assert min(seen) < -0.003
