@@ -38,6 +38,7 @@ STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
 NEAR = 3e-3  # [m]: a sample goes on from one that is so near
 SHARED = 0.4  # of the array's radius: from so far around its centre a region's wave comes
 NEAREST, FARTHEST = 0.25, 4.0  # times the region's distance: where its wave converges, beyond it
+ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
 THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
 SOME = 128  # transducers that stand for all
 TINY = 1e-30
@@ -55,7 +56,8 @@ def joint_phases(
 
     The point f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c. The
     wave comes from transducers within w (1 + d/d') of c, w being the region's width (root mean square, across the
-    wave): d'/d is such that this is 0.4 of the array's radius, but 0.25 to 1, so that many transducers share the work.
+    wave): d'/d is such that this is 0.4 of the array's radius, but 0.25 to 1, so that many transducers share the work
+    (a solve with `facing`, for samples on skin: 0.4 to 1).
     A wave grows stronger on its way to f. So a region with a thickness s (root mean square along its thinnest axis),
     as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases a field is even between points at most
     half a wavelength apart.
@@ -75,15 +77,18 @@ def joint_phases(
 
 
 def _converging(
-    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, tilt: float = 0.0
-) -> Floats:
+    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = NEAREST,
+    tilt: float = 0.0,
+) -> Floats:  # fmt: skip
     """As `joint_phases`.
 
-    positions: of the transducers, (N, 3) [m], and their centre, (3,). tilt: by how much the point f is moved aside,
-    over the array's radius times d'/d.
+    positions: of the transducers, (N, 3) [m], and their centre, (3,). least: d'/d at least. tilt: by how much the point
+    f is moved aside, over the array's radius times d'/d.
     """
     phases = np.empty(len(q))
-    converge(q, P, positions[:: -(-len(positions) // SOME)].copy(), centre.copy(), k, tilt, phases)
+    converge(
+        q, P, positions[:: -(-len(positions) // SOME)].copy(), centre.copy(), k, least, tilt, phases
+    )
     return phases
 
 
@@ -104,14 +109,15 @@ def _least(A: Floats) -> float:
     return float(mean + 2.0 * size * np.cos(turn + 2.0 * np.pi / 3.0))
 
 
-@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8[::1])")
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8, f8[::1])")
 def converge(
-    q: Floats, P: Floats, some: Floats, centre: Floats, k: float, tilt: float, phases: Floats
-) -> None:
+    q: Floats, P: Floats, some: Floats, centre: Floats, k: float, least: float, tilt: float,
+    phases: Floats,
+) -> None:  # fmt: skip
     """Write the phases [rad] of a region's points, (M,): see `joint_phases`.
 
     q: (M, 3) [m]. P: radiation pressures, (M,) [Pa]. some: transducers that stand for all, (V, 3) [m], and the centre
-    of all, (3,). k: wavenumber [1/m]. tilt: see `_converging`.
+    of all, (3,). k: wavenumber [1/m]. least, tilt: see `_converging`.
     """
     M, V = len(q), len(some)
     total = P.sum()
@@ -143,7 +149,7 @@ def converge(
         first += power * r
     radius = np.sqrt(max(second / whole - (first * first).sum() / (whole * whole), 0.0))
     shared = SHARED * radius - width
-    ratio = min(max(width / shared, NEAREST), 1.0) if shared > 0.0 else 1.0
+    ratio = min(max(width / shared, least), 1.0) if shared > 0.0 else 1.0
     ratio = min(max(ratio, THICK * thickness / far), FARTHEST)
     focus = middle + ratio * out
     focus[0 if abs(axis[0]) < STEEP else 2] += tilt * radius * ratio
@@ -164,13 +170,16 @@ def settle(
     """
     assert targets.regions is not None
     positions, centre = propagator.array.positions, propagator.origin
+    least = NEAREST if propagator.facing is None else ON_SKIN
     t, given = targets.amplitudes, ~targets.free
     M = len(t)
     k = propagator.medium.wavenumber(propagator.array.transducer.frequency)
     wave = np.zeros(M)
     for number in range(int(targets.regions.max()) + 1):
         own = targets.regions == number
-        wave[own] = _converging(propagator.points[own], t[own] ** 2, positions, centre, k, tilt)
+        wave[own] = _converging(
+            propagator.points[own], t[own] ** 2, positions, centre, k, least, tilt
+        )
     group, count = _groups(targets.regions, given)
     alone = (targets.regions == ISOLATED) & ~given
     start, steps = beginning(M, None if warm is None else _phases(warm))
