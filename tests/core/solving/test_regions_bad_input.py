@@ -49,21 +49,17 @@ def test_wrong_regions_are_refused_and_the_session_goes_on(regions: Any) -> None
 @pytest.mark.parametrize(
     "regions",
     [
-        [5, 5, 5, 9, 9, -1],
-        (2**40, 2**40, 2**40, 2**62, 2**62, -1),
-        np.array([2**63, 2**63, 2**63, 2**63 + 1, 2**63 + 1, 0], np.uint64)
-        - np.array([0, 0, 0, 0, 0, 0], np.uint64),
-        np.array([0, 0, 0, 1, 1, -1], np.int8),
+        [5, 5, 5, 9, 9, 9],
+        (2**40, 2**40, 2**40, 2**62, 2**62, 2**62),
+        np.repeat([2**63, 2**64 - 1], 3).astype(np.uint64),
+        np.repeat([0, 127], 3).astype(np.int8),
     ],
     ids=["small", "huge", "unsigned", "bytes"],
 )
-def test_only_which_are_alike_matters_not_how_large_the_numbers_are(regions: Any) -> None:
-    alike = [0, 0, 0, 1, 1, -1 if np.asarray(regions)[-1] < 0 else 2]
-    found, plain = (pc.solve(ARRAY, ROW, T, regions=given) for given in (regions, alike))
-    # numbered anew in their order: a last region of the least number is turned first
-    assert found.sound_pressure == pytest.approx(plain.sound_pressure, rel=1e-3, abs=0.5)
-    assert len(found.felt) == len(plain.felt)
-    assert found.status is plain.status
+def test_which_are_alike_matters_and_not_how_large_the_numbers_are(regions: Any) -> None:
+    found = pc.solve(ARRAY, ROW, T, regions=regions)
+    assert np.array_equal(found.gains, pc.solve(ARRAY, ROW, T, regions=[0, 0, 0, 1, 1, 1]).gains)
+    assert len(found.felt) == 2
 
 
 @pytest.mark.parametrize("region", [[-2] * 6, [0, 0, 0, -2, -2, -2]], ids=["without", "with"])
@@ -97,14 +93,14 @@ def whole(points: Any, pressure: float = 0.3) -> pc.Solution:
 @pytest.mark.parametrize("count", [1, 2, 7])
 def test_a_region_without_an_area_is_what_one_point_is(count: int) -> None:
     place = np.array([[X, Y, 0.15]])
-    found, point = whole(place.repeat(count, axis=0)), pc.solve(ARRAY, place, [100.0])
-    t = float(pc.sound_pressure(0.3, AIR))
+    found, t = whole(place.repeat(count, axis=0)), float(pc.sound_pressure(0.3, AIR))
     assert np.abs(found.sound_pressure) == pytest.approx(t, rel=0.01)
     assert found.status is pc.Status.ok
     assert found.felt[0].force == pytest.approx(1.0, abs=0.02)
-    ratio = found.gains[np.abs(found.gains).argmax()] / point.gains[np.abs(found.gains).argmax()]
-    off = np.abs(found.gains - ratio * point.gains)  # another drive, at the same phases
-    assert np.abs(off).max() < 0.05 * np.abs(found.gains).max()
+    B = pc.matrix(ARRAY, place, AIR)[0]
+    least = t * B.conj() / np.vdot(B, B).real  # the gains of the least power
+    alike = abs(np.vdot(least, found.gains)) / np.linalg.norm(least) / np.linalg.norm(found.gains)
+    assert alike > 0.9999
 
 
 def test_a_region_of_ten_metres_is_not_said_to_be_met() -> None:
@@ -130,20 +126,24 @@ def test_a_region_at_the_array_s_own_place() -> None:
 # ---------------------------------------------------------------------- from a scene
 
 
+def mesh(vertices: Any, faces: Any) -> pc.Mesh:
+    return pc.Mesh(vertices=vertices, faces=faces)
+
+
 def boxes() -> pc.Mesh:
     """Two boxes of 20 mm through one another, as one mesh."""
     corners = 0.01 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))])
-    other = corners + [0.008, 0.004, 0.003]
-    return pc.Mesh(np.concatenate([corners, other]), np.concatenate([faces, faces + 8]))
+    other = corners + np.array([0.008, 0.004, 0.003])
+    return mesh(np.concatenate([corners, other]), np.concatenate([faces, faces + 8]))
 
 
 def crossing() -> pc.Mesh:
     """Two triangles through one another."""
     z = np.zeros(4)
     flat = 0.02 * np.c_[[-1.0, 1.0, -1.0, 1.0], [-0.5, 0.5, 0.5, -0.5], z]
-    return pc.Mesh(flat, np.array([[0, 1, 2], [0, 1, 3]]))
+    return mesh(flat, np.array([[0, 1, 2], [0, 1, 3]]))
 
 
 @pytest.mark.parametrize("make", [boxes, crossing])
@@ -162,7 +162,7 @@ def test_a_mesh_that_goes_through_itself_is_an_even_region(make: Any) -> None:
 def test_a_mesh_without_an_area_is_refused() -> None:
     line = np.array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]])
     with pytest.raises(pc.ArgumentError, match="no area"):
-        pc.Mesh(line, np.array([[0, 1, 2]]))
+        pc.Surface(shape=mesh(line, np.array([[0, 1, 2]])), radiation_pressure=0.3)
 
 
 SHAPES = {
