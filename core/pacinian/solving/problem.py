@@ -176,7 +176,7 @@ def numbered(count: int, regions: ArrayLike | None) -> Longs | None:
             "regions", f"must be -2 (beside), -1 (isolated) or more: [{where}] is {given[where]}"
         )
     own = given >= 0
-    if not own.any():
+    if not (given != ISOLATED).any():
         return None
     number = np.where(given == BESIDE, BESIDE, ISOLATED).astype(np.int64)
     number[own] = np.unique(given[own], return_inverse=True)[1]

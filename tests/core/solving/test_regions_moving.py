@@ -137,8 +137,8 @@ def test_two_surfaces_that_slide_over_one_another(array: pc.Array, P: float) -> 
 
     made = [felt(array, gains, half(t), P) for t, gains in frames(array, scene, 60)[20:]]
     forces = np.array([one.force for one in made])
-    assert forces.min() > 0.96
-    assert np.abs(np.diff(forces)).max() < 0.02
+    assert forces.min() > 0.95
+    assert np.abs(np.diff(forces)).max() < 0.03
     assert min(one.lowest for one in made) > 0.6
 
 

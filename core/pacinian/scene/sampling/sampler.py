@@ -55,7 +55,8 @@ DENSE = (
 NARROW, WIDE = 0.2, 0.3  # of that, within a contact: its pressure falls to nothing at the rim
 ENOUGH = 128  # samples of a contact
 STEADY = 1.3  # a contact that grows or shrinks by less keeps its spacing
-MERGED = 0.5  # of the spacing: what of different objects is nearer is one sample
+MERGED = 0.5  # of the spacing: isolated samples of different objects that are nearer are one
+SAME = 1e-6  # [m]: samples of different regions that are nearer are one
 MOST = 2048  # samples that are looked at for that
 
 
@@ -295,8 +296,7 @@ class Sampler:
         radius = np.full(
             len(whole), MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
         )
-        if self.spacing is None:
-            radius[whole.regions != ISOLATED] *= DENSE
+        radius[whole.regions != ISOLATED] = SAME
         gone = merge(
             whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
             P, area, kept,
