@@ -86,7 +86,9 @@ def place_grid(columns: int, rows: int) -> Floats:
     """Lay samples on a grid, (columns * rows, 3) [m], centred 0.2 m above the array."""
     x, y = (SPACING * (np.arange(n) - (n - 1) / 2.0) for n in (columns, rows))
     X, Y = np.meshgrid(x, y)
-    return np.stack([X.ravel(), Y.ravel(), np.full(X.size, HEIGHT)], axis=-1)
+    return np.asarray(
+        np.stack([X.ravel(), Y.ravel(), np.full(X.size, HEIGHT)], axis=-1), np.float64
+    )
 
 
 def _time(work: Callable[[], object]) -> float:
