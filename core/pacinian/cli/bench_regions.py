@@ -85,7 +85,11 @@ def regions(
         _draw(autd(side, side), names, pictures)
     else:
         with contextlib.ExitStack() as stack:
-            asked = None if peers is None else stack.enter_context(_start_peers(peers, side))
+            asked = (
+                None
+                if peers is None
+                else stack.enter_context(contextlib.closing(_start_peers(peers, side)))
+            )
             _measure(autd(side, side), names, solvers, strengths, asked, as_json)
 
 

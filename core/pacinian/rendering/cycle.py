@@ -27,17 +27,13 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Gains
 
 INTEGRATED = 500.0  # [Hz]: what comes again so often is felt as steady up to some 6 Pa
-MOST = 4  # frames of a cycle, unless told otherwise
+MOST_FRAMES = 4  # of a cycle, unless told otherwise
 TILTS = -0.15, 0.15  # of the waves of two frames that are to differ: see `Session.tilt`
-HELD, FREE = (
-    0.02,
-    0.01,
-)  # share of the transducers at their limit: two frames from there on; one again
+HELD = 0.02  # share of the transducers at their limit from which on there are two frames
+FREE = 0.01  # share below which there is one again
 LEAST, HIGHEST = 0.15, 2.5  # of its share of what is asked: what a frame may be asked for
-ROUNDS, TRIES = (
-    3,
-    12,
-)  # solves of each frame after the samples have changed; with those whose time was too short
+ROUNDS = 3  # solves of each frame after the samples have changed
+TRIES = 12  # the same, with those whose time was too short
 
 
 @dataclass

@@ -11,7 +11,7 @@ from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.clock import BEHIND, Clock, SystemClock, paced
-from pacinian.rendering.cycle import MOST
+from pacinian.rendering.cycle import MOST_FRAMES
 from pacinian.rendering.emitter import Emitter
 from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.report import Report, Stages
@@ -81,7 +81,7 @@ class Renderer:
         sampler: Sampler | None = None,
         smoothing: Smoothing | None = None,
         governed: bool = True,
-        cycle: int = MOST,
+        cycle: int = MOST_FRAMES,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
     ) -> None:

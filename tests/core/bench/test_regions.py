@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -198,7 +199,7 @@ class Focuser(Worker):
 
 def test_peers_are_asked_what_ours_are_asked_and_judged_by_their_model() -> None:
     worker, shape = Focuser(), SHAPES["grating, 20 mm"]()
-    with Peers(worker, 1) as peers:
+    with closing(Peers(worker, 1)) as peers:
         assert len(peers.ways) == 4
         made = peers.make(shape, "autd3 gspat, 8.5 mm", 2.0)
         row = judge(peers.array, shape, made, ("grating", "autd3", 0.5, 2.0))
@@ -222,7 +223,7 @@ def test_peers_are_asked_what_ours_are_asked_and_judged_by_their_model() -> None
 @pytest.mark.parametrize("answer", [{}, {"re": [1.0], "im": [0.0]}, {"re": ["a"], "im": [0.0]},
                                     {"re": [math.nan] * 249, "im": [0.0] * 249}])  # fmt: skip
 def test_a_peer_that_answers_nonsense_is_told(answer: dict[str, Any]) -> None:
-    with Peers(Focuser(answer), 1) as peers, pytest.raises(WorkerError):
+    with closing(Peers(Focuser(answer), 1)) as peers, pytest.raises(WorkerError):
         peers.make(SHAPES["disc, 8 mm"](), peers.ways[0], 1.0)
 
 

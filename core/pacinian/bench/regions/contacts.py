@@ -19,6 +19,7 @@ from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes import Box, Sphere
 from pacinian.session import Session
+from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,7 +30,10 @@ if TYPE_CHECKING:
     from pacinian.types import Gains
 
 PRESSURE = 6.0  # [Pa]
-TICKS, PERIOD = 16, 1e-3  # of a loop that has all the time it needs, [s]
+TICKS, PERIOD = (
+    16,
+    1e-3,
+)  # of a loop whose clock stands still, so that it has all the time it needs, [s]
 BUDGET = 2000  # foci at most
 PALM, FINGERTIP = (0.0, 0.0, 0.195), (0.001, 0.0845, 0.2045)  # [m] skin below an open hand
 
@@ -87,19 +91,9 @@ def measure_contacts(array: Array) -> Iterator[Contact]:
             yield Contact(name, way, PRESSURE, samples, *felt, saturation)
 
 
-class _Still:
-    """A clock that stands still, so that no solve is out of time."""
-
-    def now(self) -> float:
-        return 0.0
-
-    def wait_until(self, due: float) -> None:
-        """At once."""
-
-
 def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
     """What the device plays in turn, (K, N); samples; saturation."""
-    with Renderer(array, scene, clock=_Still()) as renderer:
+    with Renderer(array, scene, clock=ManualClock()) as renderer:
         for k in range(TICKS):
             renderer.tick(k * PERIOD)
         assert renderer.samples is not None

@@ -15,8 +15,6 @@ from pacinian.bench.regions.run import OURS, SPACINGS, Made
 from pacinian.bench.regions.shapes import AIR
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from pacinian.bench.process import Worker
     from pacinian.bench.regions.shapes import Shape
 
@@ -28,7 +26,7 @@ LIMIT = 120.0  # [s] after which a solve is given up
 class Peers:
     """autd3's `gspat` and `greedy`, asked for foci 8.5 and 4.25 mm apart.
 
-    worker: `Worker.of("autd3", ...)`; ended by `with`. side: AUTD units along each side of the array.
+    worker: `Worker.of("autd3", ...)`; ended by `close`. side: AUTD units along each side of the array.
     The foci lie where ours of these spacings do, and each is asked for the pressure of its place. Foci where nothing
     is asked are left out.
     """
@@ -45,15 +43,8 @@ class Peers:
             for name, spacing in SPACINGS.items()
         }
 
-    def __enter__(self) -> Peers:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """End the peer's process."""
         self.worker.close()
 
     @property

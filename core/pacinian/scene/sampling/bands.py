@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 BLEND = 0.15  # of a band's samples, to either side of its edge: there both bands press
 WIDER = 1.0 + 2.0 * BLEND  # so many times its own samples sound in a band
 SMALL = 32  # samples of a region that is never divided
-STEADY = (
-    0.7  # of the longest side: a side that is no shorter is still the one across which bands lie
-)
+STEADY = 0.7  # of the longest side: bands stay across a side that is no shorter
 SPARE = 0.9  # of the budget, within which fewer bands must fit before there are fewer
 
 
@@ -33,6 +31,9 @@ class Bands:
         K is as few as bring a band to at most `budget` samples, and at most `most`. Regions of more than 32 samples
         are cut across their longest side into K bands of equal number. All else has the same share in each.
         """
+        if most == 1 or len(samples) <= SPARE * budget:
+            self._count = 1
+            return np.ones((len(samples), 1))
         regions, counts = np.unique(samples.regions, return_counts=True)
         large = regions[(regions >= 0) & (counts > SMALL)]
         divided = np.isin(samples.regions, large)
@@ -71,7 +72,5 @@ def _cut(x: Floats, count: int) -> Floats:
     u[np.argsort(x, kind="stable")] = count * (np.arange(M) + 0.5) / M
     edges = np.arange(count + 1.0)
     edges[0], edges[-1] = -math.inf, math.inf
-    past = np.clip(
-        (u[:, None] - edges + BLEND) / (2.0 * BLEND), 0.0, 1.0
-    )  # each edge, (M, count + 1)
+    past = np.clip((u[:, None] - edges + BLEND) / (2.0 * BLEND), 0.0, 1.0)  # (M, count + 1)
     return past[:, :-1] - past[:, 1:]

@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices, Longs
 
 
-ISOLATED, BESIDE = (
-    -1,
-    -2,
-)  # samples of no region, and silent ones beside regions, as in `pacinian.Targets`
+ISOLATED = -1  # the region of a sample of none, as in `pacinian.Targets`
+BESIDE = -2  # the region of a silent sample beside regions
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,8 @@
 """The surround: skin beside what is touched, of which silence is asked.
 
-Samples say how the field presses where something is touched. They say nothing of the skin beside it, and there the
-field may press up to three times harder. A sparse ring of silent samples, which count little, keeps it away.
+Samples say how the field presses where something is touched. They say nothing of the skin beside it, where the
+field presses with one to five times the mean of what is asked. A sparse ring of silent samples, which count little,
+keeps it away.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
 INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
 APART = 0.45  # of that, from one silent sample to the next
-MOST = 1.0 / 3.0  # of the samples that press: more silent ones make little difference
+SHARE = (
+    1.0 / 3.0
+)  # of the samples that press: at most so many are silent; more make little difference
 
 
 def add_surround(
@@ -32,7 +35,7 @@ def add_surround(
     it has none. resolved: by the array, there [m]. most: silent samples at most.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, int(MOST * len(of)))
+    most = min(most, int(SHARE * len(of)))
     if most <= 0:
         return samples
     q, every = samples.positions[of], [samples]

@@ -26,6 +26,7 @@ import pacinian as pc
 from pacinian.acoustics.compiled import compiled
 from pacinian.solving.passes import TILE, backward, forward, load
 from pacinian.solving.rooms import give, take
+from pacinian.solving.solution import AT_LIMIT
 from pacinian_plugins.solvers.lagrange.attempt import deliver
 from pacinian_plugins.solvers.lagrange.double import newton
 from pacinian_plugins.solvers.lagrange.evenly import climb
@@ -42,7 +43,6 @@ SOME, FEW = 4, 400  # one in so many transducers preconditions; more samples are
 STEPS, PASSES = 15, 300  # Newton steps at most; conjugate gradients at most, for each
 LEAST = 4  # of the first, whatever the time: to go on from, where it was too short
 ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
-AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as held
 REFINED = 16  # Newton steps in double precision
 
 
