@@ -8,6 +8,7 @@ together and frame j makes P_j.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -57,11 +58,13 @@ class Cycle:
     """The frames that sound in turn, for one player.
 
     session: solves for the first, and for all that needs no others. most: frames at most. budget: samples at most in
-    each, where bands can bring that about.
+    each, where bands can bring that about. peak: pressure that no frame is asked for more [Pa].
     """
 
-    def __init__(self, session: Session, most: int = 1, budget: int = 256) -> None:
-        self.most, self.budget = most, budget
+    def __init__(
+        self, session: Session, most: int = 1, budget: int = 256, peak: float = math.inf
+    ) -> None:
+        self.most, self.budget, self.peak = most, budget, peak
         self._first = Part(session, Reach(session))
         self.reset()
 
@@ -152,7 +155,8 @@ class Cycle:
                 p = part.session.propagator.apply(solved.gains)
                 others += radiation_pressure(p, part.session.medium)
         nominal = K * self._shares[own, self.parts.index(part)] * P
-        return np.asarray(np.clip(K * P - others, LEAST * nominal, HIGHEST * nominal))
+        wanted = np.clip(K * P - others, LEAST * nominal, HIGHEST * nominal)
+        return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: Solved) -> None:
         """One part has been solved."""

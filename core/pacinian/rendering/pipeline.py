@@ -39,8 +39,9 @@ class Pipeline:
     """Makes the frames of one loop.
 
     session: solves. sampler: samples. smoothing: from row to row. capability: of the device. period: of a
-    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. most: frames
-    whose mean a region may be. stages: tells how long each took, and has the report to count in. Raises ArgumentError.
+    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. most, peak: frames
+    whose mean a region may be, and pressure that none of them is asked for more [Pa]. stages: tells how long each took,
+    and has the report to count in. Raises ArgumentError.
     """
 
     def __init__(
@@ -52,13 +53,14 @@ class Pipeline:
         period: float,
         governed: bool,
         most: int,
+        peak: float,
         stages: Stages,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
         sampler.prepare(session.array, session.medium)
         times, gap = rows(capability, period)
-        cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget)
+        cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget, peak)
         self.player = Player(session, times, gap, smoothing, stages.report.skipped, cycle)
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self.governor = Governor(period, sampler.budget) if governed else None

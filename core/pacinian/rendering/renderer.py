@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -61,7 +62,8 @@ class Renderer:
 
     cycle: so many frames at most, whose mean is felt, may make a region together, where the device plays each of them
     500 times a second: in bands where it has more samples than the budget, with waves from two sides where
-    transducers are at their limit. 1: every frame makes all that is asked.
+    transducers are at their limit. 1: every frame makes all that is asked. peak: as such frames press in turn, each
+    presses with more than their mean; none is asked for more than this [Pa], but what is asked of one alone.
 
     Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a device is gone)
     silences the output and holds it silent until `reset`; the loop goes on and counts. Raises ArgumentError,
@@ -82,6 +84,7 @@ class Renderer:
         smoothing: Smoothing | None = None,
         governed: bool = True,
         cycle: int = MOST_FRAMES,
+        peak: float = math.inf,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
     ) -> None:
@@ -101,12 +104,13 @@ class Renderer:
         kind("smoothing", self.smoothing, Smoothing)
         self.period = 1.0 / number("rate", rate, low=1.0, high=100_000.0)  # [s]
         self.cycle = integer("cycle", cycle, low=1)
+        self.peak = math.inf if peak == math.inf else number("peak", peak, low=0.0)
         self.report = Report()
         self.recorder = recorder
         self._stages = Stages(self.clock.now, self.report)
         self._pipeline = Pipeline(
             self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
-            self._stages,
+            self.peak, self._stages,
         )  # fmt: skip
         self._emitter = Emitter(made, self._stages)
         self.start = 0.0  # [s] by its clock, when it was opened: the scene's time 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ def written(renderer: Renderer) -> dict[str, Any]:
         "rate": 1.0 / renderer.period,
         "governed": renderer.governor is not None,
         "cycle": renderer.cycle,
+        "peak": renderer.peak,
         "smoothing": asdict(renderer.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},
         "medium": medium,
@@ -49,5 +51,6 @@ def read(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock)
         smoothing=Smoothing(**settings["smoothing"]),
         governed=settings["governed"],
         cycle=settings.get("cycle", 1),
+        peak=settings.get("peak", math.inf),
         clock=clock,
     )

@@ -86,6 +86,8 @@ class Loop:
             backend=self._outputs.first(),
             rate=settings.rate,
             sampler=Sampler(sampling.budget, sampling.spacing, ramp=RAMP),
+            cycle=settings.cycle,
+            peak=settings.safety.pressure,
             clock=self.clock,
         )
         self._zones = self.felt.quiet

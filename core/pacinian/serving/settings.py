@@ -123,7 +123,8 @@ class Metrics(Struct, frozen=True, forbid_unknown_fields=True):
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     """A configuration file. What it shares with a scene file means the same there.
 
-    power: the most sum of squared gains; None for no limit. connection: where clients on this machine find how to
+    power: the most sum of squared gains; None for no limit. cycle: frames at most whose mean may make a region; 1 for
+    each by itself. connection: where clients on this machine find how to
     connect; "" for the default. state_rate: of the published state [Hz]. Raises ArgumentError.
     """
 
@@ -134,6 +135,7 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     rate: float = 1000.0
     gain: float = 1.0
     power: float | None = None
+    cycle: Annotated[int, Meta(ge=1, le=16)] = 4
     sampling: Sampling = Sampling()
     workspace: Workspace | None = None
     network: Network = Network()

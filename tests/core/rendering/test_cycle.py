@@ -222,3 +222,18 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
             assert off(P, 4.0) < 0.03
     assert max(seen) > 0.003
     assert min(seen) < -0.003
+
+
+@pytest.mark.parametrize("peak", [1.5, 3.0])
+def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
+    """Though bands press in turn: by what each was solved for."""
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.5),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=4, peak=peak)
+    sent(renderer, 40, 4)
+    cycle = renderer.player.cycle
+    assert cycle.count > 1
+    asked = [part.solved.solution.targets.amplitudes.max() for part in cycle.parts if part.solved]
+    most = max(pc.radiation_pressure(t, AIR) for t in asked)
+    assert 0.99 * peak < most <= (1.0 + 1e-6) * peak  # of bands alone twice 1.5 Pa
+    with pytest.raises(pc.ArgumentError, match="peak"):
+        pc.Renderer(NINE, scene, peak=-1.0)

@@ -150,3 +150,9 @@ def test_the_command_names_what_is_wrong_with_its_file(tmp_path: Path) -> None:
 def test_children_are_told_the_same_settings() -> None:
     told = Told("/folder", load(EXAMPLE), {"token": "x"})
     assert msgspec.json.decode(msgspec.json.encode(told), type=Told) == told
+
+
+def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
+    from pacinian.rendering.cycle import MOST_FRAMES
+
+    assert Settings().cycle == MOST_FRAMES
