@@ -97,7 +97,7 @@ class Cycle:
     def consider(self, solved: Solved) -> None:
         """See how a solve went: whether two frames are worth it from now on, or one does.
 
-        Two are where transducers are at their limit: then their mean was nearer to what is asked wherever we tried.
+        Two are where transducers are at their limit: their mean is nearer to what is asked then (decision 32).
         """
         solution = solved.solution
         if self._banded or self._allowed < len(TILTS):
