@@ -32,6 +32,9 @@ MOST_FRAMES = 4  # of a cycle, unless told otherwise
 TILTS = -0.15, 0.15  # of the waves of two frames that are to differ: see `Session.tilt`
 HELD = 0.02  # share of the transducers at their limit from which on there are two frames
 FREE = 0.01  # share below which there is one again
+HURRIED = 0.5  # share of late solves above which there is one frame
+CALM = 0.1  # share below which there may be several again
+SEEN = 64  # solves of which that is the share, the last ones most
 LEAST, HIGHEST = 0.15, 2.5  # of its share of what is asked: what a frame may be asked for
 ROUNDS = 3  # solves of each frame after the samples have changed
 TRIES = 12  # the same, with those whose time was too short
@@ -57,6 +60,9 @@ class Part:
 class Cycle:
     """The frames that sound in turn, for one player.
 
+    One of several frames is solved for in each tick, so that what they press lags the more behind what moves, the more
+    there are. Where most solves for samples that have moved are late, there is one.
+
     session: solves for the first, and for all that needs no others. most: frames at most. budget: samples at most in
     each, where bands can bring that about. peak: pressure that no frame is asked for more [Pa].
     """
@@ -72,7 +78,8 @@ class Cycle:
         """Forget all that was solved."""
         self._first.solved, self._first.turn = None, 0
         self.parts = [self._first]
-        self._allowed = 1  # frames at most, now
+        self._wanted = 1  # frames at most of these samples
+        self._late, self._hurried, self._moved = 0.0, False, False
         self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
         self.samples = nothing()
         """What the frames make together."""
@@ -84,10 +91,16 @@ class Cycle:
         """Frames that sound in turn; 1 where each makes all that is asked."""
         return len(self.parts)
 
+    @property
+    def allowed(self) -> int:
+        """Frames at most, as there is time for now."""
+        return 1 if self._hurried else self.most
+
     def begin(self, samples: Samples, most: int | None = None) -> None:
         """Make these samples from now on. most: frames, if fewer than usual."""
         solid = bool((samples.regions >= 0).any())
-        most = self._allowed = min(self.most, self.most if most is None else most) if solid else 1
+        most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
+        self._moved = True
         self.samples, self._asked = samples, samples.radiation_pressure.copy()
         self._shares = self._bands.shares(samples, self.budget, most)
         self._banded = self._shares.shape[1] > 1
@@ -95,15 +108,18 @@ class Cycle:
         self._arrange()
 
     def consider(self, solved: Solved) -> None:
-        """See how a solve went: whether two frames are worth it from now on, or one does.
+        """See how a solve went: whether there is time for several frames, and whether two are worth it or one does.
 
         Two are where transducers are at their limit: their mean is nearer to what is asked then (decision 32).
         """
         solution = solved.solution
-        if self._banded or self._allowed < len(TILTS):
+        if self._moved:
+            self._moved = False
+            self._late += (solution.late - self._late) / SEEN
+            self._hurried = self._late > (CALM if self._hurried else HURRIED)
+        if self._banded or self._wanted < len(TILTS) or solution.late:
             return
-        enough = FREE if self._tilted else HELD
-        tilted = not solution.late and solution.saturation >= enough
+        tilted = solution.saturation >= (FREE if self._tilted else HELD)
         if tilted != self._tilted:
             self._tilted = tilted
             self._arrange()

@@ -168,7 +168,7 @@ class Pipeline:
         self._changed = self._changed or scene is not self._seen
         self._seen = scene
         alone = joins(self.limits)
-        self.sampler.bands = 1 if alone else self.player.cycle.most
+        self.sampler.bands = 1 if alone else self.player.cycle.allowed
         self.sampler.surround = self.session.solver.surrounds and not alone
         if self.turns.samples:
             if self._changed:  # also where it has come back since

@@ -62,7 +62,8 @@ class Renderer:
 
     cycle: so many frames at most, whose mean is felt, may make a region together, where the device plays each of them
     500 times a second: in bands where it has more samples than the budget, with waves from two sides where
-    transducers are at their limit. 1: every frame makes all that is asked. peak: as such frames press in turn, each
+    transducers are at their limit; not while most solves for what moves are late. 1: every frame makes all that is
+    asked. peak: as such frames press in turn, each
     presses with more than their mean; none is asked for more than this [Pa], but what is asked of one alone.
 
     Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a device is gone)

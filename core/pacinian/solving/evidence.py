@@ -96,8 +96,8 @@ def judge(
         scaled = False
     if miss <= (TOLERANCE if targets.regions is None else EVEN):
         return Status.ok
-    asked = targets.amplitudes > 0.0
-    if not propagator.B[asked].any(axis=1).all():
+    unheard = (targets.amplitudes > 0.0) & (propagator.powers == 0.0)  # or its squares vanish
+    if unheard.any() and not propagator.B[unheard].any(axis=1).all():
         return Status.unreachable
     if late:
         return Status.deadline

@@ -41,7 +41,7 @@ NEAREST, FARTHEST = 0.25, 4.0  # times the region's distance: where its wave con
 ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
 THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
 SOME = 128  # transducers that stand for all
-TINY = 1e-30
+TINY = 1e-30  # [m] or [m^2]: distances that are divided by are at least this
 STEEP = 0.9  # cosine of the angle to the x axis, from which a wave along it is tilted along z
 
 

@@ -96,7 +96,7 @@ class Case:
             len(self.points), self.amplitudes, self.phases, self.scale, self.regions
         )
 
-    def asked(self, solution: Solution) -> Complexes:
+    def ask(self, solution: Solution) -> Complexes:
         """The targets [Pa], complex, (M,): in the phases that the solver was given, or else in those it found."""
         phases = solution.asked_phases
         return self.targets.complex(np.angle(solution.sound_pressure) if phases is None else phases)

@@ -93,7 +93,7 @@ def _comparable(case: Case, near: Near, solution: Solution) -> bool:
 def near(case: Case, promised: Near, solution: Solution) -> float:
     """The residual over what `promised` allows with a factor of 1, for the phases found, or given where regions are."""
     weights = np.sqrt(solution.weights)
-    p = weights * case.asked(solution)
+    p = weights * case.ask(solution)
     scale = float(np.abs(p).max())  # so that squares neither vanish nor overflow
     p, g = p / scale, solution.gains.astype(np.complex128) / scale
     B, reference = case.B, case.reference

@@ -15,12 +15,8 @@ if TYPE_CHECKING:
     from pacinian.wire.state import State
 
 NEAR = 0.005  # [m] from a point of the slice to a sample of a region, at most
-BESIDE = (
-    0.003  # [m] from the samples, at least: nearer to a rim pressure falls, wherever it is asked to
-)
-CLOSE = (
-    1.7  # times the distance of neighbours: samples that surround a place are no farther from it
-)
+BESIDE = 0.003  # [m] from the samples, at least: at a rim pressure has to fall
+CLOSE = 1.7  # times the distance of neighbours: as far are samples that surround a place
 AROUND = 12  # samples that are looked at around each place
 SAME = 1e-4  # [m]: no farther apart is in one place
 STRAIGHT = np.pi + 1e-3  # [rad]: a larger angle without a neighbour is of a place outside

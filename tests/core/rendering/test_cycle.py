@@ -177,13 +177,49 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     sampler.prepare(ONE, AIR)
     cycle.begin(sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),))))
     held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
-    free: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.0), final=False)
+    free: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.0), final=False)
     cycle.consider(held)
     assert cycle.count == 2
     cycle.keep(cycle.parts[1], free)
     cycle.consider(free)
     assert cycle.count == 1
     assert cycle.row(0) is free
+
+
+def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
+    """And several again when they are in time; solves for what stands still do not count."""
+    cycle = pc.Renderer(NINE, pc.Scene(), clock=ManualClock(), cycle=4).player.cycle
+    sampler = pc.Sampler(256)
+    sampler.bands = 4
+    sampler.prepare(NINE, AIR)
+    large = sampler.sample(pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),)))
+
+    def solve(late: bool, times: int, moving: bool = True) -> None:
+        solved: Any = SimpleNamespace(
+            solution=SimpleNamespace(late=late, saturation=0.0), final=True
+        )
+        for k in range(times):
+            if moving or k == 0:
+                cycle.begin(large)
+            cycle.consider(solved)
+        cycle.begin(large)
+
+    solve(late=True, times=200, moving=False)
+    assert cycle.count > 1
+    solve(late=False, times=200)
+    solve(late=True, times=30)
+    assert cycle.count > 1
+    solve(late=True, times=30)
+    assert cycle.count == cycle.allowed == 1
+    solve(late=False, times=100)
+    assert cycle.count == 1
+    solve(late=False, times=100)
+    assert cycle.count > 1
+    solve(late=True, times=60)
+    assert cycle.count == 1
+    cycle.reset()
+    cycle.begin(large)
+    assert cycle.count > 1
 
 
 def test_where_limits_join_all_gains_one_frame_stays_one() -> None:

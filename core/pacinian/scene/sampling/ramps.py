@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import KDTree
 
-from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
+from pacinian.scene.sampling.samples import Samples, joined, nothing
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
@@ -98,13 +98,13 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
     jumped[index[found & ~near]] = True
     gone[index[near]] = False
     was = np.where(near, last.radiation_pressure[index], 0.0)
-    new = np.flatnonzero(~found & (asked.regions != ISOLATED))
+    new = np.flatnonzero(~found & (asked.regions >= 0))
     if len(new):
         under = _under(asked.only(new), last)
         there = under >= 0
         new, under = new[there], under[there]
         was[new] = np.minimum(asked.radiation_pressure[new], last.radiation_pressure[under])
-    left = np.flatnonzero(gone & ~jumped & (last.regions != ISOLATED))
+    left = np.flatnonzero(gone & ~jumped & (last.regions >= 0))
     if len(left):
         gone[left[_under(last.only(left), asked) >= 0]] = False
     return was, gone, jumped

@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
 APART = 0.45  # of that, from one silent sample to the next
-SHARE = (
-    1.0 / 3.0
-)  # of the samples that press: at most so many are silent; more make little difference
+SHARE = 1.0 / 3.0  # silent samples for each that presses, at most; more do little
 
 
 def add_surround(
