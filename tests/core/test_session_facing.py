@@ -21,7 +21,7 @@ EXACT = ["auto", "lagrange", "lbfgs"]
 AIR = pc.Air()
 BELOW = pc.lattice(0.09, 0.09)
 ARRAY = BELOW + BELOW.moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.3)))
-WALL = [[-1.0, 0.0, 0.15, 1.0, 0.0, 0.15, 0.02]]  # between the halves
+WALL = [[-1.0, 0.0, 0.15, 1.0, 0.0, 0.15, 0.02, 0.02]]  # between the halves
 
 
 def skin(count: int, seed: int = 0) -> tuple[Any, Facing]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.propagation import Wave
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices, Singles
 
-NO_HAND = np.empty((0, 7))
+NO_HAND = np.empty((0, 8))
 QUARTER = 2.125e-3  # [m]: of the wavelength at 40 kHz in 340 m/s
 FAINT = 1e-3  # a sample whose weights are smaller than this, ||w_m||, faces nothing: they are 0
 TILE = 256  # transducers at a time: what the kernel needs of them stays in the first-level cache
@@ -38,7 +38,7 @@ class Facing:
     """Which way the skin faces at M samples, and the hand that may be in the way.
 
     normals: outward, of unit length, (M, 3); zero where sound counts from every side.
-    capsules: (C, 7) [m], both ends of the axis and the radius; none unless given.
+    capsules: tapered, (C, 8) [m], both ends of the axis and the radius at either; none unless given.
     edge: [m]; a ray that passes this far below a capsule's surface is lost, and less of it the nearer
     it passes to the surface: gains do not jump as the hand moves, and sound bends around a hand, so
     that a harder edge would be no truer.
@@ -58,13 +58,13 @@ class Facing:
         if not ((np.abs(size - 1.0) < 0.01) | (size == 0.0)).all():
             raise ArgumentError("normals", "must be unit vectors, or zero where all sides count")
         n = n / np.maximum(size, 0.5)
-        c = numbers("capsules", capsules, (None, 7)).copy()
+        c = numbers("capsules", capsules, (None, 8)).copy()
         longest = np.abs(c[:, 3:6] - c[:, :3]).max(initial=0.0)
         if not (
-            longest <= FAR and 0.0 <= c[:, 6].min(initial=0.0) <= c[:, 6].max(initial=0.0) <= FAR
+            longest <= FAR and 0.0 <= c[:, 6:].min(initial=0.0) <= c[:, 6:].max(initial=0.0) <= FAR
         ):
             raise ArgumentError(
-                "capsules", "must be lengths [m] of a hand, and the radius 0 or more"
+                "capsules", "must be lengths [m] of a hand, and the radii 0 or more"
             )
         n.flags.writeable = c.flags.writeable = False
         object.__setattr__(self, "normals", n)
@@ -120,8 +120,9 @@ class Facing:
 
     def _under(self, capsules: Floats, points: Floats) -> Flags:
         """Whether any of those capsules rises above the skin's tangent plane, (M,)."""
-        n, a, b, r = self.normals, capsules[:, :3], capsules[:, 3:6], capsules[:, 6]
-        height = np.maximum(n @ a.T, n @ b.T) + r - (n * points).sum(axis=1)[:, None]  # (M, C)
+        n, a, b = self.normals, capsules[:, :3], capsules[:, 3:6]
+        top = np.maximum(n @ a.T + capsules[:, 6], n @ b.T + capsules[:, 7])  # (M, C)
+        height = top - (n * points).sum(axis=1)[:, None]
         return np.asarray((height > 0.0).any(axis=1))
 
     def _cosines(self, points: Floats, positions: Floats) -> Floats:
@@ -136,10 +137,16 @@ class Facing:
         d = positions - points[:, None]  # (M, N, 3) [m]
         s = np.ones(d.shape[:2])
         for capsule in self.capsules:
-            a, e, r = capsule[:3], capsule[3:6] - capsule[:3], capsule[6]
-            w = points - a  # (M, 3) [m]
-            r = np.minimum(r, _clearance(w[:, None], np.zeros((len(w), 1, 3)), e))
-            deep = (r - _clearance(w[:, None], d, e)) / self.edge
+            a, e, r, grows = (
+                capsule[:3],
+                capsule[3:6] - capsule[:3],
+                capsule[6],
+                capsule[7] - capsule[6],
+            )
+            w = (points - a)[:, None]  # (M, 1, 3) [m]
+            inside = np.maximum(_depth(w[:, 0], e, r, grows), 0.0)[:, None]
+            away, t = _clearance(w, d, e)
+            deep = (r + t * grows - inside - away) / self.edge
             s *= smoothstep(1.0 - deep)
         return s
 
@@ -160,8 +167,19 @@ def smoothstep(x: Floats) -> Floats:
     return x * x * (3.0 - 2.0 * x)
 
 
-def _clearance(w: Floats, d: Floats, e: Floats) -> Floats:
-    """Distance [m] of the segments w + s d and t e, 0 <= s, t <= 1, (M, N), for w (M, 1, 3), d (M, N, 3).
+def _depth(w: Floats, e: Floats, r: float, grows: float) -> Floats:
+    """How deep points w, (M, 3), are in the capsule along e from the origin, (M,) [m]: as `tapered.from_axis`."""
+    ee = float(e @ e)
+    t = np.full(len(w), float(grows > 0.0))
+    if ee > grows * grows:
+        t = w @ e / ee
+        across = np.linalg.norm(w - t[:, None] * e, axis=1)
+        t = np.clip(t + grows * across / np.sqrt(ee * (ee - grows * grows)), 0.0, 1.0)
+    return np.asarray(r + t * grows - np.linalg.norm(w - t[:, None] * e, axis=1))
+
+
+def _clearance(w: Floats, d: Floats, e: Floats) -> tuple[Floats, Floats]:
+    """Distance [m] of the segments w + s d and t e, 0 <= s, t <= 1, (M, N), for w (M, 1, 3), d (M, N, 3); and t.
 
     C. Ericson, Real-Time Collision Detection (2005), section 5.1.9.
     """
@@ -171,4 +189,4 @@ def _clearance(w: Floats, d: Floats, e: Floats) -> Floats:
     t = np.clip((de * s + we) / max(ee, TINY), 0.0, 1.0)
     s = np.clip((de * t - dw) / np.maximum(dd, TINY), 0.0, 1.0)
     gap = w + s[..., None] * d - t[..., None] * e
-    return np.asarray(np.sqrt((gap * gap).sum(axis=2)))
+    return np.asarray(np.sqrt((gap * gap).sum(axis=2))), np.asarray(t)

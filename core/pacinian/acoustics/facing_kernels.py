@@ -4,8 +4,8 @@ What lies below a plane through a sample hides nothing that comes from above tha
 computed only where no such plane is found between it and a tile of transducers.
 
 Arguments shared by all: w: weights. tile, (4, T): of each transducer how far it is from the sample [m], and
-the unit vector to it. near, (8, C): of each capsule, seen from the sample, one end of the axis, the way
-to the other, the radius [m], and where on that way the axis is nearest, 0..1.
+the unit vector to it. near, (9, C): of each capsule, seen from the sample, one end of the axis, the way
+to the other, the radius there, by how much the other is larger [m], and where on that way the axis is nearest, 0..1.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from numpy import float32 as f4
 
 from pacinian.acoustics.compiled import compiled
+from pacinian.acoustics.tapered import from_axis
 
 if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Gains, Indices, Singles
@@ -71,8 +72,8 @@ def aim(q: Singles, r: Singles, first: int, count: int, tile: Singles) -> None:
 @compiled(numba.void(TABLE, numba.int64, numba.float32, TABLE, SOME))
 def shade(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) -> None:
     """Multiply weights by what a capsule lets through."""
-    ax, ay, az, ex, ey, ez, radius = (
-        near[0, c], near[1, c], near[2, c], near[3, c], near[4, c], near[5, c], near[6, c],
+    ax, ay, az, ex, ey, ez, radius, grows = (
+        near[0, c], near[1, c], near[2, c], near[3, c], near[4, c], near[5, c], near[6, c], near[7, c],
     )  # fmt: skip
     away, ux, uy, uz = tile[0], tile[1], tile[2], tile[3]
     ee = ex * ex + ey * ey + ez * ez + NEAREST
@@ -87,7 +88,7 @@ def shade(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) ->
         t = min(max((eu * s - ae) * short, f4(0.0)), f4(1.0))
         s = min(max(au + eu * t, f4(0.0)), away[i])
         x, y, z = ax + t * ex - s * ux[i], ay + t * ey - s * uy[i], az + t * ez - s * uz[i]
-        u = f4(1.0) + (np.sqrt(x * x + y * y + z * z) - radius) * sharp
+        u = f4(1.0) + (np.sqrt(x * x + y * y + z * z) - (radius + t * grows)) * sharp
         u = min(max(u, f4(0.0)), f4(1.0))
         w[i] *= u * u * (f4(3.0) - f4(2.0) * u)
 
@@ -117,9 +118,10 @@ def sift(near: Singles, count: int, box: Singles, slack: np.float32, hides: Flag
     inverse = f4(1.0) / np.sqrt(bx * bx + by * by + bz * bz + NEAREST)
     ux, uy, uz = bx * inverse, by * inverse, bz * inverse
     ax, ay, az, ex, ey, ez = near[0], near[1], near[2], near[3], near[4], near[5]
-    radius, nearest = near[6], near[7]
+    radius, grows, nearest = near[6], near[7], near[8]
     for c in range(count):
-        r, hidden = radius[c], True
+        hidden = True
+        rp, rq = max(radius[c], f4(0.0)), max(radius[c] + grows[c], f4(0.0))
         px, py, pz = ax[c], ay[c], az[c]
         qx, qy, qz = px + ex[c], py + ey[c], pz + ez[c]
         p, q = px * ux + py * uy + pz * uz, qx * ux + qy * uy + qz * uz
@@ -130,12 +132,12 @@ def sift(near: Singles, count: int, box: Singles, slack: np.float32, hides: Flag
             inverse = f4(1.0) / np.sqrt(x * x + y * y + z * z + NEAREST)
             x, y, z = x * inverse, y * inverse, z * inverse
             sine = min(
-                tangent(p, px * x + py * y + pz * z, r), tangent(q, qx * x + qy * y + qz * z, r)
+                tangent(p, px * x + py * y + pz * z, rp), tangent(q, qx * x + qy * y + qz * z, rq)
             )
             cosine = np.sqrt(max(f4(0.0), f4(1.0) - sine * sine))
             x, y, z = sine * ux - cosine * x, sine * uy - cosine * y, sine * uz - cosine * z
             low = bx * x + by * y + bz * z - box[3] * abs(x) - box[4] * abs(y) - box[5] * abs(z)
-            high = max(px * x + py * y + pz * z, qx * x + qy * y + qz * z) + r
+            high = max(px * x + py * y + pz * z + rp, qx * x + qy * y + qz * z + rq)
             hidden = hidden and bool(sine <= f4(0.0) or low < f4(0.0) or high > slack)
         hides[c] = hidden
 
@@ -151,23 +153,18 @@ def gather(
     free = normal[0] == f4(0.0) and normal[1] == f4(0.0) and normal[2] == f4(0.0)
     found = 0
     for c in range(capsules.shape[0]):
-        ee, ae, a_high, e_high, far = 1e-30, 0.0, 0.0, 0.0, 0.0
+        a_high, e_high, far = 0.0, 0.0, 0.0
         for k in range(3):
             a, e = capsules[c, k] - q[k], capsules[c, 3 + k] - capsules[c, k]
-            ee += e * e
-            ae += a * e
+            near[k, found], near[3 + k, found] = f4(a), f4(e)
             a_high += a * normal[k]
             e_high += e * normal[k]
             far = max(far, abs(capsules[c, k] - origin[k]))
-        t = min(max(-ae / ee, 0.0), 1.0)
-        square = 0.0
-        for k in range(3):
-            a, e = capsules[c, k] - q[k], capsules[c, 3 + k] - capsules[c, k]
-            square += (a + t * e) ** 2
-            near[k, found], near[3 + k, found] = f4(a), f4(e)
-        r = min(capsules[c, 6], np.sqrt(square))
-        near[6, found], near[7, found] = f4(r), f4(t)
-        if far < FAR and (free or a_high + max(e_high, 0.0) + r > slack):
+        _, _, _, away, radius, t = from_axis(capsules, c, q[0], q[1], q[2])
+        r = capsules[c, 6] - max(radius - away, 0.0)
+        grows = capsules[c, 7] - capsules[c, 6]
+        near[6, found], near[7, found], near[8, found] = f4(r), f4(grows), f4(t)
+        if far < FAR and (free or a_high + max(e_high + grows, 0.0) + r > slack):
             found += 1
     return found
 
@@ -190,12 +187,12 @@ def weigh(
 ) -> None:  # fmt: skip
     """Multiply rows of B, `out`, (M, N), by the weights of samples at `points`, (K, 3) for rows (K,).
 
-    normals: (M, 3). capsules: (C, 7). origin: of r, the transducers' positions (3, N) [m]. boxes: around
+    normals: (M, 3). capsules: (C, 8). origin: of r, the transducers' positions (3, N) [m]. boxes: around
     equal tiles of them, (tiles, 6).
     """
     N, C, tiles = r.shape[1], capsules.shape[0], boxes.shape[0]
     step = (N + tiles - 1) // tiles
-    tile, near = np.empty((4, step + LANES), np.float32), np.zeros((8, C + LANES), np.float32)
+    tile, near = np.empty((4, step + LANES), np.float32), np.zeros((9, C + LANES), np.float32)
     weights, box = np.empty(N + LANES, np.float32), np.empty(6, np.float32)
     hides = np.zeros(C + LANES, np.bool_)
     q, normal = np.empty(3, np.float32), np.empty(3, np.float32)

@@ -66,7 +66,7 @@ def hand(held: Hand) -> Triangles:
         return _whole(held.vertices, held.faces)
     assert held.joints is not None  # as it has no mesh
     capsules = flesh.capsules(held)
-    far = capsules[:, 6].max() + 2.0 * SKIN
+    far = capsules[:, 6:].max() + 2.0 * SKIN
     low, high = held.joints.min(axis=0) - far, held.joints.max(axis=0) + far
     return _solid(lambda q: flesh.distance_to_skin(capsules, q), low, high, SKIN)
 

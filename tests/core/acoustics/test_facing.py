@@ -24,32 +24,45 @@ def directions(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def rods(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Capsules about the size of fingers, around the origin; some without length."""
+    """Capsules about the size of fingers, around the origin; some without length, some that taper."""
     a = rng.uniform(-0.06, 0.06, (count, 3))
     e = directions(rng, count) * rng.choice([0.0, 0.01, 0.04, 0.2], (count, 1))
-    return np.c_[a, a + e, rng.uniform(0.0, 0.02, count)]
+    radii = rng.uniform(0.0, 0.02, (count, 2))
+    return np.c_[a, a + e, np.where(rng.uniform(size=(count, 1)) < 0.5, radii, radii[:, :1])]
 
 
 def on_skin(rng: np.random.Generator, hand: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """Points on capsules with their normals, maybe inside of others."""
-    rod = hand[rng.integers(len(hand), size=count)]
-    a, e, r = rod[:, :3], rod[:, 3:6] - rod[:, :3], rod[:, 6:]
-    n = directions(rng, count)
-    t = (n * e).sum(axis=1, keepdims=True)
-    end = (rng.uniform(size=(count, 1)) < 0.3) & (t != 0.0)
-    square = (e * e).sum(axis=1, keepdims=True)
-    across = n - t / np.maximum(square, 1e-30) * e
-    n = np.where(end | (square == 0.0), n, across)
-    n /= np.linalg.norm(n, axis=1, keepdims=True)
-    along = np.where(end, t > 0.0, rng.uniform(size=(count, 1)))
-    return a + along * e + r * n, n
+    q, n = np.empty((count, 3)), directions(rng, count)
+    for k, rod in enumerate(hand[rng.integers(len(hand), size=count)]):
+        a, e, (first, last) = rod[:3], rod[3:6] - rod[:3], rod[6:]
+        length = np.linalg.norm(e)
+        if length <= abs(first - last):
+            along = float(last > first)
+        else:
+            u, lean = e / length, (first - last) / length
+            along = float(n[k] @ u > lean)  # of the sphere there it is the hull's part
+            if rng.uniform() < 0.7:  # of the mantle, which touches all spheres alike
+                across = n[k] - n[k] @ u * u
+                n[k] = lean * u + np.sqrt(1.0 - lean * lean) * across / np.linalg.norm(across)
+                along = rng.uniform()
+        q[k] = a + along * e + (first + along * (last - first)) * n[k]
+    return q, n
 
 
-def from_axis(points: np.ndarray, rod: np.ndarray) -> np.ndarray:
-    """Distance of points (..., 3) from a capsule's axis [m]."""
+def from_axis(points: np.ndarray, rod: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of points (..., 3) from a capsule's axis, and the radius where they are nearest [m]."""
     a, e = rod[:3], rod[3:6] - rod[:3]
     t = np.clip((points - a) @ e / max(e @ e, 1e-30), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(points - a - t[..., None] * e, axis=-1))
+    away = np.linalg.norm(points - a - t[..., None] * e, axis=-1)
+    return np.asarray(away), rod[6] + t * (rod[7] - rod[6])
+
+
+def depth(q: np.ndarray, rod: np.ndarray) -> float:
+    """How deep a point is in a capsule, a union of spheres [m]."""
+    s = np.linspace(0.0, 1.0, 20_001)
+    middles = rod[:3] + s[:, None] * (rod[3:6] - rod[:3])
+    return float((rod[6] + s * (rod[7] - rod[6]) - np.linalg.norm(q - middles, axis=1)).max())
 
 
 def passing(q: np.ndarray, r: np.ndarray, hand: np.ndarray, edge: float) -> float:
@@ -57,8 +70,10 @@ def passing(q: np.ndarray, r: np.ndarray, hand: np.ndarray, edge: float) -> floa
     way = q + np.linspace(0.0, 1.0, 20_001)[:, None] * (r - q)
     share = 1.0
     for rod in hand:
-        surface = min(rod[6], from_axis(q, rod))
-        x = np.clip(1.0 - (surface - from_axis(way, rod).min()) / edge, 0.0, 1.0)
+        away, radius = from_axis(way, rod)
+        nearest = away.argmin()
+        surface = radius[nearest] - max(0.0, depth(q, rod))
+        x = np.clip(1.0 - (surface - away[nearest]) / edge, 0.0, 1.0)
         share *= x * x * (3.0 - 2.0 * x)
     return share
 
@@ -88,13 +103,13 @@ def test_a_convex_body_hides_nothing_from_its_own_outward_side(seed: int) -> Non
     r = rng.uniform(-0.4, 0.4, (50, 3))
     bare = Facing(n).weights(q, r)
     np.testing.assert_allclose(Facing(n, hand).weights(q, r), bare, atol=1e-9)
-    inside = q - hand[0, 6] * rng.uniform(0.0, 0.9, (8, 1)) * n
+    inside = q - hand[0, 6:].min() * rng.uniform(0.0, 0.9, (8, 1)) * n
     bare = Facing(n).weights(inside, r)
     np.testing.assert_allclose(Facing(n, hand).weights(inside, r), bare, atol=1e-9)
 
 
 def test_what_is_behind_a_hand_or_beyond_the_transducers_does_not_count_or_matter() -> None:
-    wall = [[-1.0, 0.0, 0.1, 1.0, 0.0, 0.1, 0.01]]
+    wall = [[-1.0, 0.0, 0.1, 1.0, 0.0, 0.1, 0.01, 0.01]]
     q, up, down = np.zeros((1, 3)), [[0.0, 0.0, 1.0]], [[0.0, 0.0, -1.0]]
     r = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.05], [0.0, 0.2, 0.2], [0.0, 0.0, -0.2]])
     np.testing.assert_allclose(Facing(up, wall).weights(q, r), [[0, 1, np.sqrt(0.5), 0]])
@@ -112,7 +127,7 @@ def test_weights_do_not_jump_as_a_capsule_moves(seed: int) -> None:
     q += rng.normal(0.0, 0.003, q.shape)
     r = rng.uniform(-0.4, 0.4, (50, 3))
     step = rng.normal(0.0, 1e-4, 3)
-    moved = hand + np.r_[step, step, 0.0]
+    moved = hand + np.r_[step, step, 0.0, 0.0]
     change = np.abs(Facing(n, hand).weights(q, r) - Facing(n, moved).weights(q, r))
     assert change.max() <= 3.0 * np.linalg.norm(step) / QUARTER + 1e-9
 
@@ -124,7 +139,7 @@ def test_only_samples_said_to_have_moved_have_other_weights(seed: int) -> None:
     hand = rods(rng, 4)
     q, n = on_skin(rng, hand, 12)
     other, turned = hand.copy(), n.copy()
-    other[rng.integers(4)] += 0.01 * rng.normal(size=7) ** 2
+    other[rng.integers(4)] += 0.01 * rng.normal(size=8) ** 2
     turned[rng.integers(12)] *= -1.0
     before = Facing(n, hand)
     for after in (
@@ -217,11 +232,11 @@ def test_only_the_rows_named_are_weighed() -> None:
         ("normals", {"normals": [[0.0, 0.0, 1e-3]]}),
         ("normals", {"normals": [[0.0, np.nan, 1.0]]}),
         ("normals", {"normals": [0.0, 0.0, 1.0]}),
-        ("capsules", {"capsules": [[0.0] * 6]}),
-        ("capsules", {"capsules": [[0.0] * 6 + [-0.01]]}),
-        ("capsules", {"capsules": [[0.0] * 6 + [20.0]]}),
-        ("capsules", {"capsules": [[0.0, 0.0, 0.0, 30.0, 0.0, 0.0, 8.0]]}),
-        ("capsules", {"capsules": [[np.inf] * 7]}),
+        ("capsules", {"capsules": [[0.0] * 7]}),
+        ("capsules", {"capsules": [[0.0] * 7 + [-0.01]]}),
+        ("capsules", {"capsules": [[0.0] * 6 + [20.0, 0.0]]}),
+        ("capsules", {"capsules": [[0.0, 0.0, 0.0, 30.0, 0.0, 0.0, 8.0, 8.0]]}),
+        ("capsules", {"capsules": [[np.inf] * 8]}),
         ("edge", {"edge": 0.0}),
         ("edge", {"edge": np.nan}),
     ],
@@ -232,7 +247,7 @@ def test_a_bad_argument_is_named(argument: str, call: dict[str, object]) -> None
 
 
 def test_what_the_caller_does_later_changes_nothing() -> None:
-    n, c = np.array([[0.0, 0.0, 1.0]]), np.ones((1, 7)) * 0.01
+    n, c = np.array([[0.0, 0.0, 1.0]]), np.ones((1, 8)) * 0.01
     facing = Facing(n, c)
     n[:], c[:] = 9.0, 9.0
     np.testing.assert_array_equal(facing.normals, [[0.0, 0.0, 1.0]])

@@ -81,7 +81,7 @@ def test_two_that_send_against_each_other_send_nothing_on_balance() -> None:
     up = Facing([[0.0, 0.0, 1.0]])
     seen = intensity(array, [1.0, 1.0], middle, facing=up)[0, 2]
     assert seen == pytest.approx(-one)  # only what comes down on a skin that faces up
-    hidden = Facing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02]])
+    hidden = Facing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02, 0.02]])
     assert not intensity(array, [1.0, 1.0], middle, facing=hidden).any()
 
 

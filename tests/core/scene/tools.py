@@ -34,13 +34,27 @@ def moved(item: Any, pose: pc.Pose) -> Any:
 
 
 def to_capsules(capsules: Floats, points: Floats) -> Floats:
-    """Signed distance of each point to each capsule, (points, capsules) [m]."""
-    a, b = capsules[:, :3], capsules[:, 3:6]
-    axis = b - a
-    square = np.maximum((axis**2).sum(axis=1), 1e-300)
-    along = np.clip(((points[:, None] - a) * axis).sum(axis=2) / square, 0.0, 1.0)
-    nearest = a + along[..., None] * axis
-    return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=2) - capsules[:, 6])
+    """Signed distance of each point to each tapered capsule, (points, capsules) [m].
+
+    The least of |p - c(s)| - r(s), which is convex in s: by ternary search.
+    """
+    axis, grows = capsules[:, 3:6] - capsules[:, :3], capsules[:, 7] - capsules[:, 6]
+    aa, w = (axis * axis).sum(axis=1), points[:, None] - capsules[:, :3]
+    wa, ww = (w * axis).sum(axis=2), (w * w).sum(axis=2)
+
+    def away(s: Floats) -> Floats:
+        square = ww - 2.0 * s * wa + s * s * aa
+        return np.sqrt(np.maximum(square, 0.0)) - capsules[:, 6] - s * grows
+
+    low, high = np.zeros_like(wa), np.ones_like(wa)
+    for _ in range(70):
+        third = (high - low) / 3.0
+        left = away(low + third) < away(high - third)
+        low, high = np.where(left, low, low + third), np.where(left, high - third, high)
+    s = np.where(away(np.zeros_like(wa)) < away(np.ones_like(wa)), 0.0, 1.0)  # where an end is best
+    best = (low + high) / 2.0
+    s = np.where(away(best) < away(s), best, s)
+    return np.asarray(np.linalg.norm(w - s[..., None] * axis, axis=2) - capsules[:, 6] - s * grows)
 
 
 def mesh_of(mesh: trimesh.Trimesh) -> pc.Mesh:

@@ -16,9 +16,9 @@ ARRAY = pc.lattice(0.05, 0.05) + pc.lattice(0.05, 0.05).moved(
 M = 5
 HAND = np.array(
     [
-        [-0.05, 0.02, 0.1, 0.05, 0.02, 0.1, 0.01],
-        [-0.05, 0.04, 0.1, 0.05, 0.04, 0.1, 0.01],
-        [0.0, 0.0, 0.05, 0.0, 0.0, 0.05, 0.006],
+        [-0.05, 0.02, 0.1, 0.05, 0.02, 0.1, 0.01, 0.012],
+        [-0.05, 0.04, 0.1, 0.05, 0.04, 0.1, 0.01, 0.01],
+        [0.0, 0.0, 0.05, 0.0, 0.0, 0.05, 0.006, 0.006],
     ]
 )
 
@@ -71,7 +71,7 @@ def test_only_rows_for_which_other_sound_counts_are_rebuilt() -> None:
     q, n = scattered(np.random.default_rng(0), 8)
     n[:] = [0.0, 0.0, 1.0]
     q[:, 2] = 0.1
-    hand = [[0.0, 0.0, z, 0.05, 0.0, z, 0.01] for z in (0.05, 0.15)]
+    hand = [[0.0, 0.0, z, 0.05, 0.0, z, 0.01, 0.01] for z in (0.05, 0.15)]
     propagator, facing = cold(q, Facing(n, hand)), Facing(n, hand)
     work = propagator.work
     assert propagator.facing is not None

@@ -26,16 +26,17 @@ STRAIGHT = 1e-18  # squared sine of an angle
 class CapsuleSkin(Skin):
     """The skin of a hand of 26 joints.
 
-    Each point keeps its place along the axis of its bone's capsule and its direction from it in the
-    bone's own frame, so that it lies on the capsule however long and thick that is. A bone's frame is
+    Each point keeps its place along the axis of its bone's capsule, the side of the axis it is on in the bone's own
+    frame, and of a cap the share of it that lies beyond, so that it lies on the capsule however long and thick that is,
+    and however much it tapers. A bone's frame is
     that of its parent, turned by the smallest rotation which takes the bone from its direction at rest to
     the one it has: it never spins about the bone, and jumps only where a joint is bent by 180 degrees.
     The palm's frame has y from the wrist to the middle finger's proximal joint, and x from the index's
     to the little finger's. A bone of no length keeps its parent's frame; a palm of no extent the world's.
     A left hand is placed as the mirror image of a right one.
 
-    At rest the fingers are straight. Bending them uncovers skin on the backs of the joints: of the two capsules'
-    spheres there, the larger. Its points are of the finest level only, and inside of the flesh at rest.
+    At rest the fingers are straight. Bending them uncovers skin on the backs of the joints: the sphere there.
+    Its points are of the finest level only, and inside of the flesh at rest.
 
     spacing: between points, [m]. grain: between those that they are chosen from [m].
     """
@@ -49,16 +50,16 @@ class CapsuleSkin(Skin):
         surface = Surface(
             *(np.concatenate(v) for v in zip(*(k.surface for k in kinds), strict=True))
         )
-        apart, area, bone, along, mantle = (
+        apart, area, bone, along, axial, sides = (
             np.concatenate(v) for v in zip(*(k[1:] for k in kinds), strict=True)
         )
         self.levels = spacing / FINEST * SPACINGS
         hidden = np.arange(len(bone)) >= len(kinds[0].area)
         super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone, hidden)
-        self.along, self.mantle = along, mantle
+        self.along, self.axial, self.sides = along, axial, sides
         axes = shapes[:, 3:6] - shapes[:, :3]
         self.length = np.linalg.norm(axes, axis=1)
-        self.radius = shapes[:, 6].copy()
+        self.radii = shapes[:, 6:].copy()
         self.axes = axes / self.length[:, None]
 
     def place(self, hand: Hand) -> Placed:
@@ -71,8 +72,8 @@ class CapsuleSkin(Skin):
         )
         _place(
             hand.joints.copy(), -1.0 if hand.side == "left" else 1.0, shapes, PARENTS,
-            self.axes, self.length, self.radius, self.bone, self.along, self.surface.normals,
-            self.mantle, self.area, placed.points, placed.normals, placed.area,
+            self.axes, self.length, self.radii, self.bone, self.along, self.axial, self.sides, self.area,
+            placed.points, placed.normals, placed.area,
         )  # fmt: skip
         return placed
 
@@ -88,20 +89,20 @@ class CapsuleSkin(Skin):
 class _Around(NamedTuple):
     """Points around a capsule.
 
-    points, normals: (N, 3). area: of each, (N,) [m^2]. along: from 0 to 1 along the axis, (N,). mantle:
-    whether on the mantle, not on a cap, (N,).
+    points, normals: (N, 3). area: of each, (N,) [m^2]. along: from 0 to 1 along the axis, (N,). axial: of the normal,
+    if the capsule did not taper; 0 on the mantle, (N,). sides: unit vectors across the axis, (N, 3).
     """
 
     points: Floats
     normals: Floats
     area: Floats
     along: Floats
-    mantle: Flags
+    axial: Floats
+    sides: Floats
 
     def only(self, kept: Flags) -> _Around:
         """Those of its points."""
-        points, normals, area, along, mantle = self
-        return _Around(points[kept], normals[kept], area[kept], along[kept], mantle[kept])
+        return _Around(*(values[kept] for values in self))
 
 
 class _Spread(NamedTuple):
@@ -112,33 +113,44 @@ class _Spread(NamedTuple):
     area: Floats
     bone: Indices
     along: Floats
-    mantle: Flags
+    axial: Floats
+    sides: Floats
 
     @classmethod
     def of(cls, parts: list[_Around], spacing: float) -> _Spread:
         """Choose among points around each bone."""
         bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
-        points, normals, area, along, mantle = map(np.concatenate, zip(*parts, strict=True))
+        points, normals, area, *place = map(np.concatenate, zip(*parts, strict=True))
         surface = Surface(points, normals, FINGERS[bone])
         order, apart, nearest = spread(surface, spacing)
         area = gathered(nearest, area)
-        return cls(surface.only(order), apart, area, bone[order], along[order], mantle[order])
+        return cls(surface.only(order), apart, area, bone[order], *(v[order] for v in place))
 
 
 def _around(shapes: Floats, c: int, grain: float) -> _Around:
-    a, b, r = shapes[c, :3], shapes[c, 3:6], float(shapes[c, 6])
-    length = float(np.linalg.norm(b - a))
-    shape = Capsule(r, length)
+    """Points evenly spread around a capsule of its mean radius, moved to where it tapers."""
+    a, b, radii = shapes[c, :3], shapes[c, 3:6], shapes[c, 6:]
+    length, mean = float(np.linalg.norm(b - a)), float(radii.mean())
+    shape = Capsule(mean, length)
     local = shape.cover(grain)
-    up = np.sign(local.normals[:, 2])  # 0 but for the caps
-    along = np.where(up == 0.0, local.points[:, 2] / length + 0.5, (1.0 + up) / 2.0)
+    axial = local.normals[:, 2]
+    along = np.where(
+        axial == 0.0, local.points[:, 2] / length + 0.5, np.where(axial < 0.0, 0.0, 1.0)
+    )
     z = (b - a) / length
     x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
     x /= np.linalg.norm(x)
-    normals = np.asarray(local.normals @ np.stack([x, np.cross(z, x), z]), dtype=np.float64)
-    points = a + along[:, None] * (b - a) + r * normals
-    area = np.full(len(along), shape.area / len(along))
-    return _Around(points, normals, area, along, up == 0.0)
+    sides = local.normals[:, :2] @ np.stack([x, np.cross(z, x)])
+    size = np.linalg.norm(sides, axis=1, keepdims=True)
+    sides = np.where(size > 0.0, sides / np.maximum(size, TINY), x)
+    tilted, share = np.empty(len(along)), np.empty(len(along))
+    for k in range(len(along)):
+        tilted[k], share[k] = _tilted(axial[k], along[k], radii[0], radii[1], length)
+    normals = tilted[:, None] * z + np.sqrt(1.0 - tilted * tilted)[:, None] * sides
+    r = radii[0] + along * (radii[1] - radii[0])
+    points = a + along[:, None] * (b - a) + r[:, None] * normals
+    area = shape.area / len(along) * share / np.where(axial == 0.0, mean * length, mean * mean)
+    return _Around(points, normals, area, along, axial, sides)
 
 
 def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
@@ -151,22 +163,38 @@ def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
 def _back(shapes: Floats, c: int, around: _Around) -> Flags:
     """Which points of a capsule's caps bending may uncover: those that are inside of nothing but what moves there.
 
-    Of the palm's capsules all points that only fingers hide; of a finger's at each joint those that the other
-    bone there hides, if its sphere is no larger.
+    Of the palm's capsules all points that only fingers hide; of a finger's those at its tip that the next bone hides,
+    whose sphere there is the same.
     """
-    r, every = shapes[:, 6], np.arange(len(shapes))
+    every = np.arange(len(shapes))
     if not FINGERS[c]:
         joints = [(FINGERS > 0, 0.0), (FINGERS > 0, 1.0)]
     else:
-        joints = [(every == k, 1.0) for k in np.flatnonzero(c == PARENTS) if r[c] >= r[k]]
-        parent = PARENTS[c]
-        joints += [(every == parent, 0.0)] if FINGERS[parent] and r[c] > r[parent] else []
+        joints = [(every == k, 1.0) for k in np.flatnonzero(c == PARENTS)]
     back = np.zeros(len(around.area), dtype=np.bool_)
     for moves, end in joints:
         hidden = flesh.distance_to_skin(shapes[moves], around.points) <= -ON
         free = flesh.distance_to_skin(shapes[~moves & (every != c)], around.points) > -ON
         back |= hidden & free & (around.along == end)
-    return back & ~around.mantle
+    return np.asarray(back & (around.axial != 0.0), dtype=np.bool_)
+
+
+@compiled("UniTuple(f8, 2)(f8, f8, f8, f8, f8)")
+def _tilted(
+    axial: float, along: float, first: float, last: float, length: float
+) -> tuple[float, float]:
+    """The axial part of a normal where a capsule tapers, and what the area there is proportional to [m^2].
+
+    axial, along: as for `_Around`. first, last: radii [m]. A cap grows or shrinks as far as the mantle leans; equal
+    parts of its axis are of equal area (Archimedes), so that its points stay evenly spread.
+    """
+    lean = first - last
+    lean = lean / length if abs(lean) < length else np.sign(lean)
+    if axial == 0.0:
+        return lean, (first + along * (last - first)) * length * (1.0 - lean * lean)
+    if along == 0.0:
+        return -1.0 + (1.0 + axial) * (1.0 + lean), first * first * (1.0 + lean)
+    return 1.0 - (1.0 - axial) * (1.0 - lean), last * last * (1.0 - lean)
 
 
 @compiled("void(f8[:, ::1], f8, f8[:, ::1])")
@@ -215,19 +243,19 @@ def _turn(parent: Floats, rest: Floats, now: Floats, out: Floats) -> None:
 
 
 @compiled(
-    "void(f8[:, ::1], f8, f8[:, ::1], i8[::1], f8[:, ::1], f8[::1], f8[::1], i8[::1], f8[::1],"
-    " f8[:, ::1], b1[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1])"
+    "void(f8[:, ::1], f8, f8[:, ::1], i8[::1], f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1],"
+    " f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1])"
 )
 def _place(
     joints: Floats, mirror: float, capsules: Floats, parents: Indices,
-    axes: Floats, length: Floats, radius: Floats,
-    bone: Indices, along: Floats, normals: Floats, mantle: Flags, area: Floats,
+    axes: Floats, length: Floats, radii: Floats,
+    bone: Indices, along: Floats, axial: Floats, sides: Floats, area: Floats,
     at: Floats, facing: Floats, stands: Floats,
 ) -> None:  # fmt: skip
     """Write where the points of a capsule skin are: `at`, `facing`, and the area each `stands` for."""
     C = capsules.shape[0]
     palm, frames, across = np.empty((3, 3)), np.empty((C, 3, 3)), np.empty((C, 3))
-    sides, caps = np.empty(C), np.empty(C)
+    now, ahead = np.empty(C), np.empty((C, 3))
     _palm(joints, mirror, palm)
     for c in range(C):
         parent = palm if parents[c] < 0 else frames[parents[c]]
@@ -236,18 +264,25 @@ def _place(
         u[1] = capsules[c, 4] - capsules[c, 1]
         u[2] = capsules[c, 5] - capsules[c, 2]
         _turn(parent, axes[c], u, frames[c])
-        thick = capsules[c, 6] / radius[c]
-        caps[c] = thick * thick
-        sides[c] = thick * np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / length[c]
+        now[c] = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+        for i in range(3):
+            ahead[c, i] = np.sum(frames[c, i] * axes[c])
     for k in range(bone.size):
         c, s = bone[k], along[k]
-        F, r = frames[c], capsules[c, 6]
-        x, y, z = normals[k, 0], normals[k, 1], normals[k, 2]
-        nx = mirror * (F[0, 0] * x + F[0, 1] * y + F[0, 2] * z)
-        ny = F[1, 0] * x + F[1, 1] * y + F[1, 2] * z
-        nz = F[2, 0] * x + F[2, 1] * y + F[2, 2] * z
+        F, u = frames[c], ahead[c]
+        first, last = capsules[c, 6], capsules[c, 7]
+        lean, share = _tilted(axial[k], s, first, last, now[c])
+        if now[c] <= abs(first - last) > 0.0:  # one sphere holds the other
+            s = 0.0 if first > last else 1.0
+        _, rest = _tilted(axial[k], s, radii[c, 0], radii[c, 1], length[c])
+        aside = np.sqrt(max(1.0 - lean * lean, 0.0))
+        x, y, z = aside * sides[k, 0], aside * sides[k, 1], aside * sides[k, 2]
+        nx = mirror * (lean * u[0] + F[0, 0] * x + F[0, 1] * y + F[0, 2] * z)
+        ny = lean * u[1] + F[1, 0] * x + F[1, 1] * y + F[1, 2] * z
+        nz = lean * u[2] + F[2, 0] * x + F[2, 1] * y + F[2, 2] * z
+        r = first + s * (last - first)
         at[k, 0] = capsules[c, 0] + s * (capsules[c, 3] - capsules[c, 0]) + r * nx
         at[k, 1] = capsules[c, 1] + s * (capsules[c, 4] - capsules[c, 1]) + r * ny
         at[k, 2] = capsules[c, 2] + s * (capsules[c, 5] - capsules[c, 2]) + r * nz
         facing[k, 0], facing[k, 1], facing[k, 2] = nx, ny, nz
-        stands[k] = area[k] * (sides[c] if mantle[k] else caps[c])
+        stands[k] = area[k] * share / rest

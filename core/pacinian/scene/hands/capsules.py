@@ -1,4 +1,7 @@
-"""The hand's flesh as a union of capsules, one around each bone and some that fill the palm."""
+"""The hand's flesh as a union of tapered capsules, one around each bone and some that fill the palm.
+
+Two that share a joint share its sphere, so that the skin of a straight finger has no steps.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.acoustics.compiled import compiled
+from pacinian.acoustics.tapered import from_axis
 from pacinian.scene.hands.bones import ENDS
 
 if TYPE_CHECKING:
@@ -34,10 +38,10 @@ class Nearest(NamedTuple):
 
 
 def capsules(hand: Hand) -> Floats:
-    """A hand's C capsules, (C, 7) [m]: both ends of the axis, and the radius, the mean of its joints'."""
+    """A hand's C capsules, (C, 8) [m]: both ends of the axis, and the radius at either, the mean of its joints'."""
     if hand.joints is None:
-        return np.empty((0, 7))
-    out = np.empty((len(ENDS), 7))
+        return np.empty((0, 8))
+    out = np.empty((len(ENDS), 8))
     _capsules(hand.joints.copy(), hand.radii.copy(), ENDS, out)
     return out
 
@@ -93,7 +97,7 @@ def _capsules(joints: Floats, radii: Floats, ends: Indices, out: Floats) -> None
         for x in range(3):
             out[c, x] = (joints[i, x] + joints[j, x]) / 2.0
             out[c, 3 + x] = (joints[k, x] + joints[m, x]) / 2.0
-        out[c, 6] = (radii[i] + radii[j] + radii[k] + radii[m]) / 4.0
+        out[c, 6], out[c, 7] = (radii[i] + radii[j]) / 2.0, (radii[k] + radii[m]) / 2.0
 
 
 @compiled("void(f8[:, ::1], f8[:, ::1])")
@@ -104,22 +108,7 @@ def _bounds(capsules: Floats, out: Floats) -> None:
             half = (capsules[c, 3 + x] - capsules[c, x]) / 2.0
             out[c, x] = capsules[c, x] + half
             square += half * half
-        out[c, 3] = np.sqrt(square) + capsules[c, 6]
-
-
-@compiled("Tuple((f8, f8, f8, f8))(f8[:, ::1], i8, f8, f8, f8)")
-def _from_axis(
-    capsules: Floats, c: int, x: float, y: float, z: float
-) -> tuple[float, float, float, float]:
-    """The way to a point from the nearest place of a capsule's axis, and its length [m]."""
-    ax, ay, az = capsules[c, 0], capsules[c, 1], capsules[c, 2]
-    ux, uy, uz = capsules[c, 3] - ax, capsules[c, 4] - ay, capsules[c, 5] - az
-    dx, dy, dz = x - ax, y - ay, z - az
-    length = ux * ux + uy * uy + uz * uz
-    t = (dx * ux + dy * uy + dz * uz) / length if length > 0.0 else 0.0
-    t = min(max(t, 0.0), 1.0)
-    dx, dy, dz = dx - t * ux, dy - t * uy, dz - t * uz
-    return dx, dy, dz, np.sqrt(dx * dx + dy * dy + dz * dz)
+        out[c, 3] = np.sqrt(square) + max(capsules[c, 6], capsules[c, 7])
 
 
 @compiled("Tuple((f8, i8))(f8[:, ::1], f8, f8, f8)")
@@ -127,10 +116,9 @@ def _union(capsules: Floats, x: float, y: float, z: float) -> tuple[float, int]:
     """Signed distance of a point to the union [m], and the capsule it is nearest to or deepest in."""
     best, bone = 1e300, 0
     for c in range(capsules.shape[0]):
-        _, _, _, away = _from_axis(capsules, c, x, y, z)
-        away -= capsules[c, 6]
-        if away < best:
-            best, bone = away, c
+        _, _, _, away, radius, _ = from_axis(capsules, c, x, y, z)
+        if away - radius < best:
+            best, bone = away - radius, c
     return best, bone
 
 
@@ -154,12 +142,12 @@ def _outward(
     capsules: Floats, c: int, x: float, y: float, z: float
 ) -> tuple[float, float, float, float]:
     """The direction from a capsule's axis to a point, and how far that way its surface is [m]."""
-    nx, ny, nz, size = _from_axis(capsules, c, x, y, z)
+    nx, ny, nz, size, radius, _ = from_axis(capsules, c, x, y, z)
     if size > TINY:
         nx, ny, nz = nx / size, ny / size, nz / size
     else:
         nx, ny, nz = _side(capsules, c)
-    return nx, ny, nz, capsules[c, 6] - size
+    return nx, ny, nz, radius - size
 
 
 @compiled("void(f8[:, ::1], f8[:, ::1], i8, f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
@@ -208,26 +196,35 @@ def buried_in(
             if c != other and dx * dx + dy * dy + dz * dz < reach * reach:
                 touching[c, touched[c]] = other
                 touched[c] += 1
-    u, inverse = np.empty((C, 3)), np.empty(C)
+    start, u, inverse, tilt = np.empty((C, 3)), np.zeros((C, 3)), np.zeros(C), np.zeros(C)
+    radius, grows = np.maximum(capsules[:, 6], capsules[:, 7]), np.zeros(C)
     for c in range(C):
-        length = 0.0
+        difference, square = capsules[c, 7] - capsules[c, 6], 0.0
         for x in range(3):
-            u[c, x] = capsules[c, 3 + x] - capsules[c, x]
-            length += u[c, x] * u[c, x]
-        inverse[c] = 1.0 / length if length > 0.0 else 0.0
+            square += (capsules[c, 3 + x] - capsules[c, x]) ** 2
+        first = 3 if difference > 0.0 else 0
+        if square > difference * difference:  # else one sphere holds the other
+            first, radius[c], grows[c], inverse[c] = 0, capsules[c, 6], difference, 1.0 / square
+            tilt[c] = difference / np.sqrt(square * (square - difference * difference))
+            for x in range(3):
+                u[c, x] = capsules[c, 3 + x] - capsules[c, x]
+        for x in range(3):
+            start[c, x] = capsules[c, first + x]
     for i in range(which.size):
         k = which[i]
         c = bone[k]
         out[i] = False
         for n in range(touched[c]):
             other = touching[c, n]
-            dx = points[k, 0] - capsules[other, 0]
-            dy = points[k, 1] - capsules[other, 1]
-            dz = points[k, 2] - capsules[other, 2]
+            dx = points[k, 0] - start[other, 0]
+            dy = points[k, 1] - start[other, 1]
+            dz = points[k, 2] - start[other, 2]
             t = (dx * u[other, 0] + dy * u[other, 1] + dz * u[other, 2]) * inverse[other]
+            vx, vy, vz = dx - t * u[other, 0], dy - t * u[other, 1], dz - t * u[other, 2]
+            t += tilt[other] * np.sqrt(vx * vx + vy * vy + vz * vz)
             t = min(max(t, 0.0), 1.0)
             dx, dy, dz = dx - t * u[other, 0], dy - t * u[other, 1], dz - t * u[other, 2]
-            within = capsules[other, 6] - max(slack[k], ROUNDING)
+            within = radius[other] + t * grows[other] - max(slack[k], ROUNDING)
             if within > 0.0 and dx * dx + dy * dy + dz * dz < within * within:
                 out[i] = True
                 break

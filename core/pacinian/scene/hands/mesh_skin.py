@@ -67,7 +67,7 @@ class MeshSkin(Skin):
         V, F = _mesh(hand)
         K, C = len(self), int(self.bone.max()) + 1
         placed = Placed(
-            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), np.empty((0, 7)), np.zeros((C, 4))
+            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), np.empty((0, 8)), np.zeros((C, 4))
         )
         _place(
             V.copy(), F[self.face], self.coordinates, self.outward, self.doubled[self.face],

@@ -23,7 +23,7 @@ class Placed(NamedTuple):
     """A skin's K points now.
 
     points: (K, 3) [m]. normals: outward, (K, 3). area: of the skin that each stands for, (K,) [m^2].
-    capsules: of the hand, (C, 7) [m]; none if it is a mesh. bounds: spheres around each bone's points, a
+    capsules: of the hand, (C, 8) [m]; none if it is a mesh. bounds: spheres around each bone's points, a
     centre and a radius, (C, 4) [m].
     """
 

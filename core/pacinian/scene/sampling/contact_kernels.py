@@ -102,7 +102,7 @@ def press(
     """Write which points of a skin are pressed, and with how much.
 
     d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's
-    law. points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 7), inside of
+    law. points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of
     which, deeper than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3);
     none for any. hardly, well: as in `resolving.grazing`. inside: indices into `which`, (I,). force: of each [N],
     (I,). Returns how many are pressed.
@@ -126,7 +126,7 @@ def press(
             x = (_seen(points[k], normals[k], some, well) - hardly) / (well - hardly)
             x = min(max(x, 0.0), 1.0)
             share = x * x * (3.0 - 2.0 * x)
-        if share > 0.0 and force[n] > 0.0:
+        if share > 0.0 and force[n] * area[k] > 0.0:
             inside[kept] = inside[n]
             force[kept] = share * force[n] * area[k]
             kept += 1

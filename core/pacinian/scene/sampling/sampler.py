@@ -18,6 +18,7 @@ from pacinian.scene.sampling.covers import Covers
 from pacinian.scene.sampling.distances import Distances
 from pacinian.scene.sampling.perception import faintest
 from pacinian.scene.sampling.ramps import Ramps
+from pacinian.scene.sampling.refine import refine
 from pacinian.scene.sampling.resolving import COARSER, Resolving
 from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
 from pacinian.scene.sampling.sources import (
@@ -65,8 +66,8 @@ class Sampler:
 
     budget: at most so many samples; where a scene has more, the objects of lowest priority are covered
     more coarsely, then dropped. spacing: [m]; unless given, a wavelength, or what the array can resolve at
-    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that, and where
-    a hand touches them 0.2 to 0.3 times that, the smaller the contact is.
+    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that, less for small
+    ones, and where a hand touches them 0.2 to 0.3 times that, the smaller the contact is.
     ramp: [s] in which a pressure comes up or goes; 0 for at once.
     perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
     time is short; not beside regions, which would have holes. Raises ArgumentError.
@@ -258,7 +259,7 @@ class Sampler:
                         self._wanted[own] = source.fine = spacing
                     sources.append((source, spacing))
         sources.sort(key=lambda source: -source[0].item.priority)
-        return sources
+        return sources if skin or self.spacing is not None else refine(sources, self.budget)
 
     def _spacing(self, item: Object, place: tuple[float, float, float]) -> float:
         """How far apart the samples of an object at `place` are [m]."""
@@ -342,4 +343,4 @@ def _vibration(item: Object) -> object:
 
 
 def _all(capsules: list[Floats]) -> Floats:
-    return np.concatenate([np.empty((0, 7)), *capsules])
+    return np.concatenate([np.empty((0, 8)), *capsules])

@@ -28,7 +28,7 @@ class Samples:
     tick to tick, (M,). most: the most that each one's object presses with, (M,) [Pa]. regions: the surface that
     each is of, (M,), -1 for an isolated one; see `pacinian.Targets`. items: the objects:
     the scene's, then those that are gone and still fade. capsules: of the hands on whose skin they lie, and
-    which hide what is behind them, (C, 7) [m]; None without hands.
+    which hide what is behind them, (C, 8) [m]; None without hands.
     """
 
     positions: Floats

@@ -72,15 +72,22 @@ def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> Non
     assert (out[SHOWN] > 0.5e-4).mean() > 0.998
 
 
-def test_the_area_is_that_of_the_skin() -> None:
+@pytest.mark.parametrize(
+    ("longer", "thicker", "off"), [(1.0, 1.0, 0.015), (1.15, 1.0, 0.04), (1.0, 0.9, 0.04)]
+)
+def test_the_area_is_that_of_the_skin(longer: float, thicker: float, off: float) -> None:
     """Of what lies within 0.5 mm of it, half is its area times 0.5 mm, but for terms of second order."""
-    placed = SKIN.place(REST)
+    placed = SKIN.place(Hand(longer * REST.joints, thicker * REST.radii))  # type: ignore[operator]
     low, high = placed.points.min(axis=0) - 1e-3, placed.points.max(axis=0) + 1e-3
     points = np.random.default_rng(2).uniform(low, high, (1_500_000, 3))
     near = np.abs(distance_to_skin(placed.capsules, points)) < 5e-4
     area = near.mean() * np.prod(high - low) / 1e-3
-    assert placed.area[SHOWN].sum() == pytest.approx(area, rel=0.015)
-    assert 0.035 < area < 0.055  # [m^2]; a hand has 2 to 2.5 % of a body's skin, some 1.8 m^2
+    shown = SKIN.exposed(placed, ALL)
+    assert placed.area[shown].sum() == pytest.approx(
+        area, rel=off
+    )  # other hands have folds elsewhere
+    if longer == thicker:  # a hand has 2 to 2.5 % of a body's skin, some 1.8 m^2
+        assert 0.035 < area < 0.055  # [m^2]
 
 
 def test_a_bent_joint_has_skin_on_its_back() -> None:
@@ -175,13 +182,28 @@ def test_the_skin_moves_continuously_as_the_hand_closes() -> None:
     assert np.abs(np.diff(steps, axis=0)).max() < 4e-3
 
 
-def test_area_stretches_with_the_bone() -> None:
-    longer = SKIN.place(Hand(2.0 * REST.joints, REST.radii))  # type: ignore[operator]
-    thicker = SKIN.place(Hand(REST.joints, 2.0 * REST.radii))
-    mantle = np.isclose(longer.area, 2.0 * SKIN.area)
-    np.testing.assert_allclose(longer.area[~mantle], SKIN.area[~mantle])
-    np.testing.assert_allclose(thicker.area, np.where(mantle, 2.0, 4.0) * SKIN.area)
-    assert 0.6 < mantle.mean() < 1.0
+def test_a_hand_twice_as_large_has_four_times_the_area() -> None:
+    larger = SKIN.place(Hand(2.0 * REST.joints, 2.0 * REST.radii))  # type: ignore[operator]
+    np.testing.assert_allclose(larger.area, 4.0 * SKIN.area)
+
+
+def test_the_skin_of_a_straight_finger_has_no_steps() -> None:
+    """Along the underside of each finger it slopes by no more than the finger tapers."""
+    joints, radii = REST.carriers, REST.radii
+    flesh = capsules(REST)
+    for knuckle in (7, 12, 17, 22):
+        s = np.linspace(0.7, 3.0, 400)  # nearer to the palm that is nearest
+        at = np.stack(
+            [np.interp(s, range(4), joints[knuckle : knuckle + 4, k]) for k in range(3)], axis=-1
+        )
+        below = at - [0.0, 0.0, 0.05]
+        height = 0.05 - distance_to_skin(flesh, below)
+        slope = np.diff(height) / np.linalg.norm(np.diff(at, axis=0), axis=1)
+        steepest = np.abs(
+            np.diff(radii[knuckle : knuckle + 4])
+            / np.linalg.norm(np.diff(joints[knuckle : knuckle + 4], axis=0), axis=1)
+        ).max()
+        assert np.abs(slope).max() < 1.1 * steepest
 
 
 @pytest.mark.parametrize("kept", [[], [0, 1, 2, 3], [1, 12], [7, 12, 22]])
@@ -301,6 +323,7 @@ def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
             [0, -58, 13, 4, 7, 14, 15],
         ]
     )  # [m]
+    ends = np.c_[ends, ends[:, 6]]
     found = closest(ends, np.zeros((1, 3)))
     on = to_capsules(ends, found.points)[0]
     assert on.min() == pytest.approx(0.0, abs=1e-9)

@@ -92,10 +92,13 @@ def touched(*objects: Any, hands: Any = (HAND,), **how: Any) -> Samples:
 def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
     """Points all over a hand's skin and their areas, by a grid on each capsule: no code of the skin's."""
     capsules = Touchable(hand).capsules
-    points, areas = [np.empty((0, 3))], [np.empty(0)]
+    points, areas, counts = [np.empty((0, 3))], [np.empty(0)], list[int]()
     for capsule in capsules:
-        a, b, r = capsule[:3], capsule[3:6], capsule[6]
-        length = float(np.linalg.norm(b - a))
+        begin = len(areas)
+        a, b, first, last = capsule[:3], capsule[3:6], capsule[6], capsule[7]
+        length, r = float(np.linalg.norm(b - a)), max(first, last)
+        lean = (first - last) / length
+        flat = np.sqrt(1.0 - lean * lean)
         z = (b - a) / length
         x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
         x /= np.linalg.norm(x)
@@ -105,16 +108,19 @@ def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
         ring = np.cos(phi)[:, None] * x + np.sin(phi)[:, None] * y
         k = max(1, round(length / step))
         for s in (np.arange(k) + 0.5) / k:
-            points.append(a + s * (b - a) + r * ring)
-            areas.append(np.full(n, 2.0 * np.pi * r * length / k / n))
+            here = first + s * (last - first)
+            points.append(a + s * (b - a) + here * (flat * ring + lean * z))
+            areas.append(np.full(n, 2.0 * np.pi * here * flat * flat * length / k / n))
         m = max(4, round(0.5 * np.pi * r / step))
-        for h in (np.arange(m) + 0.5) / m:  # equal steps of height are equal areas of a sphere
-            flat = np.sqrt(1.0 - h * h)
-            for end, up in ((a, -z), (b, z)):
-                points.append(end + r * (flat * ring + h * up))
-                areas.append(np.full(n, 2.0 * np.pi * r * r / m / n))
+        for end, up, radius, low in ((a, -z, first, -lean), (b, z, last, lean)):
+            for h in low + (1.0 - low) * (np.arange(m) + 0.5) / m:  # equal areas of a sphere
+                points.append(end + radius * (np.sqrt(1.0 - h * h) * ring + h * up))
+                areas.append(np.full(n, 2.0 * np.pi * radius**2 * (1.0 - low) / m / n))
+        counts.append(sum(map(len, areas[begin:])))
     q, area = np.concatenate(points), np.concatenate(areas)
-    free = (to_capsules(capsules, q) > -1e-9).all(axis=1)
+    away = to_capsules(capsules, q)
+    before = np.arange(len(capsules)) < np.repeat(np.arange(len(capsules)), counts)[:, None]
+    free = (away > np.where(before, 1e-9, -1e-9)).all(axis=1)  # a sphere of two bones counts once
     return q[free], area[free]
 
 
