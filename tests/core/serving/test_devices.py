@@ -173,6 +173,35 @@ def test_one_is_opened_at_a_time_and_of_those_that_wait_the_newest(bench: Bench)
     assert bench.made[1].log == ["open", "close"]
 
 
+def test_one_that_waits_for_its_first_frame_gives_way_to_one_selected_since(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.guard.next == 2
+    bench.devices.follow(selected(2, "c"))
+    bench.run()
+    assert bench.devices.results["backend 1"] == SUPERSEDED
+    bench.frame()
+    bench.run()
+    assert bench.now == "c"
+    assert bench.devices.results["backend 2"] == ""
+    assert bench.made[1].log == ["open", "close"]
+
+
+def test_one_that_is_opened_too_late_never_waits_for_a_frame(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.devices.follow(selected(2, "c"))  # while b opens
+    bench.waiting.pop(0)()
+    bench.devices.poll()
+    assert bench.guard.next == 0
+    assert bench.devices.results["backend 1"] == SUPERSEDED
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+    assert [device.called for device in bench.made] == ["a", "b", "c"]
+
+
 @pytest.mark.parametrize("opens", [True, False])
 @pytest.mark.parametrize("newer", [True, False])
 def test_a_reset_waits_for_what_is_being_opened(bench: Bench, opens: bool, newer: bool) -> None:

@@ -30,8 +30,8 @@ def add_surround(
 ) -> Samples:
     """Add silent samples on the skin beside the regions that touch it.
 
-    At most a third of the samples that press, or 24, evenly spread. centre: of the array, (3,) [m]; skin that faces away from
-    it has none. resolved: by the array, there [m]. most: silent samples at most.
+    At most a third of the samples that press, or 24, evenly spread. centre: of the array, (3,) [m]; skin that faces
+    away from it has none. resolved: by the array, there [m]. most: silent samples at most.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
     most = min(most, max(FEW, int(SHARE * len(of))))
