@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 NONE = np.empty((0, 3))
+ABOVE = 1.5  # times the most that presses on what is marked: there colours end
 LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
 TALLEST = 5.0  # [inch]
 FLAT = 1.5  # width over height, from which a colour bar is below
@@ -80,7 +81,8 @@ def slices(
     both = crossed(array, gains, q, medium)
     narrow = both[1][0].ratio
     page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
-    draw_both(page, array, page.subplots(1, 2, width_ratios=[1.0, narrow]), both, q, medium)
+    axes = page.subplots(1, 2, width_ratios=[1.0, narrow])
+    draw_both(page, array, gains, axes, both, q, medium)
     if title:
         page.suptitle(title)
     return page
@@ -102,16 +104,22 @@ def crossed(
 def draw_both(
     page: Any,
     array: Array,
+    gains: ArrayLike,
     panels: Sequence[Panel],
     both: Sequence[tuple[Plane, Floats]],
     points: Floats,
     medium: Air,
 ) -> None:
-    """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m]."""
+    """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m].
+
+    Where there are points, colours end not far above what presses there: a wave may be far stronger behind a surface.
+    """
     image, radiation = None, QUANTITIES["radiation"]
-    tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
+    ends = max(limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both)
+    if len(points) and (felt := values(array, gains, points, medium, "radiation").max()) > 0.0:
+        ends = ends[0], min(ends[1], ABOVE * float(felt))
     for panel, (plane, P) in zip(panels, both, strict=True):
-        image = draw(panel, plane, P, "radiation", max(tops))
+        image = draw(panel, plane, P, "radiation", ends)
         mark(panel, points[:, :2] if plane.axes == (0, 1) else plane.near(points), radiation.marks)
     if len(points):
         panels[0].legend(loc="upper right", framealpha=0.5)

@@ -63,7 +63,7 @@ def scene(
     upper, lower = parts
     views = _views(upper, array, scene, samples, t)
     panels = lower.subplots(1, 2, width_ratios=[1.0, narrow])
-    draw_both(lower, array, panels, both, samples.positions, medium)
+    draw_both(lower, array, gains, panels, both, samples.positions, medium)
     for panel, (plane, _) in zip(panels, both, strict=True):
         _outlines(panel, plane, scene, t)
     if title:
