@@ -160,11 +160,14 @@ def gather(
             a_high += a * normal[k]
             e_high += e * normal[k]
             far = max(far, abs(capsules[c, k] - origin[k]))
+        grows = capsules[c, 7] - capsules[c, 6]
+        high = a_high + max(e_high + grows, 0.0)
+        if far >= FAR or not (free or high + capsules[c, 6] > slack):
+            continue
         _, _, _, away, radius, t = from_axis(capsules, c, q[0], q[1], q[2])
         r = capsules[c, 6] - max(radius - away, 0.0)
-        grows = capsules[c, 7] - capsules[c, 6]
         near[6, found], near[7, found], near[8, found] = f4(r), f4(grows), f4(t)
-        if far < FAR and (free or a_high + max(e_high + grows, 0.0) + r > slack):
+        if free or high + r > slack:
             found += 1
     return found
 
