@@ -10,6 +10,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose
+from pacinian.scene.hands.capsules import capsules, distance_to_skin
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Point, Surface, Volume
@@ -36,6 +37,7 @@ BUMPS = 0.08  # of its radius, on a stone
 NEAR = (0.0, 0.0, HEIGHT - 0.007), (-0.026, 0.06, HEIGHT), (0.024, 0.06, HEIGHT)  # [m]
 AWAY = 0.2  # [m] in x or y: out of the hand's reach
 DROPS, BOTTOM, FALL, SPLASH = 40, 0.03, 0.3, 0.05  # [m] above the array; [s]
+INTO = 1e-4  # [m] by which a drop goes into the skin
 
 
 def _tracked(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
@@ -58,7 +60,7 @@ def static_focus(t: float) -> Scene:
 def sliding_ball(t: float) -> Scene:
     """A ball of 3 cm that rolls to and fro below a still hand."""
     x, v = _swing(t, 0.03)
-    pose, motion = Pose((x, 0.02, HEIGHT - 0.01)), Motion((v, 0.0, 0.0), time=t)
+    pose, motion = Pose((x, -0.01, HEIGHT - 0.012)), Motion((v, 0.0, 0.0), time=t)
     return Scene((replace(_ball(), pose=pose, motion=motion),), hands=(HAND,))
 
 
@@ -216,10 +218,10 @@ def _circle() -> Scene:
 @functools.lru_cache(maxsize=int(TRACKED))
 def _drops(update: int) -> Scene:
     """The drops at one of the updates of a second: each rises, stays at the skin for a moment, starts again."""
-    places, begun = _clouds()
+    places, tops, begun = _clouds()
     age = (update / TRACKED - begun) % 1.0  # [s]
     z = np.where(
-        age < FALL + SPLASH, BOTTOM + (HEIGHT - BOTTOM) * np.minimum(age / FALL, 1.0), BOTTOM
+        age < FALL + SPLASH, BOTTOM + (tops - BOTTOM) * np.minimum(age / FALL, 1.0), BOTTOM
     )
     at = np.column_stack([places, z])
     drops = Particles(positions=at, radiation_pressure=20.0, name="drops")  # type: ignore[arg-type]
@@ -227,7 +229,11 @@ def _drops(update: int) -> Scene:
 
 
 @functools.cache
-def _clouds() -> tuple[Floats, Floats]:
-    """Where under the hand each drop rises, (40, 2) [m], and when in each second, (40,) [s]."""
-    rng = np.random.default_rng(1)
-    return rng.uniform([-0.03, -0.03], [0.03, 0.04], (DROPS, 2)), np.arange(DROPS) / DROPS
+def _clouds() -> tuple[Floats, Floats, Floats]:
+    """Where under the hand each drop rises, (40, 2), how far, (40,) [m], and when in each second, (40,) [s]."""
+    rng, flesh = np.random.default_rng(1), capsules(HAND)
+    places = rng.uniform([-0.03, -0.03], [0.025, 0.025], (DROPS, 2))
+    tops = np.full(DROPS, BOTTOM)
+    while (away := distance_to_skin(flesh, np.column_stack([places, tops]))).max() > INTO:
+        tops += np.maximum(away, INTO)
+    return places, tops + INTO, np.arange(DROPS) / DROPS

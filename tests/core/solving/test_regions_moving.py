@@ -143,7 +143,7 @@ def test_two_surfaces_that_slide_over_one_another(array: pc.Array, P: float) -> 
 
 
 HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, HEIGHT)))
-PALM = np.array([0.0, 0.04, 0.175])  # below it [m]
+PALM = np.array([0.0, 0.0, 0.175])  # below it [m]
 
 
 def balls(P: float) -> Callable[[float], pc.Scene]:
