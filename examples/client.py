@@ -6,7 +6,7 @@ import time
 import pacinian as pc
 
 RATE, SECONDS = 90.0, 5.0  # [Hz] of the game, [s]
-HAND = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker gives pc.Hand(joints, ...)
 BALL = pc.Volume(
     shape=pc.Sphere(0.03),
     pose=pc.Pose((0.0, 0.0, 0.175)),

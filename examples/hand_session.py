@@ -18,7 +18,7 @@ ball = pc.Volume(
     envelope=pc.Sine(150.0),
     name="ball",
 )
-REST = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker gives pc.Hand(joints, ...)
 
 
 def session(t: float) -> pc.Scene:

@@ -8,7 +8,7 @@ import pacinian as pc
 
 RATE, SECONDS = 120.0, 2.0  # [Hz] of the game, [s]
 SHAKE = pc.Sine(150.0)
-REST = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker gives pc.Hand(joints, ...)
 
 
 def swing(t: float, width: float) -> tuple[float, float]:

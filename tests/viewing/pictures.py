@@ -31,7 +31,7 @@ SIZE = 1280, 800  # [px]
 COLOURS = 256
 LEGENDS = (894, 123, 12, 200), (30, 540, 70, 70)  # [px]: left, top, width, height of bar and wheel
 SETTLED = 12_000  # [ms]
-HAND = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))
+HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))
 BALL = pc.Volume(
     name="ball", shape=pc.Sphere(0.03), pose=pc.Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0
 )

@@ -119,7 +119,7 @@ def play(game: Client, seconds: float) -> list[State]:
     while now < begin + seconds:
         x = 0.02 * ((now % 2.0) - 1.0)
         try:
-            game.hands(Hand.open("right", Pose((x, -0.03, 0.215))), wait=False)
+            game.hands(Hand.open("right", Pose((x, 0.0, 0.215))), wait=False)
             game.renew()
             if now - begin >= len(found) + 1.0:
                 found.append(game.status())
