@@ -203,10 +203,17 @@ def test_the_surface_is_where_the_field_is_so_strong(
         shown.until(lambda: shown.get("slice && Math.max(...pacinian.slice.pressure) > 1"))
         shown.page.check("#surface-on")
         shown.until(lambda: shown.get("surface.triangles") > 20)
-        shown.page.fill("#level", "6")  # of what the scale goes up to, which may still rise
-        triangles = shown.get("surface.triangles")
-        shown.page.fill("#level", "30")
-        shown.until(lambda: 1.5 * shown.get("surface.triangles") < triangles)
+        counts: dict[str, int] = {}
+
+        def grows() -> bool:
+            """Whether it is larger at a lower level, once field, scale and surface are all of now."""
+            for level in ("30", "6"):
+                shown.page.fill("#level", level)
+                shown.page.wait_for_timeout(200)
+                counts[level] = shown.get("surface.triangles")
+            return counts["6"] > 1.5 * counts["30"] > 30
+
+        shown.until(grows)
         shown.page.uncheck("#surface-on")
         shown.until(lambda: shown.get("surface.triangles") == 0)
 

@@ -35,7 +35,7 @@ def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
 def picture(array: Array, name: str) -> Figure:
     """A built-in scene, what is felt of it, and the field. Raises what went wrong in a tick."""
     at, clock = SCENES[name], ManualClock()
-    emitted, felt, t = [], [nothing()], 0.0
+    emitted, sounding, felt, t = [], [], [nothing()], 0.0
     with Renderer(array, at, governed=False, clock=clock) as renderer:
         for tick in range(TICKS):
             t = clock.time = tick * renderer.period
@@ -44,8 +44,11 @@ def picture(array: Array, name: str) -> Figure:
                 raise fault.error
             emitted.append(renderer.emitted)
             felt.append(renderer.samples or felt[-1])
+            sounding.append(renderer.sounding)
     scene = at(t)
-    last = 1 if all(item.technique.still for item in scene.objects) else TURN
-    samples, gains = joined(felt[-last:]), np.array(emitted[-last:])
+    if all(item.technique.still for item in scene.objects):
+        samples, gains = felt[-1], sounding[-1]
+    else:
+        samples, gains = joined(felt[-TURN:]), np.array(emitted[-TURN:])
     title = f"{name}: {at.__doc__}".rstrip(".")
     return plot.scene(array, scene, samples, gains, t=t, title=title)

@@ -135,7 +135,7 @@ def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
 
 def _line(panel: Panel, plane: Plane, d: Floats, colour: str, style: str) -> None:
     """Draw where d, (GRID * GRID,) [m], is 0."""
-    if np.nanmin(d) < 0.0 < np.nanmax(d):
+    if (d < 0.0).any() and (d > 0.0).any():
         panel.contour(
             1e3 * plane.u, 1e3 * plane.v, d.reshape(len(plane.v), len(plane.u)), [0.0],
             colors=colour, linestyles=style, linewidths=0.9,
