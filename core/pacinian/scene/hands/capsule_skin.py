@@ -270,11 +270,11 @@ def _place(
     for k in range(bone.size):
         c, s = bone[k], along[k]
         F, u = frames[c], ahead[c]
-        first, last = capsules[c, 6], capsules[c, 7]
-        lean, share = _tilted(axial[k], s, first, last, now[c])
-        if now[c] <= abs(first - last) > 0.0:  # one sphere holds the other
+        first, last, long = capsules[c, 6], capsules[c, 7], float(now[c])
+        lean, share = _tilted(axial[k], s, first, last, long)
+        _, rest = _tilted(axial[k], s, radii[c, 0], radii[c, 1], float(length[c]))
+        if long <= abs(first - last) > 0.0:  # one sphere holds the other
             s = 0.0 if first > last else 1.0
-        _, rest = _tilted(axial[k], s, radii[c, 0], radii[c, 1], length[c])
         aside = np.sqrt(max(1.0 - lean * lean, 0.0))
         x, y, z = aside * sides[k, 0], aside * sides[k, 1], aside * sides[k, 2]
         nx = mirror * (lean * u[0] + F[0, 0] * x + F[0, 1] * y + F[0, 2] * z)
