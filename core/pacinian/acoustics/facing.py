@@ -144,9 +144,8 @@ class Facing:
                 capsule[7] - capsule[6],
             )
             w = (points - a)[:, None]  # (M, 1, 3) [m]
-            inside = np.maximum(_depth(w[:, 0], e, r, grows), 0.0)[:, None]
-            away, t = _clearance(w, d, e)
-            deep = (r + t * grows - inside - away) / self.edge
+            inside = np.maximum(_depth(w, np.zeros_like(w), e, r, grows), 0.0)
+            deep = (_depth(w, d, e, r, grows) - inside) / self.edge
             s *= smoothstep(1.0 - deep)
         return s
 
@@ -167,26 +166,31 @@ def smoothstep(x: Floats) -> Floats:
     return x * x * (3.0 - 2.0 * x)
 
 
-def _depth(w: Floats, e: Floats, r: float, grows: float) -> Floats:
-    """How deep points w, (M, 3), are in the capsule along e from the origin, (M,) [m]: as `tapered.from_axis`."""
-    ee = float(e @ e)
-    t = np.full(len(w), float(grows > 0.0))
-    if ee > grows * grows:
-        t = w @ e / ee
-        across = np.linalg.norm(w - t[:, None] * e, axis=1)
-        t = np.clip(t + grows * across / np.sqrt(ee * (ee - grows * grows)), 0.0, 1.0)
-    return np.asarray(r + t * grows - np.linalg.norm(w - t[:, None] * e, axis=1))
+def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
+    """How deep the ways w + s d, 0 <= s <= 1, go into the capsule along e from the origin [m]; negative outside.
 
-
-def _clearance(w: Floats, d: Floats, e: Floats) -> tuple[Floats, Floats]:
-    """Distance [m] of the segments w + s d and t e, 0 <= s, t <= 1, (M, N), for w (M, 1, 3), d (M, N, 3); and t.
-
-    C. Ericson, Real-Time Collision Detection (2005), section 5.1.9.
+    The most of r + t grows less the distance of t e, 0 <= t <= 1, for w (M, 1, 3), d (M, N, 3): (M, N). As for
+    `tapered.from_axis`, with e less its part along the way; where the way would be deepest before it begins, or
+    after it ends, its end is deepest.
     """
-    dd, ee, de = (d * d).sum(axis=2), e @ e, d @ e
-    dw, we = (d * w).sum(axis=2), w @ e
-    s = np.clip((de * we - ee * dw) / np.maximum(dd * ee - de * de, TINY), 0.0, 1.0)
-    t = np.clip((de * s + we) / max(ee, TINY), 0.0, 1.0)
-    s = np.clip((de * t - dw) / np.maximum(dd, TINY), 0.0, 1.0)
+    dd, de, dw, we = (d * d).sum(axis=2), d @ e, (d * w).sum(axis=2), w @ e
+    inverse = 1.0 / np.maximum(dd, TINY)
+
+    def along(across: Floats, t: Floats, s: Floats) -> Floats:
+        """Where on the axis, if it is nearest at t to s on the way, and `across` is |e|^2 less that part."""
+        gap = w + s[..., None] * d - t[..., None] * e
+        sum_ = np.sqrt((gap * gap).sum(axis=2)) / np.sqrt(
+            np.maximum(across * (across - grows * grows), TINY)
+        )
+        return np.asarray(np.clip(t + grows * sum_, 0.0, 1.0))
+
+    across = np.maximum(e @ e - de * de * inverse, TINY)
+    t = (we - de * dw * inverse) / across
+    t = along(across, t, (t * de - dw) * inverse)
+    free = (t * de - dw) * inverse
+    s = np.clip(free, 0.0, 1.0)
+    held = (we + s * de) / max(e @ e, TINY)
+    t = np.where(free == s, t, along(np.full_like(t, e @ e), held, s))
+    s = np.clip((t * de - dw) * inverse, 0.0, 1.0)
     gap = w + s[..., None] * d - t[..., None] * e
-    return np.asarray(np.sqrt((gap * gap).sum(axis=2))), np.asarray(t)
+    return np.asarray(r + t * grows - np.sqrt((gap * gap).sum(axis=2)))

@@ -70,27 +70,61 @@ def aim(q: Singles, r: Singles, first: int, count: int, tile: Singles) -> None:
 
 
 @compiled(numba.void(TABLE, numba.int64, numba.float32, TABLE, SOME))
+def _shade_ends(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) -> None:
+    """The same for transducers in or before a capsule, where the way is deepest."""
+    a, e, grows = near[0:3, c], near[3:6, c], near[7, c]
+    ee, ae = np.sum(e * e) + NEAREST, np.sum(a * e)
+    for i in range(w.size):
+        r, along = tile[0, i], tile[1:4, i]
+        eu, au = np.sum(e * along), np.sum(a * along)
+        square = max(ee - eu * eu, PARALLEL * ee)
+        t = (eu * au - ae) / square
+        gap = a + t * e - (au + eu * t) * along
+        room = square * max(square - grows * grows, f4(0.0)) + NEAREST
+        t = min(max(t + grows * np.sqrt(np.sum(gap * gap)) / np.sqrt(room), f4(0.0)), f4(1.0))
+        if au + eu * t <= r:
+            continue
+        t = (eu * r - ae) / ee
+        gap = a + t * e - r * along
+        room = ee * max(ee - grows * grows, f4(0.0)) + NEAREST
+        t = min(max(t + grows * np.sqrt(np.sum(gap * gap)) / np.sqrt(room), f4(0.0)), f4(1.0))
+        gap = a + t * e - r * along
+        u = f4(1.0) + (np.sqrt(np.sum(gap * gap)) - (near[6, c] + t * grows)) / edge
+        u = min(max(u, f4(0.0)), f4(1.0))
+        w[i] *= u * u * (f4(3.0) - f4(2.0) * u)
+
+
+@compiled(numba.void(TABLE, numba.int64, numba.float32, TABLE, SOME))
 def shade(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) -> None:
-    """Multiply weights by what a capsule lets through."""
-    ax, ay, az, ex, ey, ez, radius, grows = (
-        near[0, c], near[1, c], near[2, c], near[3, c], near[4, c], near[5, c], near[6, c], near[7, c],
+    """Multiply weights by what a capsule lets through: see `facing._depth`."""
+    ax, ay, az, ex, ey, ez, radius, grows, nearest = (
+        near[0, c], near[1, c], near[2, c], near[3, c], near[4, c], near[5, c], near[6, c], near[7, c], near[8, c],
     )  # fmt: skip
     away, ux, uy, uz = tile[0], tile[1], tile[2], tile[3]
     ee = ex * ex + ey * ey + ez * ez + NEAREST
     ae = ax * ex + ay * ey + az * ez
-    short, sharp = f4(1.0) / ee, f4(1.0) / edge
+    sharp, least = f4(1.0) / edge, PARALLEL * ee
     for i in range(w.size):
         eu = ex * ux[i] + ey * uy[i] + ez * uz[i]
         au = ax * ux[i] + ay * uy[i] + az * uz[i]
-        square = max(ee - eu * eu, PARALLEL * ee)
-        s = (ee * au - ae * eu) / square  # where the lines are nearest [m]
-        s = min(max(s, f4(0.0)), away[i])
-        t = min(max((eu * s - ae) * short, f4(0.0)), f4(1.0))
-        s = min(max(au + eu * t, f4(0.0)), away[i])
+        square = max(ee - eu * eu, least)
+        t = (eu * au - ae) / square  # where the lines are nearest
+        s = au + eu * t
+        x, y, z = ax + t * ex - s * ux[i], ay + t * ey - s * uy[i], az + t * ez - s * uz[i]
+        gap = np.sqrt(x * x + y * y + z * z)  # and where the way is deepest
+        t += grows * gap / np.sqrt(square * max(square - grows * grows, f4(0.0)) + NEAREST)
+        t = min(max(t, f4(0.0)), f4(1.0))
+        t = t if au + eu * t > f4(0.0) else nearest  # deepest at the sample
+        s = max(au + eu * t, f4(0.0))
         x, y, z = ax + t * ex - s * ux[i], ay + t * ey - s * uy[i], az + t * ez - s * uz[i]
         u = f4(1.0) + (np.sqrt(x * x + y * y + z * z) - (radius + t * grows)) * sharp
         u = min(max(u, f4(0.0)), f4(1.0))
+        u = u if s <= away[i] else f4(1.0)  # deepest at the transducer: below
         w[i] *= u * u * (f4(3.0) - f4(2.0) * u)
+    aa = ax * ax + ay * ay + az * az
+    shortest = np.min(away[: w.size])
+    if max(aa, aa + f4(2.0) * ae + ee) >= shortest * shortest:
+        _shade_ends(near, c, edge, tile, w)
 
 
 @compiled("f4(f4, f4, f4)")

@@ -50,37 +50,29 @@ def on_skin(rng: np.random.Generator, hand: np.ndarray, count: int) -> tuple[np.
     return q, n
 
 
-def from_axis(points: np.ndarray, rod: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distance of points (..., 3) from a capsule's axis, and the radius where they are nearest [m]."""
-    a, e = rod[:3], rod[3:6] - rod[:3]
-    t = np.clip((points - a) @ e / max(e @ e, 1e-30), 0.0, 1.0)
-    away = np.linalg.norm(points - a - t[..., None] * e, axis=-1)
-    return np.asarray(away), rod[6] + t * (rod[7] - rod[6])
-
-
-def depth(q: np.ndarray, rod: np.ndarray) -> float:
-    """How deep a point is in a capsule, a union of spheres [m]."""
+def depth(q: np.ndarray, r: np.ndarray, rod: np.ndarray) -> float:
+    """How deep the way from q to r goes into a capsule, a union of spheres [m]."""
     s = np.linspace(0.0, 1.0, 20_001)
     middles = rod[:3] + s[:, None] * (rod[3:6] - rod[:3])
-    return float((rod[6] + s * (rod[7] - rod[6]) - np.linalg.norm(q - middles, axis=1)).max())
+    way = r - q
+    t = np.clip((middles - q) @ way / max(way @ way, 1e-30), 0.0, 1.0)
+    away = np.linalg.norm(q + t[:, None] * way - middles, axis=1)
+    return float((rod[6] + s * (rod[7] - rod[6]) - away).max())
 
 
 def passing(q: np.ndarray, r: np.ndarray, hand: np.ndarray, edge: float) -> float:
-    """What passes the hand from r to q, by walking along the way."""
-    way = q + np.linspace(0.0, 1.0, 20_001)[:, None] * (r - q)
+    """What passes the hand from r to q, by walking along each capsule's axis."""
     share = 1.0
     for rod in hand:
-        away, radius = from_axis(way, rod)
-        nearest = away.argmin()
-        surface = radius[nearest] - max(0.0, depth(q, rod))
-        x = np.clip(1.0 - (surface - away[nearest]) / edge, 0.0, 1.0)
+        deep = depth(q, r, rod) - max(0.0, depth(q, q, rod))
+        x = np.clip(1.0 - deep / edge, 0.0, 1.0)
         share *= x * x * (3.0 - 2.0 * x)
     return share
 
 
 @given(seeds)
 @settings(max_examples=30)
-def test_weights_are_those_of_a_walk_along_each_way(seed: int) -> None:
+def test_weights_are_those_of_a_walk_along_each_capsule(seed: int) -> None:
     rng = np.random.default_rng(seed)
     hand, q = rods(rng, 3), rng.uniform(-0.08, 0.08, (2, 3))
     n, r = directions(rng, 2), rng.uniform(-0.3, 0.3, (4, 3))

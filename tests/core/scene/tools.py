@@ -47,7 +47,7 @@ def to_capsules(capsules: Floats, points: Floats) -> Floats:
         return np.sqrt(np.maximum(square, 0.0)) - capsules[:, 6] - s * grows
 
     low, high = np.zeros_like(wa), np.ones_like(wa)
-    for _ in range(70):
+    for _ in range(45):  # what is left of s counts squared
         third = (high - low) / 3.0
         left = away(low + third) < away(high - third)
         low, high = np.where(left, low, low + third), np.where(left, high - third, high)
