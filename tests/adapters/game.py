@@ -96,7 +96,11 @@ class Game:
             status.update(self.status())
             return wanted(status)
 
-        eventually(stands)
+        try:
+            eventually(stands)
+        except AssertionError as late:
+            unasked = [told for told in self.told if "event" in told]
+            raise AssertionError(f"{late}: {status}, after {unasked[-5:]}") from None
         return status
 
     def sounding(self, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
@@ -200,12 +204,17 @@ def wait_until_free(server: Server) -> None:
 
 
 def wait_for_silence(server: Server, since: float, log: Log | None = None) -> None:
-    """Wait until the device was silent after `since` [s], of `time.perf_counter`. log: of its other device."""
+    """Wait until the device, which has sounded, was silent after `since` [s], of `time.perf_counter`.
+
+    It may have been silent before, where a busy machine kept its game waiting. log: of its other device.
+    """
     log = log or server.log
 
     def is_silent() -> bool:
         events = log.read(max(0, log.count - 10_000))
-        return bool(((events["time"] > since) & (events["sounds"] == 0)).any())
+        assert events["sounds"].any(), "it has never sounded"
+        ends = events["sounds"] == 0
+        return bool(ends[-1] or (ends & (events["time"] > since)).any())
 
     eventually(is_silent)
 

@@ -109,7 +109,7 @@ def test_a_stop_from_a_game_without_a_session(
     player.do("stop")
     player.do("reset")  # after the stop, however slow that is
     player.do("arm")
-    player.until(lambda s: s["output"] == "sounding")
+    player.until(lambda s: s["armed"] and s["output"] == "sounding")
 
 
 def test_a_server_that_is_killed_and_started_again(real: Server, player: Game) -> None:

@@ -55,8 +55,8 @@ void Worker::run() {
 
 void Worker::speak(double now) {
   dialogue_.tick(mailbox_.ticked());
-  dialogue_.hold_resets(stopper_.busy());
   mailbox_.take(outbox_, requests_);
+  dialogue_.hold_resets(stopper_.busy());  // after take: a stop called before a reset that it took is busy
   for (Request& request : requests_) dialogue_.ask(std::move(request), now);
   requests_.clear();
   control_full_ = command_full_ = false;
