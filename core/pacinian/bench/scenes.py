@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from statistics import median
@@ -100,7 +101,8 @@ class Look:
 class Run:
     """A scene on a renderer beside a dummy loop, for `seconds` [s], with looks at some of the ticks.
 
-    Its updates are made ahead, as a tracker's or a game's thread would: making them is no part of a tick.
+    Its updates are made ahead, as a tracker's or a game's thread would: making them is no part of a tick, but where the
+    loop is later than SPARE.
     rate: of the ticks [Hz].
     """
 
@@ -108,9 +110,10 @@ class Run:
         self, array: Array, scene: Callable[[float], Scene], seconds: float, rate: float = RATE
     ) -> None:
         self.looks: list[Look] = []
-        count = math.ceil((2.0 * seconds + SPARE) * TRACKED)
-        self._updates = [scene((k + 0.5) / TRACKED) for k in range(count)]
-        self._now = 0.0, self._updates[0]
+        self._scene = functools.cache(lambda k: scene((k + 0.5) / TRACKED))
+        for k in range(math.ceil((2.0 * seconds + SPARE) * TRACKED)):
+            self._scene(k)
+        self._now = 0.0, self._scene(0)
         device = registry.backend("simulated", rate=RATE)
         self.renderer = Renderer(array, self._at, backend=device, rate=rate)
         self._gap = max(1, round(seconds * rate / LOOKS))  # ticks from look to look
@@ -123,7 +126,7 @@ class Run:
             raise fault.error
 
     def _at(self, t: float) -> Scene:
-        self._now = t, self._updates[min(int(t * TRACKED), len(self._updates) - 1)]
+        self._now = t, self._scene(int(t * TRACKED))
         return self._now[1]
 
     def _look(self, report: Report) -> None:

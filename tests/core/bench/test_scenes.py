@@ -99,6 +99,15 @@ def test_the_error_is_that_of_the_session_for_what_the_device_makes() -> None:
         assert error > 0.0
 
 
+def test_a_loop_however_late_is_given_the_scene_of_its_time() -> None:
+    """The last update that was made ahead would be too old: its hand would be lost, and all silent."""
+    found = run(gallery.SCENES["palm"])
+    for t in (0.5, 100.0, 3000.0):
+        (hand,) = found._at(t).hands
+        assert hand.time is not None
+        assert 0.0 <= t - hand.time < 1.01 / gallery.TRACKED
+
+
 def test_nothing_is_left_out_where_all_can_be_given() -> None:
     row = run(pc.Scene((POINT,)), seconds=0.2).row("point")  # longer than the ramp
     assert row.left_out == pytest.approx(0.0, abs=0.1)
