@@ -31,7 +31,7 @@ BUTTON = Surface(
 
 
 def circling(t: float) -> Scene:
-    """The scene at time t [s]: 17 samples on the ball and 3 on the button, both trembling."""
+    """The scene at time t [s], both trembling."""
     phi = 2.0 * math.pi * t / TURN
     at = Pose((ORBIT * math.cos(phi), ORBIT * math.sin(phi), HEIGHT))
     return Scene((replace(BALL, pose=at), BUTTON))

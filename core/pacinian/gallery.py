@@ -235,5 +235,5 @@ def _clouds() -> tuple[Floats, Floats, Floats]:
     places = rng.uniform([-0.03, -0.03], [0.025, 0.025], (DROPS, 2))
     tops = np.full(DROPS, BOTTOM)
     while (away := distance_to_skin(flesh, np.column_stack([places, tops]))).max() > INTO:
-        tops += np.maximum(away, INTO)
+        tops += np.maximum(away, 0.0)
     return places, tops + INTO, np.arange(DROPS) / DROPS

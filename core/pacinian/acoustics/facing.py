@@ -137,13 +137,8 @@ class Facing:
         d = positions - points[:, None]  # (M, N, 3) [m]
         s = np.ones(d.shape[:2])
         for capsule in self.capsules:
-            a, e, r, grows = (
-                capsule[:3],
-                capsule[3:6] - capsule[:3],
-                capsule[6],
-                capsule[7] - capsule[6],
-            )
-            w = (points - a)[:, None]  # (M, 1, 3) [m]
+            a, b, r, grows = capsule[:3], capsule[3:6], capsule[6], capsule[7] - capsule[6]
+            w, e = (points - a)[:, None], b - a  # (M, 1, 3), (3,) [m]
             inside = np.maximum(_depth(w, np.zeros_like(w), e, r, grows), 0.0)
             deep = (_depth(w, d, e, r, grows) - inside) / self.edge
             s *= smoothstep(1.0 - deep)
@@ -173,24 +168,28 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
     `tapered.from_axis`, with e less its part along the way; where the way would be deepest before it begins, or
     after it ends, its end is deepest.
     """
-    dd, de, dw, we = (d * d).sum(axis=2), d @ e, (d * w).sum(axis=2), w @ e
+    ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e
+    dw, we = (d * w).sum(axis=2), w @ e
     inverse = 1.0 / np.maximum(dd, TINY)
 
-    def along(across: Floats, t: Floats, s: Floats) -> Floats:
-        """Where on the axis, if it is nearest at t to s on the way, and `across` is |e|^2 less that part."""
-        gap = w + s[..., None] * d - t[..., None] * e
-        sum_ = np.sqrt((gap * gap).sum(axis=2)) / np.sqrt(
-            np.maximum(across * (across - grows * grows), TINY)
-        )
-        return np.asarray(np.clip(t + grows * sum_, 0.0, 1.0))
+    def along(t: Floats) -> Floats:
+        """Where on the way it is nearest to t e, if the way went on."""
+        return np.asarray((t * de - dw) * inverse)
 
-    across = np.maximum(e @ e - de * de * inverse, TINY)
+    def away(t: Floats, s: Floats) -> Floats:
+        """How far t e is from w + s d."""
+        gap = w + s[..., None] * d - t[..., None] * e
+        return np.asarray(np.sqrt((gap * gap).sum(axis=2)))
+
+    def deepest(t: Floats, s: Floats, across: Floats) -> Floats:
+        """Where on the axis it is, if t e is nearest to w + s d. across: |e|^2 less its part along the way."""
+        room = np.maximum(across * (across - grows * grows), TINY)
+        return np.clip(t + grows * away(t, s) / np.sqrt(room), 0.0, 1.0)
+
+    across = np.maximum(ee - de * de * inverse, TINY)
     t = (we - de * dw * inverse) / across
-    t = along(across, t, (t * de - dw) * inverse)
-    free = (t * de - dw) * inverse
-    s = np.clip(free, 0.0, 1.0)
-    held = (we + s * de) / max(e @ e, TINY)
-    t = np.where(free == s, t, along(np.full_like(t, e @ e), held, s))
-    s = np.clip((t * de - dw) * inverse, 0.0, 1.0)
-    gap = w + s[..., None] * d - t[..., None] * e
-    return np.asarray(r + t * grows - np.sqrt((gap * gap).sum(axis=2)))
+    t = deepest(t, along(t), across)
+    s = np.clip(along(t), 0.0, 1.0)  # an end of the way is a point: all of e is across
+    at_end = deepest((we + s * de) / max(ee, TINY), s, np.full_like(t, ee))
+    t = np.where(along(t) == s, t, at_end)
+    return np.asarray(r + t * grows - away(t, np.clip(along(t), 0.0, 1.0)))

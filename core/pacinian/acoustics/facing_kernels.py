@@ -69,29 +69,38 @@ def aim(q: Singles, r: Singles, first: int, count: int, tile: Singles) -> None:
             u[i] = (rx[i] - x) / away[i]
 
 
+@compiled("f4(f4, f4, f4, f4)")
+def _deepest(t: np.float32, gap: np.float32, across: np.float32, grows: np.float32) -> np.float32:
+    """Where on an axis a way is deepest, if it is nearest at t, `gap` away: as in `facing._depth`."""
+    room = across * max(across - grows * grows, f4(0.0)) + NEAREST
+    return min(max(t + grows * gap / np.sqrt(room), f4(0.0)), f4(1.0))
+
+
+@compiled("f4(f4, f4)")
+def _passing(deep: np.float32, sharp: np.float32) -> np.float32:
+    """What passes a capsule so deep [m]. sharp: one over the edge [1/m]."""
+    u = min(max(f4(1.0) - deep * sharp, f4(0.0)), f4(1.0))
+    return u * u * (f4(3.0) - f4(2.0) * u)
+
+
 @compiled(numba.void(TABLE, numba.int64, numba.float32, TABLE, SOME))
-def _shade_ends(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) -> None:
-    """The same for transducers in or before a capsule, where the way is deepest."""
+def _shade_ends(near: Singles, c: int, sharp: np.float32, tile: Singles, w: Singles) -> None:
+    """Multiply weights by what a capsule lets through to transducers in it or before it: there the way is deepest."""
     a, e, grows = near[0:3, c], near[3:6, c], near[7, c]
     ee, ae = np.sum(e * e) + NEAREST, np.sum(a * e)
     for i in range(w.size):
-        r, along = tile[0, i], tile[1:4, i]
-        eu, au = np.sum(e * along), np.sum(a * along)
-        square = max(ee - eu * eu, PARALLEL * ee)
-        t = (eu * au - ae) / square
-        gap = a + t * e - (au + eu * t) * along
-        room = square * max(square - grows * grows, f4(0.0)) + NEAREST
-        t = min(max(t + grows * np.sqrt(np.sum(gap * gap)) / np.sqrt(room), f4(0.0)), f4(1.0))
-        if au + eu * t <= r:
-            continue
-        t = (eu * r - ae) / ee
-        gap = a + t * e - r * along
-        room = ee * max(ee - grows * grows, f4(0.0)) + NEAREST
-        t = min(max(t + grows * np.sqrt(np.sum(gap * gap)) / np.sqrt(room), f4(0.0)), f4(1.0))
-        gap = a + t * e - r * along
-        u = f4(1.0) + (np.sqrt(np.sum(gap * gap)) - (near[6, c] + t * grows)) / edge
-        u = min(max(u, f4(0.0)), f4(1.0))
-        w[i] *= u * u * (f4(3.0) - f4(2.0) * u)
+        end, u = tile[0, i], tile[1:4, i]
+        eu, au = np.sum(e * u), np.sum(a * u)
+        across = max(ee - eu * eu, PARALLEL * ee)
+        t = (eu * au - ae) / across
+        gap = a + t * e - (au + eu * t) * u
+        t = _deepest(t, np.sqrt(np.sum(gap * gap)), across, grows)
+        if au + eu * t > end:
+            t = (eu * end - ae) / ee
+            gap = a + t * e - end * u
+            t = _deepest(t, np.sqrt(np.sum(gap * gap)), ee, grows)
+            gap = a + t * e - end * u
+            w[i] *= _passing(near[6, c] + t * grows - np.sqrt(np.sum(gap * gap)), sharp)
 
 
 @compiled(numba.void(TABLE, numba.int64, numba.float32, TABLE, SOME))
@@ -107,24 +116,19 @@ def shade(near: Singles, c: int, edge: np.float32, tile: Singles, w: Singles) ->
     for i in range(w.size):
         eu = ex * ux[i] + ey * uy[i] + ez * uz[i]
         au = ax * ux[i] + ay * uy[i] + az * uz[i]
-        square = max(ee - eu * eu, least)
-        t = (eu * au - ae) / square  # where the lines are nearest
+        across = max(ee - eu * eu, least)
+        t = (eu * au - ae) / across  # where the lines are nearest
         s = au + eu * t
         x, y, z = ax + t * ex - s * ux[i], ay + t * ey - s * uy[i], az + t * ez - s * uz[i]
-        gap = np.sqrt(x * x + y * y + z * z)  # and where the way is deepest
-        t += grows * gap / np.sqrt(square * max(square - grows * grows, f4(0.0)) + NEAREST)
-        t = min(max(t, f4(0.0)), f4(1.0))
+        t = _deepest(t, np.sqrt(x * x + y * y + z * z), across, grows)
         t = t if au + eu * t > f4(0.0) else nearest  # deepest at the sample
         s = max(au + eu * t, f4(0.0))
         x, y, z = ax + t * ex - s * ux[i], ay + t * ey - s * uy[i], az + t * ez - s * uz[i]
-        u = f4(1.0) + (np.sqrt(x * x + y * y + z * z) - (radius + t * grows)) * sharp
-        u = min(max(u, f4(0.0)), f4(1.0))
-        u = u if s <= away[i] else f4(1.0)  # deepest at the transducer: below
-        w[i] *= u * u * (f4(3.0) - f4(2.0) * u)
-    aa = ax * ax + ay * ay + az * az
-    shortest = np.min(away[: w.size])
+        passing = _passing(radius + t * grows - np.sqrt(x * x + y * y + z * z), sharp)
+        w[i] *= passing if s <= away[i] else f4(1.0)  # else deepest at the transducer: below
+    aa, shortest = ax * ax + ay * ay + az * az, np.min(away[: w.size])
     if max(aa, aa + f4(2.0) * ae + ee) >= shortest * shortest:
-        _shade_ends(near, c, edge, tile, w)
+        _shade_ends(near, c, sharp, tile, w)
 
 
 @compiled("f4(f4, f4, f4)")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 GRID = 240  # points along the longer edge
 MARGIN, ALONE = 0.03, 0.08  # [m] around the samples, and where there are none
 BESIDE = 0.012  # [m] from a plane: only samples so near are marked in it
-FEW = 24  # samples that are marked by circles; more are dots, which leave the field between them to be seen
+MOST_CIRCLES = 24  # samples; more are marked by dots, which leave the field between them to be seen
 AHEAD = 0.2  # [m] before the array: looked at where there is no sample
 BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
 AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -139,7 +139,7 @@ def draw(panel: Panel, plane: Plane, found: Floats, show: str, ends: tuple[float
 def mark(panel: Panel, places: Floats, colour: str) -> None:
     """Mark samples at places (K, 2) [m], without a change of the axes' limits."""
     limits = panel.get_xlim(), panel.get_ylim()
-    how = {"ms": 5, "mfc": "none"} if len(places) <= FEW else {"ms": 1, "mfc": colour}
+    how = {"ms": 5, "mfc": "none"} if len(places) <= MOST_CIRCLES else {"ms": 1, "mfc": colour}
     panel.plot(*(1e3 * places.T), "o", mec=colour, mew=0.8, label="samples", **how)
     panel.set(xlim=limits[0], ylim=limits[1])
 

@@ -144,8 +144,7 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
     size = np.linalg.norm(sides, axis=1, keepdims=True)
     sides = np.where(size > 0.0, sides / np.maximum(size, TINY), x)
     tilted, share = np.empty(len(along)), np.empty(len(along))
-    for k in range(len(along)):
-        tilted[k], share[k] = _tilted(axial[k], along[k], radii[0], radii[1], length)
+    _tilt(axial.copy(), along, radii[0], radii[1], length, tilted, share)
     normals = tilted[:, None] * z + np.sqrt(1.0 - tilted * tilted)[:, None] * sides
     r = radii[0] + along * (radii[1] - radii[0])
     points = a + along[:, None] * (b - a) + r[:, None] * normals
@@ -195,6 +194,16 @@ def _tilted(
     if along == 0.0:
         return -1.0 + (1.0 + axial) * (1.0 + lean), first * first * (1.0 + lean)
     return 1.0 - (1.0 - axial) * (1.0 - lean), last * last * (1.0 - lean)
+
+
+@compiled("void(f8[::1], f8[::1], f8, f8, f8, f8[::1], f8[::1])")
+def _tilt(
+    axial: Floats, along: Floats, first: float, last: float, length: float,
+    tilted: Floats, area: Floats,
+) -> None:  # fmt: skip
+    """Write `_tilted` of many points, (N,)."""
+    for k in range(axial.size):
+        tilted[k], area[k] = _tilted(axial[k], along[k], first, last, length)
 
 
 @compiled("void(f8[:, ::1], f8, f8[:, ::1])")

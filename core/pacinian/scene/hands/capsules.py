@@ -180,7 +180,7 @@ def _nearest(
 def buried_in(
     capsules: Floats, points: Floats, bone: Indices, slack: Floats, which: Indices, out: Flags
 ) -> None:
-    """The kernel of `buried`. out: (I,)."""
+    """The kernel of `buried`. out: (I,). `from_axis`, but what is the same for all points is done once."""
     C = capsules.shape[0]
     balls = np.empty((C, 4))
     _bounds(capsules, balls)

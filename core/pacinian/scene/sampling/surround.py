@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
 APART = 0.45  # of that, from one silent sample to the next
 SHARE = 1.0 / 3.0  # silent samples for each that presses, at most; more do little
-FEW = 24  # silent samples that small regions may have, too
+MOST_OF_SMALL = 24  # silent samples, where that share is less
 
 
 def add_surround(
@@ -30,11 +30,11 @@ def add_surround(
 ) -> Samples:
     """Add silent samples on the skin beside the regions that touch it.
 
-    At most a third of the samples that press, or 24, evenly spread. centre: of the array, (3,) [m]; skin that faces
-    away from it has none. resolved: by the array, there [m]. most: silent samples at most.
+    At most a third as many as press, or 24 where that is less, evenly spread. centre: of the array, (3,) [m]; skin that
+    faces away from it has none. resolved: by the array, there [m]. most: silent samples at most.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, max(FEW, int(SHARE * len(of))))
+    most = min(most, max(MOST_OF_SMALL, int(SHARE * len(of))))
     if most <= 0 or not len(of):
         return samples
     q, every = samples.positions[of], [samples]

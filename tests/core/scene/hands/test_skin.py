@@ -182,9 +182,34 @@ def test_the_skin_moves_continuously_as_the_hand_closes() -> None:
     assert np.abs(np.diff(steps, axis=0)).max() < 4e-3
 
 
-def test_a_hand_twice_as_large_has_four_times_the_area() -> None:
-    larger = SKIN.place(Hand(2.0 * REST.joints, 2.0 * REST.radii))  # type: ignore[operator]
-    np.testing.assert_allclose(larger.area, 4.0 * SKIN.area)
+def area_density(rods: Floats) -> Floats:
+    """Of each point of the skin the area around it, if its share of its bone's mantle or cap stays, (K,) [m^2].
+
+    Of the mantle that of a thin frustum there, between the rings in which spheres touch it; of a cap that of its zone.
+    """
+    rod, h = rods[SKIN.bone], 1e-6
+    length = np.linalg.norm(rod[:, 3:6] - rod[:, :3], axis=1)
+    first, last = rod[:, 6], rod[:, 7]
+    lean = (first - last) / length
+
+    def ring(s: Floats) -> tuple[Floats, Floats]:
+        r = first + s * (last - first)
+        return s * length + r * lean, r * np.sqrt(1.0 - lean**2)
+
+    (z0, rho0), (z1, rho1) = ring(SKIN.along - h), ring(SKIN.along + h)
+    frustum = np.pi * (rho0 + rho1) * np.hypot(z1 - z0, rho1 - rho0) / h
+    zone = (
+        2.0 * np.pi * np.where(SKIN.along == 0.0, first**2 * (1.0 + lean), last**2 * (1.0 - lean))
+    )
+    return np.where(SKIN.axial == 0.0, frustum, zone)
+
+
+@pytest.mark.parametrize(("longer", "thicker"), [(2.0, 1.0), (1.0, 2.0), (1.3, 0.7), (2.0, 2.0)])
+def test_area_stretches_with_the_bone(longer: float, thicker: float) -> None:
+    hand = Hand(longer * REST.joints, thicker * REST.radii)  # type: ignore[operator]
+    stretch = area_density(capsules(hand)) / area_density(capsules(REST))
+    np.testing.assert_allclose(SKIN.place(hand).area, stretch * SKIN.area, rtol=1e-6)
+    assert 0.6 < (SKIN.axial == 0.0).mean() < 1.0
 
 
 def test_the_skin_of_a_straight_finger_has_no_steps() -> None:
