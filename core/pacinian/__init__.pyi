@@ -112,7 +112,7 @@ from .solving.propagator import Propagator as Propagator
 from .solving.regions import joint_phases as joint_phases
 from .solving.solution import Solution as Solution
 from .solving.solution import Status as Status
+from .solving.zone import Zone as Zone
 from .types import Complexes as Complexes
 from .types import Floats as Floats
 from .types import Gains as Gains
-from .wire.commands import Zone as Zone

@@ -19,9 +19,10 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence, kernels
 from pacinian.solving.blas import one_thread
-from pacinian.solving.evidence import judge, missed, reached, violations
+from pacinian.solving.evidence import TOLERANCE, judge, missed, reached, violations
 from pacinian.solving.felt import Places
 from pacinian.solving.keep import ROUNDING, keep
+from pacinian.solving.nulls import Preparation
 from pacinian.solving.problem import Budget, Limits, Targets, numbered
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import carried, settle
@@ -37,6 +38,7 @@ AIR = Air()
 FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
+PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
 FEWER = 4  # where up to a quarter of the points, and one, come or go, the last solution is a start
 MOST = 1e6  # times as strong: beyond that a problem is solved anew
 
@@ -69,6 +71,7 @@ class Session:
         self.tilt = 0.0
         """By how much the waves of regions come from aside, over the array's radius: for frames that are to differ."""
         self.last: Solution | None = None
+        self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # what was last solved: its gains are in _work
         self._solved_with: tuple[Solver, Limits, int, float] | None = None
@@ -127,7 +130,7 @@ class Session:
         q, targets = self._problem(points, amplitudes, phases, scale, regions)
         out = self._checked(out)
         warm, self.last = self.last, None
-        self._place(q, facing, limits)
+        ready = self._place(q, facing, limits, budget)
         if warm is not None and (c := self._multiple(targets, limits)) == c:
             self.last = self._scaled(c, targets, out, start)
             return self.last
@@ -135,7 +138,7 @@ class Session:
             warm = (
                 self._carried(warm, q, targets) if len(warm.targets.amplitudes) and len(q) else None
             )
-        self.last = self._base = self._solved(targets, limits, warm, budget, out, start)
+        self.last = self._base = self._solved(targets, limits, warm, budget, out, start, ready)
         self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
         self._solved_at = q.copy()  # the caller may move its own
         return self.last
@@ -179,6 +182,9 @@ class Session:
         if facing is not None:
             B *= facing.weights(points, self.array.positions)
         p: Complexes = B @ g
+        nulls = self.propagator.nulls
+        if nulls is not None:
+            nulls.leave_out(B, points)  # as those multipliers are of
         phases = np.angle(p) if last.asked_phases is None else last.asked_phases
         asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
@@ -189,6 +195,8 @@ class Session:
         if last.targets.scale == "max":
             objective = math.nan
         broken = violations(self.propagator, limits, last.targets, p, g)
+        if nulls is not None and (over := nulls.over(self.array, self.medium, g)) > TOLERANCE:
+            broken["zones"] = max(over, broken.get("zones", over))
         certified = dataclasses.replace(
             last,
             gains=g,
@@ -245,8 +253,11 @@ class Session:
         near("points", q, self.propagator.origin)
         return q, Targets.checked(len(q), amplitudes, phases, scale, regions)
 
-    def _place(self, q: Floats, facing: Facing | None, limits: Limits) -> None:
-        """Put the points, and the quiet points, where they are now; those are in the free field."""
+    def _place(self, q: Floats, facing: Facing | None, limits: Limits, budget: Budget) -> bool:
+        """Put the points, and the quiet points, where they are now; those are in the free field.
+
+        Whether the quiet zones are prepared, too.
+        """
         if limits.asked and (unkept := limits.asked - self._solver.keeps):
             raise UnsupportedLimit(self._solver.name, min(unkept))
         if limits.exact is not None:
@@ -255,14 +266,21 @@ class Session:
         quiet = None if limits.quiet is None else np.asarray(limits.quiet[0], np.float64)
         if quiet is not None:
             near("limits.quiet[0]", quiet, propagator.origin)
+        nulls = None
+        if limits.zones:
+            rms = limits.rms(len(self.array))
+            nulls = self._zones.nulls(self.array, self.medium, limits.zones, rms, budget)
+        propagator.keep_quiet(nulls)
         propagator.place(q, facing)
         if quiet is None:
             propagator.quiet = None
-            return
-        if propagator.quiet is None:
-            propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
-        if propagator.quiet.place(quiet):
-            propagator.version += 1
+        else:
+            if propagator.quiet is None:
+                propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
+            propagator.quiet.keep_quiet(nulls)
+            if propagator.quiet.place(quiet):
+                propagator.version += 1
+        return nulls is not None or not limits.zones
 
     def _multiple(self, targets: Targets, limits: Limits) -> float:
         """The c by which what was solved last need only be multiplied; NaN if there is none."""
@@ -305,17 +323,17 @@ class Session:
 
     def _solved(
         self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
-        out: Complexes, start: float,
+        out: Complexes, start: float, ready: bool,
     ) -> Solution:  # fmt: skip
-        """A new solution."""
+        """A new solution; silence if the quiet zones are not ready."""
         solver, propagator = self._solver, self.propagator
         if targets.scale == "max" and limits.gain is None and limits.power is None:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # apart from `out`, which may hold the gains of `warm`
         g[:] = 0.0
-        version, result, asked = propagator.version, SILENCE, targets
+        version, result, asked = propagator.version, SILENCE if ready else PREPARES, targets
         propagator.work.solved += 1
-        if targets.norm:
+        if targets.norm and ready:
             if targets.regions is not None:
                 asked = settle(propagator, targets, warm, self.tilt)
             with one_thread(len(targets.amplitudes) * len(g)):
@@ -324,6 +342,8 @@ class Session:
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
         finite, scaled = keep(g, limits, "exact" if limits.asked else targets.scale)
+        if propagator.nulls is not None:
+            propagator.nulls.keep(g, limits.gain, propagator, budget)
         p = propagator.apply(g)
         out[:] = g
         miss, bound, objective = missed(targets, p), result.bound, result.objective
@@ -333,7 +353,8 @@ class Session:
             rest = rest * rest + result.quiet_weight * float(np.vdot(quiet, quiet).real)
             objective = (rest + result.mu * kernels.power(g)) / 2.0
             bound = min(bound, objective)  # what is above it is rounding
-        broken = violations(propagator, limits, targets, p, g) if limits.asked else {}
+        hard = limits.asked or limits.zones
+        broken = violations(propagator, limits, targets, p, g) if hard else {}
         status = Status.failed
         if finite:
             status = judge(

@@ -110,7 +110,12 @@ class Run:
         self, array: Array, scene: Callable[[float], Scene], seconds: float, rate: float = RATE
     ) -> None:
         self.looks: list[Look] = []
-        self._scene = functools.cache(lambda k: scene((k + 0.5) / TRACKED))
+
+        @functools.cache
+        def at(update: int) -> Scene:
+            return scene((update + 0.5) / TRACKED)
+
+        self._scene = at
         for k in range(math.ceil((2.0 * seconds + SPARE) * TRACKED)):
             self._scene(k)
         self._now = 0.0, self._scene(0)

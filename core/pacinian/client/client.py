@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from pacinian.scene.time.envelope import Envelope
     from pacinian.scene.time.technique import Technique
     from pacinian.solving.felt import Felt
+    from pacinian.solving.zone import Zone
     from pacinian.types import ArrayLike, Complexes
 
 CHANGE = 12.0  # [s] that another solver or backend may take to be ready
@@ -119,9 +120,9 @@ class Client(Connected):
         seen = min(max(times, default=now), now)
         self._command(commands.Hands, ttl, wait, seen, hands=frames)
 
-    def quiet(self, *zones: commands.Zone, ttl: float = 1.0, wait: bool = True) -> None:
-        """All quiet zones of this client, in place of those before."""
-        self._command(commands.Quiet, ttl, wait, zones=zones)
+    def quiet(self, *zones: Zone, ttl: float = 1.0, wait: bool = True) -> None:
+        """All quiet zones of this client, in place of those before. The array is silent until they are prepared."""
+        self._command(commands.Quiet, ttl, wait, zones=messages.zones(zones))
 
     def field(self, points: ArrayLike) -> Complexes:
         """Complex sound pressure at points (K, 3) [m] of what is emitted now, (K,) [Pa]."""

@@ -11,6 +11,8 @@ from pacinian.checks import kind, numbers
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import RADII, Hand
 from pacinian.scene.motion import STILL, Motion
+from pacinian.solving.zone import Zone
+from pacinian.wire import commands
 from pacinian.wire.bulk import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.commands import HandFrame
@@ -85,6 +87,16 @@ def moves(poses: Mapping[str, Pose], motions: Mapping[str, Motion]) -> Iterator[
 def hands(given: Sequence[Hand]) -> tuple[HandFrame, ...]:
     """Hands as they are tracked. Raises ArgumentError."""
     return tuple(_hand(f"hands[{i}]", hand) for i, hand in enumerate(given))
+
+
+def zones(given: Sequence[Zone]) -> tuple[commands.Zone, ...]:
+    """Balls that are to stay quiet. Raises ArgumentError."""
+    for zone in given:
+        kind("zones", zone, Zone)
+    return tuple(
+        commands.Zone(position=zone.position, pressure=zone.pressure, radius=zone.radius)
+        for zone in given
+    )
 
 
 def points(given: ArrayLike) -> bytes:

@@ -6,7 +6,7 @@ What stays the same object while recording is one object when read, too: it deci
 from __future__ import annotations
 
 import functools
-from dataclasses import Field, asdict, dataclass, fields, is_dataclass
+from dataclasses import Field, asdict, astuple, dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import msgspec
@@ -18,6 +18,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene, Workspace
 from pacinian.solving.problem import Limits
+from pacinian.solving.zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +64,8 @@ class Writer:
         if last is None or asked.solver is not last.solver:
             new["solver"] = asked.solver.name, _options(asked.solver)
         if last is None or asked.limits is not last.limits:
-            new["limits"] = {k: _plain(v) for k, v in asdict(asked.limits).items()}
+            limits = {**asdict(asked.limits), "zones": [astuple(z) for z in asked.limits.zones]}
+            new["limits"] = {k: _plain(v) for k, v in limits.items()}
         self._last = asked
         return new
 
@@ -94,7 +96,9 @@ class Reader:
             name, options = new["solver"]
             solver = solver_of(name, **options)
         if "limits" in new:
-            limits = Limits(**{k: _array(v) for k, v in new["limits"].items()})
+            given: dict[str, Any] = {k: _array(v) for k, v in new["limits"].items()}
+            given["zones"] = tuple(Zone(*zone) for zone in given.get("zones", ()))
+            limits = Limits(**given)
         if solver is None or limits is None:
             raise ValueError("the first tick lacks a solver or limits")
         if last is None or new:

@@ -6,7 +6,6 @@ import functools
 import queue
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.errors import UnsupportedLimit
 from pacinian.plugins import registry
 from pacinian.rendering.warming import try_out
 from pacinian.serving.guarding import told
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from pacinian.scene.file import Choice as Configured
     from pacinian.wire.control import Choice
 
-QUIET = "quiet"  # the limit that the stand-in keeps
 SUPERSEDED = "another one was selected since"
 
 
@@ -36,25 +34,20 @@ class Made(NamedTuple):
 
 
 class Solvers:
-    """Which solver solves: the one chosen last, but where it cannot keep the quiet zones, the stand-in.
+    """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
 
-    One is made at a time, and of those that wait only the newest.
-
-    chosen: to begin with. stand_in: keeps quiet zones. array, medium: to try new ones out. thread: for tests.
+    chosen: to begin with. array, medium: to try new ones out. thread: for tests.
     """
 
     def __init__(
         self,
         chosen: Solver,
-        stand_in: Solver,
         array: Array,
         medium: Air | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
     ) -> None:
-        if QUIET not in stand_in.keeps:
-            raise UnsupportedLimit(stand_in.name, QUIET)
         self.chosen = chosen
-        self._stand_in, self._array, self._medium = stand_in, array, medium
+        self._array, self._medium = array, medium
         self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
         self._busy = False
@@ -85,35 +78,23 @@ class Solvers:
 
         self._thread(work)
 
-    def poll(self, quiet: bool) -> dict[str, str]:
-        """Take what has been made; return what became of orders. quiet: whether there are quiet zones."""
+    def poll(self) -> dict[str, str]:
+        """Take what has been made; return what became of orders."""
         results, self._results = self._results, {}
         while not self._made.empty():
             order, solver, problem = self._made.get()
             if solver is not None:
-                problem = self._take(solver, quiet)
+                problem = self._take(solver)
             results[f"solver {order}"] = problem
             self._busy = False
             self._begin()
         return results
 
-    def _take(self, solver: Solver, quiet: bool) -> str:
+    def _take(self, solver: Solver) -> str:
         if self._next is not None:
             return SUPERSEDED
-        if quiet and QUIET not in solver.keeps:
-            return f"{UnsupportedLimit(solver.name, QUIET)}: there are quiet zones"
         self.chosen = solver
         return ""
-
-    def solver(self, quiet: bool) -> Solver:
-        """The one to solve with. quiet: whether there are quiet zones."""
-        return self._stand_in if quiet and QUIET not in self.chosen.keeps else self.chosen
-
-    def status(self, quiet: bool) -> str:
-        """What people should know of it."""
-        if self.solver(quiet) is self.chosen:
-            return ""
-        return f"{self._stand_in.name} keeps the quiet zones: {self.chosen.name} cannot"
 
 
 def made(choice: str | Choice | Configured) -> Solver:

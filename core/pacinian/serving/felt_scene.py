@@ -18,6 +18,7 @@ from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving import loading, messages, taking
 from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input
+from pacinian.solving.zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from pacinian.scene.time.envelope import Timed
     from pacinian.scene.time.technique import Technique
     from pacinian.serving.loading import Loader
-    from pacinian.serving.taking import Quiet
 
 KEPT = 256  # refused objects that are told
 
@@ -43,18 +43,18 @@ class Given(NamedTuple):
 class FeltScene:
     """Keeps a scene as the bus tells it.
 
-    workspace: of every scene. quiet: until the bus tells. loader: for objects that take long: until one is
+    workspace: of every scene. zones: until the bus tells. loader: for objects that take long: until one is
     loaded, the one in whose place it comes is felt.
     """
 
     def __init__(
-        self, workspace: Workspace | None, loader: Loader, quiet: Quiet | None = None
+        self, workspace: Workspace | None, loader: Loader, zones: tuple[Zone, ...] = ()
     ) -> None:
         self.start = 0.0
         """What is time 0 of the scene, by the clock that changes are dated by [s]."""
         self.scene = Scene(workspace=workspace)
-        self.quiet = quiet
-        """Points (K, 3) [m] and limits (K,) [Pa] that are to stay quiet."""
+        self.zones = zones
+        """What is to stay quiet."""
         self.refused: dict[str, str] = {}
         """Objects that could not be put, and why; the last ones."""
         self._loader = loader
@@ -273,4 +273,4 @@ class FeltScene:
         self._input = Input(change.input, change.sent, change.received)
 
     def _set_quiet(self, change: messages.SetQuiet) -> None:
-        self.quiet = taking.zones(change)
+        self.zones = tuple(Zone(*zone) for zone in change.zones)

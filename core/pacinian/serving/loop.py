@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from msgspec.msgpack import Decoder
@@ -14,13 +13,15 @@ from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
-from pacinian.serving import messages, quiet, reporting, taking
+from pacinian.serving import messages, reporting
 from pacinian.serving.felt_scene import FeltScene
 from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input, Outputs
+from pacinian.serving.quiet import Quieting
 from pacinian.serving.salvage import changes_of
 from pacinian.serving.watching import Watched
 from pacinian.solving.problem import Limits
+from pacinian.solving.zone import Zone
 from pacinian.wire.convert_time import technique_to_scene
 
 if TYPE_CHECKING:
@@ -71,8 +72,10 @@ class Loop:
         self._orders = Watched(files["orders"], Decoder(messages.Orders).decode, messages.Orders())
         self._device = Watched(files["device"], Decoder(messages.Device).decode, NO_DEVICE)
         self._changes = Watched(files["changes"], changes_of, (messages.Changes(0, 0, ()), 0))
-        zones = taking.zones(quiet.quiet(settings.safety.zones))
-        self.felt = FeltScene(settings.workspace, loader, zones)
+        zones = settings.safety.zones
+        self.felt = FeltScene(
+            settings.workspace, loader, tuple(Zone(z.position, z.pressure, z.radius) for z in zones)
+        )
         self._device.look()
         self._outputs = Outputs(
             files["frame"], self._device, self._permit, settings.rate, self._tag
@@ -90,8 +93,8 @@ class Loop:
             peak=settings.safety.pressure,
             clock=self.clock,
         )
-        self._zones = self.felt.quiet
-        self._limit()
+        self._quieting = Quieting(array, self.renderer.session.medium)
+        self._zones: tuple[Zone, ...] | None = None
         self._done = messages.Orders()
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS  # what is presented
         self._intensity = 1.0
@@ -145,10 +148,11 @@ class Loop:
         """The scene of a tick."""
         self._permit.look()
         self._try(self._take)
+        quiet = self._is_quiet()
         permit = self._permit.value
         over = self.clock.now() > permit.until - EARLY
         other = permit.scene != self.felt.number
-        hushed = permit.armed != 1 or permit.stopped or over or other
+        hushed = permit.armed != 1 or permit.stopped or over or other or not quiet
         return self.felt.hushed if hushed else self.felt.scene
 
     def _take(self) -> None:
@@ -163,23 +167,21 @@ class Loop:
         if damaged:
             self.felt.refuse("", f"{damaged} changes were damaged")
         self._files["taken"].write(messages.pack(messages.Taken(new.number, self.run, new.run)))
-        if self.felt.quiet is not self._zones:
-            self._zones = self.felt.quiet
-            self._limit()
 
-    def _limit(self) -> None:
-        """Keep the quiet zones of now, with a solver that can. Points that no sound can be sent to are left out."""
-        zones, settings = self._zones, self._settings
-        if zones is not None:
-            kept = self.renderer.player.reach.reachable(zones[0], Counter())
-            zones = (zones[0][kept], zones[1][kept]) if kept.any() else None
-        self.renderer.limits = Limits(gain=settings.gain, power=settings.power, quiet=zones)
-        self._choose()
+    def _is_quiet(self) -> bool:
+        """Whether the quiet zones of now can be kept: until they are prepared, there is silence."""
+        if self.felt.zones is self._zones:
+            return True
+        zones, settings = self.felt.zones, self._settings
+        limits = Limits(gain=settings.gain, power=settings.power, zones=zones)
+        if not self._quieting.is_ready(limits):
+            return False
+        self.renderer.limits, self._zones = limits, zones
+        return True
 
     def _choose(self) -> None:
-        asked = self.renderer.limits.quiet is not None
-        self._note(self._choosing.poll(asked))
-        solver, session = self._choosing.solver(asked), self.renderer.session
+        self._note(self._choosing.poll())
+        solver, session = self._choosing.chosen, self.renderer.session
         if session.solver is not solver:
             session.solver = solver
 
@@ -253,6 +255,6 @@ class Loop:
         renderer = self.renderer
         state = reporting.state(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity
-        if note := self._choosing.status(renderer.limits.quiet is not None):
-            state["status"] = note
+        if self._quieting.note and self.felt.zones is not self._zones:
+            state["status"] = self._quieting.note
         return state

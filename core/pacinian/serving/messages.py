@@ -209,10 +209,9 @@ class SetHands(Change, frozen=True):
 
 
 class SetQuiet(Change, frozen=True):
-    """All quiet points, (K, 3) [m] and limits (K,) [Pa], float64 bytes; empty for none."""
+    """All quiet zones: position [m], most sound pressure [Pa], radius [m] of each."""
 
-    points: bytes
-    limits: bytes
+    zones: tuple[tuple[tuple[float, float, float], float, float], ...] = ()
 
 
 AnyChange = Begin | PutObject | MoveObject | Wrap | RemoveObject | SetHands | SetQuiet

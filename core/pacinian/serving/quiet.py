@@ -1,47 +1,40 @@
-"""Quiet zones as points: a ball by its centre and twelve points spread evenly on its surface."""
+"""Whether quiet zones can be kept yet: they are prepared beside the loop, which is silent until then."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from pacinian.serving.messages import SetQuiet
+from pacinian.errors import ArgumentError
+from pacinian.solving.nulls import Preparation
+from pacinian.solving.problem import Budget
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.solving.problem import Limits
 
-    from pacinian.serving.settings import Zone as OurZone
-    from pacinian.types import Floats
-    from pacinian.wire.commands import Zone
-
-AROUND = 12
-TURN = np.pi * (3.0 - np.sqrt(5.0))  # [rad], the golden angle
+AT_ONCE = Budget.until(0.0)
 
 
-def sphere(count: int) -> Floats:
-    """Points on the unit sphere, (count, 3): equal steps in z, a golden angle apart."""
-    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
-    radius, angle = np.sqrt(1.0 - z * z), TURN * np.arange(count)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+class Quieting:
+    """Prepares quiet zones for an array in a medium. note: what people should know while they are not ready."""
 
+    def __init__(self, array: Array, medium: Air) -> None:
+        self.note = ""
+        self._array, self._medium = array, medium
+        self._preparation = Preparation()
 
-BALL = np.concatenate([np.zeros((1, 3)), sphere(AROUND)])
-
-
-def count(zones: Iterable[Zone | OurZone]) -> int:
-    """How many points they make."""
-    return sum(len(BALL) if zone.radius else 1 for zone in zones)
-
-
-def quiet(zones: Iterable[Zone | OurZone]) -> SetQuiet:
-    """All points and their limits."""
-    points: list[Floats] = [np.zeros((0, 3))]
-    limits: list[float] = []
-    for zone in zones:
-        ball = BALL if zone.radius else BALL[:1]
-        points.append(np.array(zone.position) + zone.radius * ball)
-        limits += [zone.pressure] * len(ball)
-    return SetQuiet(
-        np.concatenate(points).astype("<f8").tobytes(), np.array(limits, "<f8").tobytes()
-    )
+    def is_ready(self, limits: Limits) -> bool:
+        """Whether the zones of these limits are prepared; it does not wait."""
+        self.note = ""
+        if not limits.zones:
+            return True
+        rms = limits.rms(len(self._array))
+        try:
+            made = self._preparation.nulls(self._array, self._medium, limits.zones, rms, AT_ONCE)
+        except ArgumentError as error:
+            self.note = f"silent: {error}"
+            return False
+        if made is None:
+            self.note = "silent: the quiet zones are being prepared"
+        return made is not None

@@ -27,7 +27,6 @@ from pacinian.serving.warming import warm_up
 SWITCH = (
     1e-4  # [s] after which another thread gets the interpreter: helpers must not hold up a tick
 )
-STAND_IN = "auto"  # solves where the solver chosen cannot keep quiet zones
 LOOK = 0.002  # [s] between two looks for a device
 
 
@@ -47,15 +46,12 @@ def _render(told: child.Told) -> None:
     with ExitStack() as stack:
         files = {name: stack.enter_context(Latest.attach(told.path / name)) for name in FILES}
         array, medium = settings.array.make(), settings.medium.make()
-        chosen, stand_in = made(settings.solver), made(STAND_IN)
-        solvers = [chosen] if chosen.name == stand_in.name else [chosen, stand_in]
-        warm_up(array, medium, solvers, Capability(rate=settings.rate), settings.rate)
+        chosen = made(settings.solver)
+        warm_up(array, medium, chosen, Capability(rate=settings.rate), settings.rate)
         while (newest := files["device"].read()) is None:
             time.sleep(LOOK)
         device = Decoder(Device).decode(newest[1])
-        loop = Loop(
-            files, settings, array, medium, Solvers(chosen, stand_in, array, medium), Loader()
-        )
+        loop = Loop(files, settings, array, medium, Solvers(chosen, array, medium), Loader())
         priority.urgent()
         priority.avoid(device.processor)
         stack.callback(loop.close)

@@ -14,10 +14,8 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import STILL, Motion
 
 if TYPE_CHECKING:
-    from pacinian.serving.messages import HandInfo, MoveObject, SetQuiet
+    from pacinian.serving.messages import HandInfo, MoveObject
     from pacinian.types import Floats
-
-    Quiet = tuple[Floats, Floats]
 
 HERE, MOTION = Pose(), Motion()
 LOST = Hand(np.full((26, 3), math.nan))  # with no hand at all, objects are rendered whole
@@ -55,14 +53,6 @@ def hand(info: HandInfo, start: float) -> Hand:
         joints, radii, side=side, velocities=v[0] if v is not None and len(v) == 1 else v,
         time=info.time - start, name=info.name,
     )  # fmt: skip
-
-
-def zones(change: SetQuiet) -> Quiet | None:
-    """Quiet points (K, 3) [m] and limits (K,) [Pa]; None if there are none. Raises ValueError."""
-    if not change.points:
-        return None
-    points = np.frombuffer(change.points, "<f8").reshape(-1, 3)
-    return points, np.frombuffer(change.limits, "<f8").reshape(len(points))
 
 
 def _rows(data: bytes, columns: int) -> Floats:

@@ -18,6 +18,7 @@ from pacinian.scene.time.noise import Noise
 from pacinian.scene.time.technique import AM, STM
 from pacinian.serving.loading import loaded
 from pacinian.solving.problem import Limits
+from pacinian.solving.zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,18 +37,14 @@ PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
 
-def warm_up(
-    array: Array, medium: Air, solvers: list[Solver], capability: Capability, rate: float
-) -> None:
+def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, rate: float) -> None:
     """Render a few scenes of all kinds, with and without quiet zones, for nobody."""
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
-    for solver in solvers:
-        kinds = [Limits()]
-        if "quiet" in solver.keeps:
-            kinds.append(Limits(quiet=(place[None] + 0.1, QUIET)))
-        for scene, limits in product(_scenes(place), kinds):
-            _render(array, medium, solver, capability, rate, scene, limits)
+    x, y, z = (place + 0.1).tolist()
+    kinds = Limits(), Limits(zones=(Zone((x, y, z), QUIET),))
+    for scene, limits in product(_scenes(place), kinds):
+        _render(array, medium, solver, capability, rate, scene, limits)
 
 
 def _render(

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from pacinian.errors import WireError
-from pacinian.serving import quiet
 from pacinian.serving.converting import Objects, Wraps
-from pacinian.serving.messages import scene_number
+from pacinian.serving.messages import SetQuiet, scene_number
 from pacinian.serving.news import MOVED, WRAPPED, News
 from pacinian.serving.things import AT_ONCE, HEAVY, Thing, bulk, check_poses, refused, too_strong
 from pacinian.serving.tracking import Tracked, tracked
@@ -23,13 +22,13 @@ if TYPE_CHECKING:
 
     from pacinian.serving.converting import Converter
     from pacinian.serving.intake import Client
-    from pacinian.serving.messages import SetHands, SetQuiet
+    from pacinian.serving.messages import SetHands
     from pacinian.serving.settings import Settings
     from pacinian.wire.commands import AnyCommand, Zone
     from pacinian.wire.replies import Code, Error
 
 MEMORY = 16 << 20  # [bytes] of what one client has put
-QUIET = 256  # points that the quiet zones of one scene's clients make
+QUIET = 16  # zones of one scene's clients
 
 
 class Refusal(Exception):
@@ -121,7 +120,8 @@ class Room:
     def all_quiet(self) -> SetQuiet:
         """The installation's zones, and those of all clients."""
         zones = [zone for given in self.zones.values() for zone in given]
-        return quiet.quiet([*self._settings.safety.zones, *zones])
+        ours = [(zone.position, zone.pressure, zone.radius) for zone in self._settings.safety.zones]
+        return SetQuiet((*ours, *((zone.position, zone.pressure, zone.radius) for zone in zones)))
 
     def _put(self, client: Client, command: Put, seen: float, size: int) -> bool:
         most = self._settings.safety.pressure
@@ -227,9 +227,9 @@ class Room:
                 self.news.removed(name)
 
     def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
-        others = sum(quiet.count(given) for who, given in self.zones.items() if who is not client)
-        if others + quiet.count(zones) > QUIET:
-            raise Refusal("limit", f"would be more than {QUIET} points in all", "$.zones")
+        others = sum(len(given) for who, given in self.zones.items() if who is not client)
+        if others + len(zones) > QUIET:
+            raise Refusal("limit", f"would be more than {QUIET} zones in all", "$.zones")
         self.zones[client] = zones
         self.news.quiet = True
 

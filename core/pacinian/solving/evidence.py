@@ -37,6 +37,8 @@ def violations(
         over = (loud - limit) / np.maximum(limit, QUIETEST * full)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
+    if limits.zones and (above := _asked_in_zones(propagator, limits, targets)) > TOLERANCE:
+        found["zones"] = above
     if limits.exact is not None:
         chosen = limits.exactly(len(p))
         asked = targets.complex(np.angle(p))[chosen]
@@ -45,6 +47,15 @@ def violations(
         if missed > TOLERANCE:
             found["exact"] = missed
     return found
+
+
+def _asked_in_zones(propagator: Propagator, limits: Limits, targets: Targets) -> float:
+    """By how much the most that is asked in a quiet zone is over its limit, over that limit."""
+    return max(
+        float(targets.amplitudes[zone.holds(propagator.points)].max(initial=0.0)) / zone.pressure
+        - 1.0
+        for zone in limits.zones
+    )
 
 
 def bound(

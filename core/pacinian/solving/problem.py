@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pacinian.checks import number, numbers
+from pacinian.checks import kind, number, numbers
 from pacinian.errors import ArgumentError
+from pacinian.solving.zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -197,6 +198,8 @@ class Limits:
     power: sum |g_n|^2 <= power; None for no limit.
     quiet: ((K, 3) points [m], limit [Pa], one or (K,)): |p| <= limit there, without the hand's shadow.
     exact: indices of the samples to meet exactly, or a flag for each.
+    zones: `Zone`s, balls that stay quiet whatever the solver; they need a limit of gain or power, and a second to be
+    prepared, once.
     A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it. Limits that
     contradict each other or the targets end in `Status.infeasible`. Raises ArgumentError.
     """
@@ -205,8 +208,14 @@ class Limits:
     power: float | None = None
     quiet: tuple[ArrayLike, ArrayLike] | None = None
     exact: ArrayLike | None = None
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "zones", tuple(self.zones))
+        for zone in self.zones:
+            kind("limits.zones", zone, Zone)
+        if self.zones and self.gain is None and self.power is None:
+            raise ArgumentError("limits.zones", "need a limit of gain or power")
         for name, low, high in (("gain", 1e-6, 1e6), ("power", 1e-12, 1e12)):
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, number(f"limits.{name}", value, low=low, high=high))
@@ -219,6 +228,11 @@ class Limits:
     def asked(self) -> frozenset[str]:
         """Names of the limits that a solver must keep by itself: the session keeps the others."""
         return frozenset(name for name in ("quiet", "exact") if getattr(self, name) is not None)
+
+    def rms(self, count: int) -> float:
+        """The root mean square that gains, (count,), have at most."""
+        gain = math.inf if self.gain is None else self.gain
+        return min(gain, math.inf if self.power is None else math.sqrt(self.power / count))
 
     def exactly(self, count: int) -> Flags:
         """Which of `count` samples are to be met exactly, (count,). Raises ArgumentError."""

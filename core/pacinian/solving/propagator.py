@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.facing import Facing
+    from pacinian.solving.nulls import Nulls
 
 A = TypeVar("A", Floats, Complexes)
 
@@ -49,8 +50,8 @@ class Propagator:
     """Equations (4) to (8) for one array, one medium and points that move.
 
     All solvers share one propagator and its caches. `place` says where the points are now: only the
-    rows of B and of B B^H whose points moved are made anew. With `facing`, B is weighted by it, and so is
-    all that follows from B.
+    rows of B and of B B^H whose points moved are made anew. With `facing`, B is weighted by it, and with `nulls` it is
+    that of gains which keep zones quiet; so is all that follows from B.
     """
 
     def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
@@ -62,6 +63,7 @@ class Propagator:
         self.version = 0
         self.quiet: Propagator | None = None
         self.facing: Facing | None = None
+        self.nulls: Nulls | None = None
         self._wave = Wave.prepare(array, medium)
         self._forget(0)
 
@@ -82,6 +84,11 @@ class Propagator:
         self._fresh = True
         self.quiet = None
         self._factors.clear()
+
+    def keep_quiet(self, nulls: Nulls | None) -> None:
+        """From the next `place` on, B is that of gains without these."""
+        self._fresh = self._fresh or nulls is not self.nulls
+        self.nulls = nulls
 
     def place(self, points: Floats, facing: Facing | None = None) -> int:
         """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
@@ -112,6 +119,8 @@ class Propagator:
             self._wave.matrix(here, self._B, moved)
             if facing is not None:
                 facing.weigh(here, self._wave, moved, self._B)
+            if self.nulls is not None:
+                self._leave_out(self.nulls, here, moved)
         except BaseException:
             self._forget(0)
             raise
@@ -120,6 +129,13 @@ class Propagator:
         self._moved = True
         self._points[where] = here
         return count
+
+    def _leave_out(self, nulls: Nulls, points: Floats, rows: Indices) -> None:
+        """Make of these rows of B, of points (K, 3), what they are of gains that keep zones quiet."""
+        B = self._B if len(rows) == len(self._B) else self._B[rows]
+        nulls.leave_out(B, points)
+        if B is not self._B:
+            self._B[rows] = B
 
     def _turned(self, points: Floats, facing: Facing | None, moved: Indices) -> Indices:
         """Rows `moved`, (K,), and those for which other sound counts now."""

@@ -75,20 +75,20 @@ def threads() -> Threads:
 
 @pytest.fixture
 def solvers(threads: Threads) -> Solvers:
-    return Solvers(made("gs-pat"), made("auto"), ARRAY, thread=threads.waiting.append)
+    return Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append)
 
 
 def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads) -> None:
     before = solvers.chosen
     solvers.order(1, Choice(name="loud", options={"level": 0.25}))
-    assert solvers.poll(quiet=False) == {}
-    assert solvers.solver(quiet=False) is before
+    assert solvers.poll() == {}
+    assert solvers.chosen is before
     threads.work()
-    assert solvers.poll(quiet=False) == {"solver 1": ""}
-    chosen = solvers.solver(quiet=False)
+    assert solvers.poll() == {"solver 1": ""}
+    chosen = solvers.chosen
     assert isinstance(chosen, Loud)
     assert chosen.level == 0.25
-    assert solvers.poll(quiet=False) == {}
+    assert solvers.poll() == {}
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_what_cannot_solve_is_refused_with_the_reason(
     before = solvers.chosen
     solvers.order(1, choice)
     threads.work()
-    assert problem in solvers.poll(quiet=False)["solver 1"]
+    assert problem in solvers.poll()["solver 1"]
     assert solvers.chosen is before
 
 
@@ -119,43 +119,16 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
         solvers.order(number, Choice(name="raises"))
     solvers.order(100, Choice(name="auto"))
     assert len(threads.waiting) == 1
-    assert solvers.poll(quiet=False) == dict.fromkeys(
-        [f"solver {k}" for k in range(2, 100)], SUPERSEDED
-    )
+    assert solvers.poll() == dict.fromkeys([f"solver {k}" for k in range(2, 100)], SUPERSEDED)
     threads.work()
-    assert solvers.poll(quiet=False) == {"solver 1": SUPERSEDED}
+    assert solvers.poll() == {"solver 1": SUPERSEDED}
     assert solvers.chosen is before
     threads.work()
-    assert solvers.poll(quiet=False) == {"solver 100": ""}
+    assert solvers.poll() == {"solver 100": ""}
     assert solvers.chosen.name == "auto"
     solvers.order(101, Choice(name="loud"))
     threads.work()
-    assert solvers.poll(quiet=False) == {"solver 101": ""}
-
-
-def test_quiet_zones_are_kept_by_the_stand_in_while_there_are_any(solvers: Solvers) -> None:
-    assert solvers.chosen.name == solvers.solver(quiet=False).name == "gs-pat"
-    assert not solvers.status(quiet=False)
-    assert solvers.solver(quiet=True).name == "auto"
-    assert "auto keeps the quiet zones" in solvers.status(quiet=True)
-    assert solvers.solver(quiet=False).name == "gs-pat"
-
-
-def test_while_there_are_quiet_zones_only_what_keeps_them_can_be_selected(
-    solvers: Solvers, threads: Threads
-) -> None:
-    for number, name in enumerate(("loud", "lagrange"), 1):
-        solvers.order(number, Choice(name=name))
-        threads.work()
-        problem = solvers.poll(quiet=True)[f"solver {number}"]
-        assert ("quiet" in problem) == (name == "loud")
-    assert solvers.solver(quiet=True).name == "lagrange"
-    assert not solvers.status(quiet=True)
-
-
-def test_a_stand_in_must_keep_them() -> None:
-    with pytest.raises(pc.UnsupportedLimit):
-        Solvers(made("auto"), made("gs-pat"), ARRAY)
+    assert solvers.poll() == {"solver 101": ""}
 
 
 def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(

@@ -192,17 +192,15 @@ def test_hushed_keeps_the_hands_and_is_always_the_same() -> None:
 
 
 def test_quiet_zones() -> None:
-    scene = felt(quiet=(np.zeros((1, 3)), np.ones(1)))
-    assert scene.quiet is not None
-    points, limits = np.arange(6.0).reshape(2, 3), np.array([5.0, 6.0])
-    scene.apply([SetQuiet(points.tobytes(), limits.tobytes())])
-    np.testing.assert_array_equal(scene.quiet[0], points)
-    np.testing.assert_array_equal(scene.quiet[1], limits)
-    scene.apply([SetQuiet(points.tobytes(), b"")])
+    scene = felt(zones=(pc.Zone((0.0, 0.0, 0.4), 1.0),))
+    assert len(scene.zones) == 1
+    scene.apply([SetQuiet((((0.0, 1.0, 2.0), 5.0, 0.1), ((3.0, 4.0, 5.0), 6.0, 0.0)))])
+    assert scene.zones == (pc.Zone((0.0, 1.0, 2.0), 5.0, 0.1), pc.Zone((3.0, 4.0, 5.0), 6.0))
+    scene.apply([SetQuiet((((0.0, 1.0, 2.0), -5.0, 0.1),))])
     assert "" in scene.refused
-    assert scene.quiet is not None
-    scene.apply([SetQuiet(b"", b"")])
-    assert scene.quiet is None
+    assert len(scene.zones) == 2
+    scene.apply([SetQuiet()])
+    assert scene.zones == ()
 
 
 @pytest.mark.parametrize("data", [b"", b"\xc1", msgspec.msgpack.encode({"type": "cube"}), b"\x80"])

@@ -72,13 +72,13 @@ def udevadm(*words: str) -> str:
 
 
 def settled(place: str) -> dict[str, str]:
-    """What udev knows of a device, once it has done with it."""
+    """What udev knows of a device, once it has done with it; whatever else it still does."""
 
     def told() -> dict[str, str]:
-        lines = udevadm("info", "--query=property", f"--name={node(place)}").splitlines()
-        return dict(line.split("=", 1) for line in lines)
+        ask = ["udevadm", "info", "--query=property", f"--name={node(place)}"]
+        said = subprocess.run(ask, check=False, capture_output=True, text=True)  # no node: nothing
+        return dict(line.split("=", 1) for line in said.stdout.splitlines())
 
-    udevadm("settle")
     until(lambda: "USEC_INITIALIZED" in told())
     return told()
 

@@ -1,0 +1,208 @@
+"""Quiet zones: measured by the reference in double precision, at points that no solver was given."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import cvxpy as cp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.plugins import registry
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Floats
+
+ARRAY, NINE, AIR = pc.autd(), pc.autd(3, 3), pc.Air()
+SOLVERS = sorted(name for kind, name in registry.installed().offers if kind == "solver")
+POINTS = np.array([[0.0, 0.0, 0.2], [0.03, 0.02, 0.2], [-0.03, 0.03, 0.22]])
+EAR = pc.Zone(position=(0.1, 0.0, 0.25), pressure=2.0, radius=0.015)
+
+
+def inside(zone: pc.Zone, count: int = 600, seed: int = 7) -> Floats:
+    """Places in a zone, a third of them on its surface."""
+    rng = np.random.default_rng(seed)
+    ways = rng.normal(size=(count, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    away = np.where(np.arange(count) % 3 == 0, 1.0, np.cbrt(rng.random(count)))
+    return np.array(zone.position) + zone.radius * away[:, None] * ways
+
+
+def loudest(array: pc.Array, zone: pc.Zone, gains: Complexes) -> float:
+    """The highest sound pressure found there [Pa]."""
+    return float(np.abs(pc.matrix(array, inside(zone), AIR) @ gains).max())
+
+
+@pytest.mark.parametrize("pressure", [800.0, 4000.0])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_every_solver_keeps_the_whole_ball_quiet(solver: str, pressure: float) -> None:
+    """A strong focus, and more than the array can do."""
+    points = POINTS[:1] if solver == "single-focus" else POINTS
+    limits = pc.Limits(zones=(EAR,))
+    plain = pc.solve(ARRAY, points, np.full(len(points), pressure), solver=solver)
+    quiet = pc.solve(ARRAY, points, np.full(len(points), pressure), solver=solver, limits=limits)
+    assert loudest(ARRAY, EAR, plain.gains) > 10.0 * EAR.pressure
+    assert loudest(ARRAY, EAR, quiet.gains) < EAR.pressure
+    assert np.abs(quiet.gains).max() <= 1.0
+    assert quiet.gains.any()
+    assert "zones" not in quiet.violations
+
+
+def test_a_head_is_quiet_and_the_foci_are_as_strong() -> None:
+    head = pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.12)
+    session = pc.Session(NINE, AIR)
+    found = session.solve(POINTS, [3000.0] * 3, limits=pc.Limits(zones=(head,)))
+    assert found.status is pc.Status.ok
+    assert found.error < 1e-3
+    assert np.abs(pc.matrix(NINE, POINTS, AIR) @ found.gains) == pytest.approx(3000.0, rel=2e-3)
+    assert loudest(NINE, head, found.gains) < head.pressure
+    plain = pc.solve(NINE, POINTS, [3000.0] * 3)
+    assert loudest(NINE, head, plain.gains) > 50.0 * head.pressure
+
+
+def test_a_surface_stays_even_beside_a_zone() -> None:
+    step = 0.0045
+    grid = np.stack(np.meshgrid(*[np.arange(-2, 3) * step] * 2), axis=-1).reshape(-1, 2)
+    points = np.column_stack([grid, np.full(len(grid), 0.2)])
+    pressure = np.full(len(points), pc.sound_pressure(np.array(20.0), AIR))
+    zone = pc.Zone(position=(0.15, 0.05, 0.25), pressure=2.0, radius=0.03)
+    found = pc.solve(
+        NINE, points, pressure, regions=np.zeros(len(points), int), limits=pc.Limits(zones=(zone,))
+    )
+    assert found.status is pc.Status.ok
+    assert loudest(NINE, zone, found.gains) < zone.pressure
+    among = np.random.default_rng(2).uniform(-0.009, 0.009, (300, 2))
+    made = np.abs(pc.matrix(NINE, np.column_stack([among, np.full(300, 0.2)]), AIR) @ found.gains)
+    felt = (made / pressure[0]) ** 2
+    assert felt.mean() == pytest.approx(1.0, abs=0.05)
+    assert felt.std() < 0.1
+
+
+@pytest.mark.parametrize("pressure", [1000.0, 2000.0])
+def test_what_gains_of_that_kind_can_make_is_made(pressure: float) -> None:
+    """The best of all gains without V within the limit, by another solver."""
+    phases = np.array([0.0, 1.0, 2.0])
+    session = pc.Session(ARRAY, AIR, "lagrange")
+    found = session.solve(POINTS, [pressure] * 3, phases, limits=pc.Limits(zones=(EAR,)))
+    nulls = session.propagator.nulls
+    assert nulls is not None
+    V, B = nulls.V.astype(complex), pc.matrix(ARRAY, POINTS, AIR) / pressure
+    assert pytest.approx(np.eye(len(V)), abs=1e-4) == V @ V.conj().T
+    g = cp.Variable(len(ARRAY), complex=True)
+    missed = cp.norm(B @ g - np.exp(1j * phases)) / math.sqrt(3.0)
+    best = cp.Problem(cp.Minimize(missed), [cp.abs(g) <= 1.0, V @ g == 0.0]).solve("CLARABEL")
+    assert found.error < best + 0.01
+
+
+def test_several_zones_and_points_and_a_limit_of_power() -> None:
+    zones = EAR, pc.Zone((-0.1, 0.0, 0.25), 4.0), pc.Zone((0.0, 0.12, 0.3), 3.0, 0.01)
+    limits = pc.Limits(gain=None, power=40.0, zones=zones)
+    found = pc.solve(ARRAY, POINTS, [500.0] * 3, limits=limits)
+    assert found.status is pc.Status.ok
+    assert float(np.vdot(found.gains, found.gains).real) <= 40.0
+    for zone in zones:
+        assert loudest(ARRAY, zone, found.gains) < zone.pressure
+
+
+def test_what_is_asked_in_a_zone_contradicts_it() -> None:
+    points = np.vstack([POINTS[:1], [EAR.position]])
+    found = pc.solve(ARRAY, points, [800.0, 300.0], limits=pc.Limits(zones=(EAR,)))
+    assert found.status is pc.Status.infeasible
+    assert found.violations["zones"] == pytest.approx(300.0 / EAR.pressure - 1.0)
+    assert loudest(ARRAY, EAR, found.gains) < EAR.pressure
+    assert np.abs(found.sound_pressure[0]) == pytest.approx(800.0, rel=0.01)
+
+
+def test_gains_that_are_louder_are_certified_as_such() -> None:
+    session = pc.Session(ARRAY, AIR)
+    found = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(EAR,)))
+    assert session.certify(found.gains).status is pc.Status.ok
+    plain = pc.solve(ARRAY, POINTS, [800.0] * 3)
+    told = session.certify(plain.gains)
+    loud = loudest(ARRAY, EAR, plain.gains) / EAR.pressure - 1.0
+    assert told.status is pc.Status.infeasible
+    assert told.violations["zones"] == pytest.approx(loud, rel=0.1)
+
+
+def test_until_zones_are_prepared_there_is_silence() -> None:
+    zone = pc.Zone((0.11, 0.013, 0.27), 2.0, 0.0151)  # of no other test
+    session = pc.Session(ARRAY, AIR)
+    first = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)), deadline=0.0)
+    assert first.status is pc.Status.deadline
+    assert not first.gains.any()
+    assert "prepared" in first.note
+    then = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)))
+    assert then.status is pc.Status.ok
+    assert loudest(ARRAY, zone, then.gains) < zone.pressure
+
+
+def test_without_zones_all_is_as_before_them() -> None:
+    session = pc.Session(ARRAY, AIR)
+    before = session.solve(POINTS, [800.0] * 3).gains.copy()
+    session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(EAR,)))
+    session.last = None
+    after = session.solve(POINTS, [800.0] * 3).gains
+    np.testing.assert_allclose(after, before, atol=1e-5)
+
+
+def test_in_double_precision_too() -> None:
+    session = pc.Session(ARRAY, AIR, "lagrange", precision="double")
+    found = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(EAR,)))
+    assert found.status is pc.Status.ok
+    assert loudest(ARRAY, EAR, found.gains) < EAR.pressure
+
+
+@pytest.mark.parametrize(
+    ("bad", "name"),
+    [
+        ({"position": (0.0, math.nan, 0.3)}, "zone.position"),
+        ({"position": (0.0, 0.3)}, "zone.position"),
+        ({"radius": -0.1}, "zone.radius"),
+        ({"radius": 1e3}, "zone.radius"),
+        ({"pressure": 0.0}, "zone.pressure"),
+        ({"pressure": math.inf}, "zone.pressure"),
+    ],
+)
+def test_what_is_no_zone_is_refused(bad: dict[str, Any], name: str) -> None:
+    whole = {"position": (0.0, 0.0, 0.3), "pressure": 1.0, "radius": 0.01, **bad}
+    with pytest.raises(pc.ArgumentError, match=name):
+        pc.Zone(**whole)
+
+
+@pytest.mark.parametrize(
+    "zone",
+    [
+        pc.Zone((0.0, 0.0, 0.0), 1.0, 0.5),  # around the array
+        pc.Zone(tuple(ARRAY.positions[7].tolist()), 1.0),  # on a transducer
+        pc.Zone((300.0, 0.0, 0.0), 1.0, 0.1),  # in millimetres
+    ],
+)
+def test_zones_that_cannot_be_meant_are_refused(zone: pc.Zone) -> None:
+    for _ in range(2):
+        with pytest.raises(pc.ArgumentError, match=r"limits\.zones"):
+            pc.solve(ARRAY, POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)))
+
+
+def test_zones_need_zones_and_a_limit() -> None:
+    with pytest.raises(pc.ArgumentError, match=r"limits\.zones"):
+        pc.Limits(zones=((0.0, 0.0, 0.3),))  # type: ignore[arg-type]
+    with pytest.raises(pc.ArgumentError, match="gain or power"):
+        pc.Limits(gain=None, zones=(EAR,))
+
+
+@pytest.mark.deep
+@given(st.integers(0, 10**6))
+def test_any_zone_stays_quiet(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y, z = rng.uniform([-0.25, -0.25, 0.1], [0.25, 0.25, 0.5]).tolist()
+    pressure, radius = 10.0 ** rng.uniform(-0.5, 1.5), rng.uniform(0.0, 0.03)
+    zone = pc.Zone((x, y, z), pressure, radius)
+    points = rng.uniform([-0.05, -0.05, 0.12], [0.05, 0.05, 0.25], (rng.integers(1, 9), 3))
+    asked = np.full(len(points), 10.0 ** rng.uniform(1.0, 4.0))
+    found = pc.solve(ARRAY, points, asked, limits=pc.Limits(zones=(zone,)))
+    assert loudest(ARRAY, zone, found.gains) <= zone.pressure
+    assert np.abs(found.gains).max() <= 1.0
