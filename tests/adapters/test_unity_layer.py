@@ -93,13 +93,16 @@ def test_the_manuals_examples_compile(built: unity.Built, tmp_path: Path) -> Non
 
 
 def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
-    status = game.status()
-    assert (status["armed"], status["problem"], status["hands"]) == (True, "", 1)
-    assert status["objects"] == 1
-    game.do("gizmos")
-    status = game.status()
-    assert status["drawn"] > 0
-    assert status["apart"] < SKIN
+    # on a busy machine the hand may be lost for a moment, and nothing be felt
+    status = game.until(lambda s: s["hands"] == s["objects"] == 1)
+    assert (status["armed"], status["problem"]) == (True, "")
+
+    def draws() -> dict[str, Any] | None:
+        game.do("gizmos")
+        status = game.status()
+        return status if status["drawn"] > 0 else None
+
+    assert eventually(draws)["apart"] < SKIN
     game.until(lambda s: s["force"] > 0.5)
     game.do("point")
     assert not game.until(lambda s: s["playing"] and s["flash"] > 0.0)["pointed"]

@@ -31,6 +31,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
     hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
     return {
         **_emitted(renderer),
+        **_zones(renderer),
         "solver": renderer.session.solver.name,
         "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
         "ticks": report.ticks,
@@ -73,6 +74,17 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
         "error": error,
         "felt": _felt(renderer, [samples.items[i] for i in used.tolist()]),
         "status": solution.status.name,
+    }
+
+
+def _zones(renderer: Renderer) -> dict[str, Any]:
+    """What is to be said where quiet zones are louder than they may be: by what the device makes of the gains."""
+    nulls = renderer.session.propagator.nulls
+    if nulls is None or (heard := nulls.heard(renderer.emitted)) <= 1.0:
+        return {}
+    above = 20.0 * math.log10(heard)
+    return {
+        "status": f"quiet zones {above:.1f} dB above their limit, by rounding to the device's levels"
     }
 
 

@@ -54,7 +54,7 @@ class Nulls:
     """What gains may not contain for zones to be quiet.
 
     V: (R, N), orthonormal rows, complex64. sketch: mixtures of them, (S, N), by which ||sketch g|| is about ||V g||.
-    watched: c(x) / q of some places, (W, N). loudest: ||b(x)|| / q of all places.
+    watched: b(x) / q of some places, (W, N). loudest: ||b(x)|| / q of all places.
     """
 
     zones: tuple[Zone, ...]
@@ -80,16 +80,19 @@ class Nulls:
                 limit = max(zone.pressure, LOWEST * math.sqrt(N) * rms * strongest)
                 loudest = max(loudest, strongest / limit)
                 rest *= np.float32(1.0 / limit)
+                some = rest[:WATCHED].copy()
                 _leave_out(V, rest)
                 if LIKELY * rms * _norms(rest).max() <= 1.0:
-                    watched.append(rest[:WATCHED].copy())
+                    watched.append(some)
                     break
                 V = _enlarged(V, rest, 1.0 / (LIKELY * rms))
                 if len(V) > MOST * N or k == ROUNDS:
                     raise ArgumentError("limits.zones", UNUSABLE)
-        seen = np.concatenate(watched)
-        _leave_out(V, seen)  # of zones that came later, too
-        return cls(zones, np.ascontiguousarray(V), _sketch(V), seen, loudest)
+        return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
+
+    def heard(self, g: Complexes) -> float:
+        """The highest sound pressure that gains, (N,), make at the places that are watched, over its limit."""
+        return float(np.abs(self.watched @ g.astype(np.complex64)).max())
 
     def leave_out(self, B: Complexes, points: Floats) -> None:
         """Make of rows B, (M, N), in place, what they are of gains without V; nothing where points are in a zone."""
@@ -116,8 +119,7 @@ class Nulls:
             self._free(g)
             rest = made - propagator.apply(g)
             g += propagator.adjoint(propagator.factor(SOFT * propagator.power).solve(rest))
-        loud = SPARE * float(np.abs(self.watched @ g.astype(np.complex64)).max())
-        over = max(1.0, loud, math.sqrt(kernels.peak(g)) / top)
+        over = max(1.0, SPARE * self.heard(g), math.sqrt(kernels.peak(g)) / top)
         if over > 1.0:
             g /= over
             kernels.restrain(g, 1.0, top)
