@@ -23,6 +23,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.compiled import compiled
 from pacinian.checks import kind, numbers
 from pacinian.solving import kernels
+from pacinian.solving.factor import Factor
 from pacinian.solving.phases import beginning
 from pacinian.solving.problem import BESIDE, ISOLATED
 from pacinian.solving.propagator import gram
@@ -42,6 +43,12 @@ ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
 THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
 SOME = 128  # transducers that stand for all
 TINY = 1e-30  # [m] or [m^2]: distances that are divided by are at least this
+ASIDE = 0.1  # of the mean square that full drive makes: mu in the steps that turn a wave aside from quiet zones
+TURNS = 16  # such steps
+NONE, FULL = (
+    0.07,
+    0.17,
+)  # of what is costly: where the first saves as little, none are made; as much, they are whole
 STEEP = 0.9  # cosine of the angle to the x axis, from which a wave along it is tilted along z
 
 
@@ -163,10 +170,10 @@ def settle(
 ) -> Targets:
     """The same targets with every phase given, for points where some belong to regions.
 
-    Within a region the phases are those of `joint_phases`, turned as a whole by the region's own phase. Those,
-    and the phases of isolated samples, are chosen by Gerchberg-Saxton steps, as in `phases`: from those
-    that `warm` made, so that none jumps. Phases that were given stay. tilt: by how much the waves come from aside, over
-    the array's radius; 0 for none.
+    Within a region the phases are those of `joint_phases`, turned aside from quiet zones, and turned as a whole by the
+    region's own phase. That, and the phases of isolated samples, are chosen by Gerchberg-Saxton steps, as in `phases`:
+    from those that `warm` made, so that none jumps. Phases that were given stay. tilt: by how much the waves come from
+    aside, over the array's radius; 0 for none.
     """
     assert targets.regions is not None
     positions, centre = propagator.array.positions, propagator.origin
@@ -180,6 +187,8 @@ def settle(
         wave[own] = _converging(
             propagator.points[own], t[own] ** 2, positions, centre, k, least, tilt
         )
+        if propagator.nulls is not None:
+            wave[own] = _aside(gram(propagator.B[own]), t[own], wave[own])
     group, count = _groups(targets.regions, given)
     alone = (targets.regions == ISOLATED) & ~given
     start, steps = beginning(M, None if warm is None else _phases(warm))
@@ -205,6 +214,31 @@ def settle(
     phases = np.where(given, targets.phases, phi + np.angle(z)[group])
     phases.flags.writeable = False
     return replace(targets, phases=phases)
+
+
+def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
+    """Phases like those of a wave, (M,) [rad], which gains that keep zones quiet can make with less strength.
+
+    The wave may go on to a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) turn it aside: what it takes strength
+    to make is left out of p. It is less even between the points then, so the steps are shorter where the first saves
+    little, and none where that is no more than steps save without any zone. G: B B^H, (M, M). t: amplitudes, (M,).
+    """
+    mu = ASIDE * float(G.diagonal().real.mean())
+    factor, p = Factor.of(G, mu), t * np.exp(1j * wave)
+    if not (factor.definite and t.any()):
+        return wave
+
+    def costly(p: Complexes) -> tuple[Complexes, float]:
+        rest = mu * factor.solve(p)
+        return rest, float(np.vdot(p, rest).real)
+
+    rest, before = costly(p)
+    _, after = costly(t * np.exp(1j * np.angle(p - rest)))
+    step = np.clip((1.0 - after / before - NONE) / (FULL - NONE), 0.0, 1.0)
+    for _ in range(TURNS if step else 0):
+        rest, _ = costly(p)
+        p = t * np.exp(1j * np.angle(p - step * rest))
+    return np.asarray(np.angle(p))
 
 
 def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Floats) -> Solution:
