@@ -93,8 +93,9 @@ class Loop:
             peak=settings.safety.pressure,
             clock=self.clock,
         )
-        self._quieting = Quieting(array, self.renderer.session.medium)
-        self._zones: tuple[Zone, ...] | None = None
+        limits = Limits(gain=settings.gain, power=settings.power)
+        self._quiet = True
+        self._quieting = Quieting(array, self.renderer.session.medium, limits, len(zones))
         self._done = messages.Orders()
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS  # what is presented
         self._intensity = 1.0
@@ -148,11 +149,11 @@ class Loop:
         """The scene of a tick."""
         self._permit.look()
         self._try(self._take)
-        quiet = self._is_quiet()
+        self._quiet = self._is_quiet()
         permit = self._permit.value
         over = self.clock.now() > permit.until - EARLY
         other = permit.scene != self.felt.number
-        hushed = permit.armed != 1 or permit.stopped or over or other or not quiet
+        hushed = permit.armed != 1 or permit.stopped or over or other or not self._quiet
         return self.felt.hushed if hushed else self.felt.scene
 
     def _take(self) -> None:
@@ -170,13 +171,9 @@ class Loop:
 
     def _is_quiet(self) -> bool:
         """Whether the quiet zones of now can be kept: until they are prepared, there is silence."""
-        if self.felt.zones is self._zones:
-            return True
-        zones, settings = self.felt.zones, self._settings
-        limits = Limits(gain=settings.gain, power=settings.power, zones=zones)
-        if not self._quieting.is_ready(limits):
+        if not self._quieting.keeps(self.felt.zones):
             return False
-        self.renderer.limits, self._zones = limits, zones
+        self.renderer.limits = self._quieting.limits
         return True
 
     def _choose(self) -> None:
@@ -255,6 +252,6 @@ class Loop:
         renderer = self.renderer
         state = reporting.state(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity
-        if self._quieting.note and self.felt.zones is not self._zones:
+        if not self._quiet:
             state["status"] = self._quieting.note
         return state

@@ -1,40 +1,89 @@
-"""Whether quiet zones can be kept yet: they are prepared beside the loop, which is silent until then."""
+"""Which quiet zones are kept. They are prepared beside the loop, with room to move in; until then there is silence."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ArgumentError
 from pacinian.solving.nulls import Preparation
-from pacinian.solving.problem import Budget
+from pacinian.solving.problem import Budget, Limits
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.zone import Zone
 
 AT_ONCE = Budget.until(0.0)
+ROOM = 0.02  # [m] by which the ball that is kept is larger than one that may move
 
 
 class Quieting:
-    """Prepares quiet zones for an array in a medium. note: what people should know while they are not ready."""
+    """Prepares quiet zones for an array in a medium. limits: of gain and power. fixed: how many zones never move.
 
-    def __init__(self, array: Array, medium: Air) -> None:
+    note: what people should know while there is silence.
+    """
+
+    def __init__(self, array: Array, medium: Air, limits: Limits, fixed: int = 0) -> None:
         self.note = ""
-        self._array, self._medium = array, medium
+        self.limits = limits
+        """With the zones that are prepared."""
+        self._array, self._medium, self._fixed = array, medium, fixed
         self._preparation = Preparation()
+        self._next: tuple[Zone, ...] | None = None
+        self._seen: tuple[Zone, ...] | None = None
 
-    def is_ready(self, limits: Limits) -> bool:
-        """Whether the zones of these limits are prepared; it does not wait."""
+    def keeps(self, zones: tuple[Zone, ...]) -> bool:
+        """Whether all these are quiet with `limits`, which may be new; it does not wait for what is being prepared."""
         self.note = ""
-        if not limits.zones:
+        if not zones:
+            self._next = None
+            if self.limits.zones:
+                self.limits = replace(self.limits, zones=())
             return True
-        rms = limits.rms(len(self._array))
+        moved, self._seen = zones is not self._seen, zones
+        if moved and self._next is None and self._is_tight(zones):
+            self._next = tuple(self._wider(k, zone) for k, zone in enumerate(zones))
+        if self._next is not None:
+            self._look(zones)
+        return _room(self.limits.zones, zones) >= 0.0
+
+    def _look(self, zones: tuple[Zone, ...]) -> None:
+        """Take what has been prepared."""
+        assert self._next is not None
+        rms = self.limits.rms(len(self._array))
+        self.note = "silent: the quiet zones are being prepared"
         try:
-            made = self._preparation.nulls(self._array, self._medium, limits.zones, rms, AT_ONCE)
+            made = self._preparation.nulls(self._array, self._medium, self._next, rms, AT_ONCE)
         except ArgumentError as error:
             self.note = f"silent: {error}"
-            return False
-        if made is None:
-            self.note = "silent: the quiet zones are being prepared"
-        return made is not None
+            self._next = zones  # without room to move in, or where they are now
+            return
+        if made is not None:
+            self.limits, self._next, self._seen = replace(self.limits, zones=self._next), None, None
+
+    def _wider(self, k: int, zone: Zone) -> Zone:
+        return zone if k < self._fixed else replace(zone, radius=zone.radius + ROOM)
+
+    def _is_tight(self, zones: tuple[Zone, ...]) -> bool:
+        """Whether others should be prepared: half of the room to move in is used up."""
+        kept, n = self.limits.zones, self._fixed
+        return (
+            len(kept) != len(zones)
+            or _room(kept[:n], zones[:n]) < 0.0
+            or _room(kept[n:], zones[n:]) < 0.5 * ROOM
+        )
+
+
+def _room(kept: tuple[Zone, ...], zones: tuple[Zone, ...]) -> float:
+    """How much each of `zones` may still move within that which is kept for it [m]; negative if any is outside."""
+    if len(kept) != len(zones):
+        return -math.inf
+    rooms = [
+        big.radius - small.radius - math.dist(big.position, small.position)
+        if big.pressure <= small.pressure
+        else -math.inf
+        for big, small in zip(kept, zones, strict=True)
+    ]
+    return min(rooms, default=math.inf)

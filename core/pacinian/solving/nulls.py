@@ -74,6 +74,8 @@ class Nulls:
         V, loudest = np.zeros((0, N), np.complex64), 0.0
         watched: list[Gains] = []
         for zone in zones:
+            if zone.holds(array.positions).any():
+                raise ArgumentError("limits.zones", UNUSABLE)
             for k, places in enumerate(zone.places()):
                 rest = _rows(wave, places)
                 strongest = float(_norms(rest).max())
