@@ -298,6 +298,7 @@ class Session:
             not (met and self._solver.linear)
             or limits.asked
             or limits.power is not None
+            or (limits.zones and c > 1.0)  # what is left in a zone would be louder, too
             or not c > 0.0
         ):
             return math.nan

@@ -164,6 +164,36 @@ def test_without_zones_all_is_as_before_them() -> None:
     np.testing.assert_allclose(after, before, atol=1e-5)
 
 
+def test_what_is_all_in_a_zone_is_silent() -> None:
+    for solver in SOLVERS:
+        found = pc.solve(
+            ARRAY, [EAR.position], [300.0], solver=solver, limits=pc.Limits(zones=(EAR,))
+        )
+        assert found.status is pc.Status.infeasible
+        assert loudest(ARRAY, EAR, found.gains) < EAR.pressure
+
+
+@pytest.mark.parametrize("solver", ["lagrange", "pseudo-inverse"])
+def test_the_same_ten_thousand_times_as_strong_keeps_the_zone_too(solver: str) -> None:
+    session, zone = pc.Session(ARRAY, AIR, solver), pc.Zone(EAR.position, 0.05, EAR.radius)
+    for pressure in (0.1, 1000.0):
+        found = session.solve(POINTS, [pressure] * 3, limits=pc.Limits(zones=(zone,)))
+        assert loudest(ARRAY, zone, found.gains) < zone.pressure
+
+
+def test_one_that_wants_others_does_not_take_them_from_another() -> None:
+    """Each waits for its own zones; what has not begun is given up by who no longer wants it."""
+    zones = [pc.Zone((0.1, 0.01 * k, 0.3), 2.0, 0.0131) for k in range(3)]
+    sessions = [pc.Session(ARRAY, AIR) for _ in range(3)]
+    for session in sessions:
+        for zone in zones:
+            session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)), deadline=0.0)
+    for session, zone in zip(sessions, zones, strict=True):
+        found = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)))
+        assert found.status is pc.Status.ok
+        assert loudest(ARRAY, zone, found.gains) < zone.pressure
+
+
 def test_in_double_precision_too() -> None:
     session = pc.Session(ARRAY, AIR, "lagrange", precision="double")
     found = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(EAR,)))

@@ -10,7 +10,7 @@ waves that the array can tell apart in the zone. Each solution is checked at som
 from __future__ import annotations
 
 import math
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, ClassVar
@@ -119,8 +119,11 @@ class Nulls:
                 break
             kernels.restrain(g, 1.0, top)
             self._free(g)
-            rest = made - propagator.apply(g)
-            g += propagator.adjoint(propagator.factor(SOFT * propagator.power).solve(rest))
+            factor = propagator.factor(SOFT * propagator.power)
+            if factor.definite:
+                g += propagator.adjoint(factor.solve(made - propagator.apply(g)))
+        if not math.isfinite(kernels.peak(g)):
+            g[:] = 0.0
         over = max(1.0, SPARE * self.heard(g), math.sqrt(kernels.peak(g)) / top)
         if over > 1.0:
             g /= over
@@ -166,6 +169,9 @@ class Preparation:
             return self._made.result(left)
         except TimeoutError:
             return None
+        except CancelledError:  # by another session, which wants others now
+            self._made = None
+            return self.nulls(array, medium, zones, rms, budget)
 
     @classmethod
     def _begun(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[Nulls]:
