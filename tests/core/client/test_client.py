@@ -98,7 +98,9 @@ def test_hands_go_with_the_time_they_were_seen_at(server: Fake) -> None:
 
 def test_the_rest_of_the_commands(server: Fake, client: pc.Client) -> None:
     zone = commands.Zone(position=(0.0, 0.0, 0.5), pressure=10.0, radius=0.1)
-    client.quiet(zone)
+    client.quiet(pc.Zone(position=(0.0, 0.0, 0.5), pressure=10.0, radius=0.1))
+    with pytest.raises(pc.ArgumentError, match="zones"):
+        client.quiet(zone)  # type: ignore[arg-type]
     client.envelope("ball", pc.Sine(150.0))
     client.clear()
     p = client.field([(0.0, 0.0, 0.2)] * 3)

@@ -16,7 +16,7 @@ from pacinian.serving.choosing import made
 from pacinian.serving.settings import Settings
 
 settings = Settings(array=Units({side}, {side}))
-arguments = settings.array.make(), settings.medium.make(), [made("auto")], Capability(rate=1e3), 1e3
+arguments = settings.array.make(), settings.medium.make(), made("auto"), Capability(rate=1e3), 1e3
 warming.warm_up(*arguments)
 before = set(sys.modules)
 warming.TICKS = {ticks}
