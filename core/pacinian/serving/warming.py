@@ -32,17 +32,18 @@ if TYPE_CHECKING:
 
 ABOVE = 0.15  # [m] in front of the array
 TICKS = 4  # of each scene: the first bring all that the later ones need
-QUIET = 1.0  # [Pa] of sound: less than two points leave there, so that the solver has to see to it
+QUIET = 1.0  # [Pa] of sound in a quiet zone
+POWER = 1e-3  # less than points take, so that the solver has to see to it
 PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
 
 def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, rate: float) -> None:
-    """Render a few scenes of all kinds, with and without quiet zones, for nobody."""
+    """Render a few scenes of all kinds, with and without quiet zones and a limit of power, for nobody."""
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
     x, y, z = (place + 0.1).tolist()
-    kinds = Limits(), Limits(zones=(Zone((x, y, z), QUIET),))
+    kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), QUIET),))
     for scene, limits in product(_scenes(place), kinds):
         _render(array, medium, solver, capability, rate, scene, limits)
 
