@@ -224,21 +224,24 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     little, and none where that is no more than steps save without any zone. G: B B^H, (M, M). t: amplitudes, (M,).
     """
     mu = ASIDE * float(G.diagonal().real.mean())
-    factor, p = Factor.of(G, mu), t * np.exp(1j * wave)
+    factor = Factor.of(G, mu)
     if not (factor.definite and t.any()):
         return wave
 
-    def costly(p: Complexes) -> tuple[Complexes, float]:
-        rest = mu * factor.solve(p)
-        return rest, float(np.vdot(p, rest).real)
+    def turned(phases: Floats) -> Complexes:
+        return np.asarray(t * np.exp(1j * phases), np.complex128)
 
-    rest, before = costly(p)
-    _, after = costly(t * np.exp(1j * np.angle(p - rest)))
-    step = np.clip((1.0 - after / before - NONE) / (FULL - NONE), 0.0, 1.0)
+    def costly(p: Complexes) -> Complexes:
+        return np.asarray(mu * factor.solve(p), np.complex128)
+
+    p = turned(wave)
+    rest = costly(p)
+    after = turned(np.angle(p - rest))
+    saved = 1.0 - float(np.vdot(after, costly(after)).real) / float(np.vdot(p, rest).real)
+    step = float(np.clip((saved - NONE) / (FULL - NONE), 0.0, 1.0))
     for _ in range(TURNS if step else 0):
-        rest, _ = costly(p)
-        p = t * np.exp(1j * np.angle(p - step * rest))
-    return np.asarray(np.angle(p))
+        p = turned(np.angle(p - step * costly(p)))
+    return np.asarray(np.angle(p), np.float64)
 
 
 def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Floats) -> Solution:
