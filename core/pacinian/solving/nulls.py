@@ -38,14 +38,14 @@ ENOUGH = 0.5  # of the limit, where V is enlarged: so that fresh points keep the
 FAINT = 0.15  # of the limit: V gets no row for what is fainter
 DISTINCT = 1e-4  # of a block's strongest row: fainter ones wait for the next block
 ROUNDS = 16  # of fresh points, at most
-MOST = 0.8  # of all dimensions that zones may take
+LARGEST_SHARE = 0.8  # of all dimensions that zones may take
 LOWEST = 1e-5  # of what full drive makes in a zone: single precision keeps no lower limit
 REPAIRS = 32  # times that gains are shortened, and freed of V again
 SOFT = 0.1  # of the mean power of rows: with what regularisation pressures are corrected
 LEFT = 0.02  # of a limit: what gains may still make of V
 ROUNDING = 2e-6  # of ||g||: what single precision leaves of V
 SKETCHED = 16  # random mixtures of V's rows, which tell within a factor of 2 what gains hold of V
-KEPT = 4  # sets of zones that are prepared
+MOST_PREPARED = 4  # sets of zones that stay prepared
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
@@ -88,7 +88,7 @@ class Nulls:
                     watched.append(some)
                     break
                 V = _enlarged(V, rest, 1.0 / (LIKELY * rms))
-                if len(V) > MOST * N or k == ROUNDS:
+                if len(V) > LARGEST_SHARE * N or k == ROUNDS:
                     raise ArgumentError("limits.zones", UNUSABLE)
         return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
 
@@ -180,7 +180,7 @@ class Preparation:
             if made is None or made.cancelled():
                 made = cls._pool.submit(Nulls.of, *key)
             cls._kept[key] = made
-            for old in list(cls._kept)[:-KEPT]:
+            for old in list(cls._kept)[:-MOST_PREPARED]:
                 del cls._kept[old]
             return made
 

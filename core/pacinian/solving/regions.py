@@ -45,10 +45,8 @@ SOME = 128  # transducers that stand for all
 TINY = 1e-30  # [m] or [m^2]: distances that are divided by are at least this
 ASIDE = 0.1  # of the mean square that full drive makes: mu in the steps that turn a wave aside from quiet zones
 TURNS = 16  # such steps
-NONE, FULL = (
-    0.07,
-    0.17,
-)  # of what is costly: where the first saves as little, none are made; as much, they are whole
+LITTLE_SAVED = 0.07  # of what is costly: where the first step saves no more, none is made
+MUCH_SAVED = 0.17  # where it saves as much, steps are whole
 STEEP = 0.9  # cosine of the angle to the x axis, from which a wave along it is tilted along z
 
 
@@ -238,7 +236,7 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     rest = costly(p)
     after = turned(np.angle(p - rest))
     saved = 1.0 - float(np.vdot(after, costly(after)).real) / float(np.vdot(p, rest).real)
-    step = float(np.clip((saved - NONE) / (FULL - NONE), 0.0, 1.0))
+    step = float(np.clip((saved - LITTLE_SAVED) / (MUCH_SAVED - LITTLE_SAVED), 0.0, 1.0))
     for _ in range(TURNS if step else 0):
         p = turned(np.angle(p - step * costly(p)))
     return np.asarray(np.angle(p), np.float64)
