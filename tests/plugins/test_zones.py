@@ -235,6 +235,8 @@ def test_zones_that_cannot_be_meant_are_refused(zone: pc.Zone) -> None:
 def test_zones_need_zones_and_a_limit() -> None:
     with pytest.raises(pc.ArgumentError, match=r"limits\.zones"):
         pc.Limits(zones=((0.0, 0.0, 0.3),))  # type: ignore[arg-type]
+    with pytest.raises(pc.ArgumentError, match="a list of Zones"):
+        pc.Limits(zones=EAR)  # type: ignore[arg-type]
     with pytest.raises(pc.ArgumentError, match="gain or power"):
         pc.Limits(gain=None, zones=(EAR,))
 

@@ -211,7 +211,12 @@ class Limits:
     zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "zones", tuple(self.zones))
+        try:
+            object.__setattr__(self, "zones", tuple(self.zones))
+        except TypeError:
+            raise ArgumentError(
+                "limits.zones", f"must be a list of Zones, not {self.zones!r}"
+            ) from None
         for zone in self.zones:
             kind("limits.zones", zone, Zone)
         if self.zones and self.gain is None and self.power is None:
