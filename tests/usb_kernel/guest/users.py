@@ -57,18 +57,31 @@ def sitting(user: int) -> Generator[None]:
     (rules / RULES.name).write_text(RULES.read_text())
     if not SEAT_LATE.exists():
         (rules / SEAT_LATE.name).write_text(UACCESS)
-    udevadm("control", "--reload")
+    reload()
     try:
         yield
     finally:
         for file in (*rules.iterdir(), *seats.iterdir()):
             file.unlink()
-        udevadm("control", "--reload")
+        reload()
 
 
-def udevadm(*words: str) -> str:
-    """What it says."""
-    return subprocess.run(["udevadm", *words], capture_output=True, text=True, check=True).stdout
+def reload() -> None:
+    """Have udev read its rules again; ask it until it says that it did (systemd's issue 22686: it may refuse)."""
+    said: list[str] = []
+
+    def done() -> bool:
+        asked = subprocess.run(
+            ["udevadm", "control", "--reload"], capture_output=True, text=True, check=False
+        )
+        said.append(f"{asked.returncode}: {asked.stdout}{asked.stderr}")
+        return asked.returncode == 0
+
+    try:
+        until(done)
+    finally:
+        if len(said) > 1:
+            print("udevadm control --reload:", *said)  # noqa: T201
 
 
 def settled(place: str) -> dict[str, str]:
