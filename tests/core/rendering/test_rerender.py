@@ -130,7 +130,7 @@ BALL = pc.Volume(
     name="ball",
 )
 PLATE = pc.Surface(
-    shape=pc.Rectangle(0.1, 0.1), pose=pc.Pose((0, 0, 0.2)), radiation_pressure=3.0, name="plate"
+    shape=pc.Rectangle(0.05, 0.05), pose=pc.Pose((0, 0, 0.2)), radiation_pressure=3.0, name="plate"
 )
 
 

@@ -36,25 +36,16 @@ def moved(item: Any, pose: pc.Pose) -> Any:
 def to_capsules(capsules: Floats, points: Floats) -> Floats:
     """Signed distance of each point to each tapered capsule, (points, capsules) [m].
 
-    The least of |p - c(s)| - r(s), which is convex in s: by ternary search.
+    The least of |p - c(s)| - r(s), which is convex in s: where its derivative is zero, or at an end.
     """
     axis, grows = capsules[:, 3:6] - capsules[:, :3], capsules[:, 7] - capsules[:, 6]
-    aa, w = (axis * axis).sum(axis=1), points[:, None] - capsules[:, :3]
-    wa, ww = (w * axis).sum(axis=2), (w * w).sum(axis=2)
-
-    def away(s: Floats) -> Floats:
-        square = ww - 2.0 * s * wa + s * s * aa
-        return np.sqrt(np.maximum(square, 0.0)) - capsules[:, 6] - s * grows
-
-    low, high = np.zeros_like(wa), np.ones_like(wa)
-    for _ in range(45):  # what is left of s counts squared
-        third = (high - low) / 3.0
-        left = away(low + third) < away(high - third)
-        low, high = np.where(left, low, low + third), np.where(left, high - third, high)
-    s = np.where(away(np.zeros_like(wa)) < away(np.ones_like(wa)), 0.0, 1.0)  # where an end is best
-    best = (low + high) / 2.0
-    s = np.where(away(best) < away(s), best, s)
-    return np.asarray(np.linalg.norm(w - s[..., None] * axis, axis=2) - capsules[:, 6] - s * grows)
+    aa, w = np.maximum((axis * axis).sum(axis=1), 1e-30), points[:, None] - capsules[:, :3]
+    foot = np.einsum("pcx,cx->pc", w, axis) / aa
+    beside = np.linalg.norm(w - foot[..., None] * axis, axis=2)
+    steep = aa - grows * grows  # not positive: one of the spheres holds the other
+    beyond = grows * beside / np.sqrt(aa * np.where(steep > 0.0, steep, 1.0))
+    s = np.clip(foot + np.where(steep > 0.0, beyond, np.copysign(np.inf, grows)), 0.0, 1.0)
+    return np.asarray(np.hypot(beside, (foot - s) * np.sqrt(aa)) - capsules[:, 6] - s * grows)
 
 
 def mesh_of(mesh: trimesh.Trimesh) -> pc.Mesh:
