@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.device_calibrate import calibrate
 from pacinian.cli.findings import RIGHTS
 from pacinian.cli.running import drawable
 
@@ -33,7 +34,7 @@ ADVICE = {
 @JSON
 @click.pass_context
 def devices(context: click.Context, backend: str, as_json: bool) -> None:
-    """List the devices that are connected; or check or draw a description of one.
+    """List the devices that are connected; or check, draw or calibrate a description of one.
 
     Opens none of them and changes nothing. Exit code 1 if one that is connected cannot be used, or the backend that is
     named cannot look; 2 if there is no such backend, or it does not load; else 0, also where nothing is connected.
@@ -75,6 +76,9 @@ def _list(found: list[Found]) -> None:
         console.print(f"{name}: {f.problem}", markup=False)
     if problems or not found:
         console.print(ADVICE.get(sys.platform, ADVICE["linux"]), markup=False)
+
+
+devices.add_command(calibrate)
 
 
 @devices.command()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import uuid
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,6 +60,20 @@ def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple
     except ValueError as error:
         raise SceneFileError(path, where, f"must be numbers: {error}") from error
     return key, values
+
+
+def write(path: Path, measured: Measured) -> None:
+    """Write such a file; a file that is there is replaced as a whole. Raises OSError."""
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        with beside.open("w", encoding="utf-8", newline="") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow(COLUMNS)
+            for (serial, channel), (gain, phase) in measured.items():
+                rows.writerow([serial, channel, f"{gain:.5f}", f"{phase:.5f}"])
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def apply(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:
