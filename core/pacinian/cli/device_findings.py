@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.cli.findings import Finding
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from pacinian.devices.description import Board, DeviceDescription
     from pacinian.plugins.backend import Capability, Found
@@ -68,6 +68,21 @@ def _frequency(device: DeviceDescription) -> Finding:
     if device.transducer.directivity == "t4010a1" and not BAND[0] <= f <= BAND[1]:
         return Finding("frequency", "warning", told, "a T4010A1 is made for 40 kHz")
     return Finding("frequency", "ok", told)
+
+
+def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]) -> Finding:
+    """Whether all channels that are not dead were measured. measured: their serials and numbers."""
+    left = [
+        f"{board.serial} {c}".strip()
+        for board in device.boards
+        for c in board.alive.tolist()
+        if (board.serial, c) not in measured
+    ]
+    if left:
+        fix = "measure them: `pacinian devices calibrate`; until then they count as described"
+        told = f"{len(measured)} channels measured, not: {_some(left)}"
+        return Finding("calibration", "warning", told, fix)
+    return Finding("calibration", "ok", f"{len(measured)} channels measured")
 
 
 def levels(device: DeviceDescription, can: Capability) -> Finding:

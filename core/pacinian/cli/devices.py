@@ -90,12 +90,15 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 
     Exit code 1 if anything is a problem; warnings are none.
     """
-    from pacinian.cli.device_findings import described
+    from pacinian.cli.device_findings import calibration, described
     from pacinian.cli.doctor import tell
+    from pacinian.devices.calibration import read
     from pacinian.devices.description import DeviceDescription
 
     device = DeviceDescription.load(file)
     findings = described(device)
+    if device.calibration:
+        findings.append(calibration(device, read(file.parent / device.calibration)))
     if not offline:
         findings += _looked(device)
     if as_json:

@@ -43,6 +43,7 @@ MIN_NOISE = 1e-4  # of that: no microphone is better
 MAX_RESIDUAL = 0.5  # of the rms of what is expected; more, and the scan is not of this array
 MAX_ERROR = 0.1  # of a response, by noise alone; more, and the transducer is unseen
 MIN_STRENGTH = 0.1  # of the mean; less, and the transducer is dead
+TINY = 1e-300  # keeps a sum of nothing from being divided by
 MEDIAN = 1.177  # of a Rayleigh distribution of unit scale
 
 
@@ -98,7 +99,8 @@ def fit_scan(
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")
     read = ~np.isnan(X)
-    size = float(np.quantile(np.abs(X[read]), TYPICAL)) if read.any() else 0.0
+    finite = read.any() and bool(np.isfinite(X[read]).all())
+    size = float(np.quantile(np.abs(X[read]), TYPICAL)) if finite else 0.0
     if not 0.0 < size < np.inf:
         raise ArgumentError("readings", "must be finite, and most of them not 0")
     X = np.where(read, X / size, 0.0)
@@ -159,7 +161,7 @@ class _Fit:
     def _try_speeds(self) -> float:
         """The speed of sound [m/s] of a coarse grid that explains most of the readings."""
         B, r = self._propagate(self.c), self._distances()[1][..., 0]
-        S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), 1e-300)
+        S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), TINY)
 
         def explain(c: float) -> float:
             turn = self._wavenumber(c) - self._wavenumber(self.c)
@@ -178,8 +180,8 @@ class _Fit:
     def _responses(self, B: Complexes) -> Complexes:
         self.V = self.W * np.abs(B) ** 2  # (M, N)
         self.S = self.V.sum(axis=0)  # (N,)
-        s = (self.W * B.conj() * self.X).sum(axis=0)
-        return np.divide(s, self.S, out=np.zeros_like(s), where=self.S > 0.0)
+        s: Complexes = (self.W * B.conj() * self.X).sum(axis=0) / np.maximum(self.S, TINY)
+        return s
 
     def _weigh(self) -> None:
         """Responses for these positions, noise (standard error of a real part), and new weights."""
@@ -215,7 +217,7 @@ class _Fit:
         pulled = np.concatenate(
             [VT[..., :3].transpose(0, 2, 1).reshape(3 * M, N), VT[..., 3].sum(axis=0)[None]]
         )
-        self.turn = np.divide(pulled, self.S, out=np.zeros_like(pulled), where=self.S > 0.0)
+        self.turn: Floats = pulled / np.maximum(self.S, TINY)
         H -= (pulled * np.abs(self.s) ** 2) @ self.turn.T
         G = np.einsum("mni,mn->mi", T, self.W * np.imag(self.F.conj() * (self.X - self.F)))
         return H, np.r_[G[:, :3].ravel(), G[:, 3].sum()]
@@ -228,30 +230,28 @@ class _Fit:
     @staticmethod
     def _compare(noise: float, expected: Complexes) -> float:
         rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
-        return float(np.sqrt(2.0)) * noise / max(rms, 1e-300)
+        return float(np.sqrt(2.0)) * noise / max(rms, TINY)
 
     def finish(self, size: float) -> ScanFit:
         """Normalise, and tell what is dead, unseen and reversed. size: of a reading of 1. Raises ArgumentError."""
-        with np.errstate(divide="ignore"):
-            noise = self.noise / np.sqrt(self.S)  # standard errors of s
-        strength = np.abs(self.s)
-        seen = noise < np.inf
+        strength, noise = np.abs(self.s), self.noise / np.sqrt(np.maximum(self.S, TINY))
+        mean, seen = 0.0, self.S > 0.0
         for _ in range(3):  # the mean is that of those which are seen and alive
             mean = float(strength[seen].mean()) if seen.any() else 0.0
-            unseen = noise > MAX_ERROR * mean
-            seen = ~unseen & (strength > MIN_STRENGTH * mean)
+            seen = (noise <= MAX_ERROR * mean) & (strength > MIN_STRENGTH * mean)
         if not seen.any():
             raise ArgumentError(
                 "readings",
                 "show no transducer: place the microphone before the array, drive it harder",
             )
+        unseen = noise > MAX_ERROR * mean
         s = self.s / mean
         axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # reversed ones do not cancel the others
         s = s * np.exp(-0.5j * np.angle(axis))
         if s[seen].real.sum() < 0.0:
             s = -s
         dead = ~unseen & ~seen
-        s = np.where(unseen, 1.0, np.where(dead, 0.0, s))
+        s[dead], s[unseen] = 0.0, 1.0
         turn = self.turn - self.turn[:, seen].mean(axis=1, keepdims=True)  # of a phase, by q and c
         by_place = np.einsum("pn,pq,qn->n", turn, self.cov, turn, optimize=True)
         relative = noise / np.where(seen, strength, mean)

@@ -1,0 +1,256 @@
+"""`pacinian devices calibrate`: from files of a scan to a calibration that the description takes."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import pacinian as pc
+from pacinian.cli.main import cli
+from pacinian.devices.calibration import write
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HEAD = "x,y,z,serial,channel,amplitude,phase\n"
+DEVICE = """
+[[boards]]
+serial = "A"
+layout = {{ type = "grid", columns = 6, rows = 5, pitch = 0.02 }}
+gain = 0.7
+dead = [3]
+[[boards]]
+serial = "B"
+layout = {{ type = "grid", columns = 6, rows = 5, pitch = 0.02 }}
+pose = {{ position = [0.13, 0.0, 0.0], rotation = [0.0, 0.0, 0.707107, 0.707107] }}
+order = {order}
+"""
+
+
+class Bench:
+    """Two boards that differ from their description, and a microphone's readings of them, (M, 60), board by board."""
+
+    def __init__(self, folder: Path) -> None:
+        rng = np.random.default_rng(11)
+        self.folder, self.file = folder, folder / "device.toml"
+        self.file.write_text(DEVICE.format(order=rng.permutation(30).tolist()), encoding="utf-8")
+        described = pc.DeviceDescription.load(self.file)
+        boards = [
+            board.pose.points(board.layout.positions())[board.drives] for board in described.boards
+        ]
+        self.ideal = pc.Array(
+            np.concatenate(boards), transducer=pc.T4010A1
+        )  # in the order of channels
+        self.truth = rng.uniform(0.6, 1.2, 60) * np.exp(0.4j * rng.normal(size=60))
+        self.truth[[8, 50]] = 0.0
+        self.truth[[9, 40]] *= -1.0
+        self.q = rng.uniform([-0.05, -0.06, 0.15], [0.18, 0.06, 0.35], (10, 3))
+        air = pc.Air(temperature=25.0, attenuation="absorbing")
+        self.X = 0.3j * pc.matrix(self.ideal, self.q, air) * self.truth
+        self.X += 0.05 * (rng.normal(size=(10, 60)) + 1j * rng.normal(size=(10, 60)))
+
+    def rows(self) -> list[str]:
+        return [
+            f"{x:.5f},{y:.5f},{z:.5f},{'AB'[c // 30]},{c % 30},{abs(v):.5g},{np.angle(v):.5f}\n"
+            for (x, y, z), row in zip(self.q, self.X, strict=True)
+            for c, v in enumerate(row)
+        ]
+
+    def csv(self, text: str | bytes | None = None) -> Path:
+        path = self.folder / "scan.csv"
+        given = HEAD + "".join(self.rows()) if text is None else text
+        path.write_bytes(given if isinstance(given, bytes) else given.encode())
+        return path
+
+    def npz(self, **changes: Any) -> Path:
+        G = np.exp(2j * np.pi * np.outer(np.arange(64), np.arange(60)) / 64)
+        parts: dict[str, Any] = {"positions": self.q, "drives": G, "readings": G @ self.X.T}
+        path = self.folder / "scan.npz"
+        np.savez(path, **{k: v for k, v in (parts | changes).items() if v is not None})
+        return path
+
+    def found(self, out: Path) -> Any:
+        """Responses by channel, as the description takes them from a calibration."""
+        text = f"calibration = {json.dumps(str(out))}\n" + self.file.read_text().replace(
+            "dead", "#"
+        )
+        (self.folder / "calibrated.toml").write_text(text)
+        device = pc.DeviceDescription.load(self.folder / "calibrated.toml")
+        return np.concatenate([board.responses for board in device.boards])
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    return Bench(tmp_path)
+
+
+def run(*words: object) -> tuple[int, str]:
+    done = CliRunner().invoke(cli, ["devices", *map(str, words)])
+    if isinstance(done.exception, pc.PacinianError):
+        return 2, str(done.exception)
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done.exit_code, done.output
+
+
+@pytest.mark.parametrize("kind", ["csv", "npz", "two files", "shuffled"])
+def test_a_scan_becomes_a_calibration(bench: Bench, kind: str) -> None:
+    scans = [bench.npz() if kind == "npz" else bench.csv()]
+    if kind == "two files":
+        rows = bench.rows()
+        scans = [bench.csv(HEAD + "".join(rows[:240])), bench.folder / "b.csv"]
+        scans[1].write_text(HEAD + "\n".join(rows[240:]))
+    elif kind == "shuffled":
+        scans = [bench.csv("\ufeff" + HEAD.replace(",", " , ") + "\r\n".join(sorted(bench.rows())))]
+    out = bench.folder / "out.csv"
+    code, told = run("calibrate", bench.file, *scans, "--out", out)
+    assert code == 0, told
+    assert re.search("dead: 2: A 8, B 20", told)
+    assert re.search("reversed: 2: A 9, B 10", told)
+    assert re.search("air: 346.* 2[56] degC", told)
+    alive = np.abs(bench.truth) > 0.0
+    found = bench.found(out)
+    assert (found[~alive] == 0.0).all()
+    z = found[alive] / bench.truth[alive]
+    np.testing.assert_allclose(z / z.mean(), 1.0, atol=0.06)
+    code, told = run("check", bench.folder / "calibrated.toml", "--offline")
+    assert "60 channels measured" in told
+
+
+def test_it_can_be_read_by_programs_and_the_temperature_given(bench: Bench) -> None:
+    out = bench.folder / "out.csv"
+    code, told = run(
+        "calibrate", bench.file, bench.csv(), "--out", out, "--json", "--temperature", 25
+    )
+    made = json.loads(told)
+    assert code == 0
+    assert len(made["channels"]) == 60
+    assert all(0.0 < one["error"] < 0.05 for one in made["channels"] if one["gain"])
+    assert {f["name"] for f in made["findings"]} >= {"fit", "air", "phase", "dead"}
+
+
+def test_what_was_not_scanned_is_left_as_described_and_told(bench: Bench) -> None:
+    rows = [row for row in bench.rows() if ",A,5," not in row]
+    out = bench.folder / "out.csv"
+    code, told = run("calibrate", bench.file, bench.csv(HEAD + "".join(rows)), "--out", out)
+    assert code == 0
+    assert "unseen: 1: A 5" in told
+    assert abs(bench.found(out)[5]) == 0.7  # as in the description
+    assert (
+        "59 channels measured, not: A 5"
+        in run("check", bench.folder / "calibrated.toml", "--offline")[1]
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "line 1: must be x,y,z,serial,channel,amplitude,phase"),
+        (HEAD, "no reading"),
+        ("x,y,z,serial,channel,amplitude\n0,0,0.2,A,0,1\n", "no phases.*lock-in"),
+        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,0\n", "no phases"),
+        (HEAD + "0,0,0.2,A,0,1\n", "line 2: must have 7 values, not 6"),
+        (HEAD + "0,0,0.2,A,0,1,0.1\n\n0,0,0.2,A,zero,1,0\n", "line 4: must be numbers"),
+        (HEAD + "0,0,0.2,A,1.5,1,0\n", "line 2.*`channel`.*whole"),
+        (HEAD + "0,0,0.2,A,-1,1,0\n", "line 2.*`channel`"),
+        (HEAD + "0,0,0.2,A,30,1,0\n", "line 2.*channels 0 to 29"),
+        (HEAD + "0,0,0.2,C,0,1,0\n", "line 2.*no board is 'C'; there are 'A', 'B'"),
+        (HEAD + "0,nan,0.2,A,0,1,0\n", "line 2.*`y`.*finite"),
+        (HEAD + "0,0,0.2,A,0,inf,0\n", "line 2.*`amplitude`.*finite"),
+        (HEAD + "0,0,0.2,A,0,1e300,0\n", "line 2.*`amplitude`"),
+        (HEAD + "0,0,0.2,A,0,-1,0\n", "line 2.*`amplitude`"),
+        (HEAD + "0,0,0.2,A,0,1,90\n", "line 2.*`phase`.*degrees"),
+        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,0,1,1\n", "line 3.*again"),
+        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,1\n", "`positions` must be 6"),
+        (HEAD + "0,0,200,A,0,1,0\n0,0,200,A,1,1,1\n", "millimetres"),
+        (HEAD + "".join(f"0,0,{i},A,0,1,{i % 3}\n" for i in range(1001)), "line 1002.*1000"),
+        ("\xff\xfe" + HEAD, "not CSV|line 1"),
+        (HEAD + "0,0,0.2,A\x00,0,1,0\n", "not CSV|no board"),
+    ],
+)
+def test_a_csv_that_is_wrong_is_told_with_its_line(bench: Bench, text: str, told: str) -> None:
+    out = bench.folder / "out.csv"
+    code, said = run("calibrate", bench.file, bench.csv(text.encode("latin-1")), "--out", out)
+    assert code == 2
+    assert re.search(told, said), said
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"drives": None}, "lacks drives"),
+        ({"drives": np.eye(59) + 0j}, r"drives.*\(K, 60\)"),
+        ({"drives": np.ones((64, 60)) + 0j}, "tell the 60 channels apart.*Hadamard"),
+        ({"drives": np.eye(60) + 0j}, "readings.*60 patterns"),
+        ({"drives": np.full((64, 60), np.nan)}, "drives.*finite"),
+        ({"readings": np.ones((64, 10))}, "no phases"),
+        ({"readings": np.ones((64, 9)) + 0j}, r"readings.*\(K, 10\)"),
+        ({"readings": np.ones(()) + 0j}, "readings"),
+        ({"positions": np.ones((10, 2))}, "positions.*shape"),
+        ({"positions": np.array([{"x": 1}] * 10, dtype=object)}, "not NPZ"),
+        ({"positions": np.array(["a"] * 10)}, "positions"),
+    ],
+)
+def test_an_npz_that_is_wrong_is_told(bench: Bench, changes: dict[str, Any], told: str) -> None:
+    code, said = run("calibrate", bench.file, bench.npz(**changes), "--out", bench.folder / "o.csv")
+    assert code == 2
+    assert re.search(told, said), said
+
+
+def test_bombs_and_files_that_are_none_are_refused(bench: Bench, monkeypatch: Any) -> None:
+    path = bench.folder / "scan.npz"
+    claim = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        claim, {"descr": "<c16", "fortran_order": False, "shape": (1 << 40, 1 << 10)}
+    )
+    with zipfile.ZipFile(path, "w") as file:
+        for name in ("positions", "drives", "readings"):
+            file.writestr(f"{name}.npy", claim.getvalue())
+    assert "is not NPZ" in run("calibrate", bench.file, path)[1]
+    path.write_bytes(b"nothing")
+    assert "is not NPZ" in run("calibrate", bench.file, path)[1]
+    monkeypatch.setattr("pacinian.devices.scan.MAX_NPZ_BYTES", 1000)
+    assert "is larger" in run("calibrate", bench.file, bench.npz())[1]
+    monkeypatch.setattr("pacinian.devices.scan.LARGEST", 1000)
+    assert "is larger" in run("calibrate", bench.file, bench.csv())[1]
+    assert "not a file" in run("calibrate", bench.file, "/dev/zero.csv")[1]
+    (bench.folder / "d.csv").mkdir()
+    assert "not a file" in run("calibrate", bench.file, bench.folder / "d.csv")[1]
+    assert "must end in" in run("calibrate", bench.file, "/dev/zero")[1]
+
+
+def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
+    scan = bench.csv()
+    for out in (
+        scan,
+        bench.file,
+        bench.folder / "out.txt",
+        bench.folder / ".." / bench.folder.name / "scan.csv",
+    ):
+        code, told = run("calibrate", bench.file, scan, "--out", out)
+        assert code == 2
+        assert "none of the files read" in told
+    assert run("calibrate", bench.file, "--out", "o.csv")[0] == 2  # no scan
+
+
+def test_a_calibration_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
+    path = tmp_path / "c.csv"
+    write(path, {("A", 0): (1.0, 0.5)})
+    old = path.read_text()
+    with pytest.raises(ZeroDivisionError):
+        write(path, _Broken({("A", 0): (1.0, 0.5)}))
+    assert path.read_text() == old
+    assert list(tmp_path.iterdir()) == [path]
+
+
+class _Broken(dict[Any, Any]):
+    def items(self) -> Any:
+        yield from super().items()
+        raise ZeroDivisionError
