@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pacinian.devices.scan_fit import ScanFit
 
 MISFIT = 0.5  # of the rms expected at a position; more, and it is named
+VAGUE = 10.0  # [deg], standard error of phases that costs 3 % of a focus
 SHOWN = 8
 
 
@@ -56,8 +57,13 @@ def calibrate(
     from pacinian.devices.scan import read_scan, undo_calibration
     from pacinian.devices.scan_fit import fit_scan
 
-    if out.suffix != ".csv" or out.resolve() in {path.resolve() for path in (file, *scans)}:
-        raise click.BadParameter(f"{out} must end in .csv, and be none of the files read")
+    given = {path.resolve() for path in (file, *scans)}
+    if out.suffix != ".csv" or out.resolve() in given or not out.parent.is_dir():
+        raise click.BadParameter(
+            f"{out} must end in .csv, be in a folder that is there, and be none of the files read"
+        )
+    if len(given) <= len(scans):
+        raise click.BadParameter("a file is given twice, which would count its readings twice")
     device = undo_calibration(file)
     scan = reduce(add, (read_scan(path, device) for path in scans))
     speed = None if temperature is None else Air(temperature=temperature).speed_of_sound
@@ -122,6 +128,11 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
         f"{np.exp(-np.mean(errors**2)):.3f} corrected",
     }
     found = [Finding(name, "ok", text) for name, text in told.items()]
+    if mean > VAGUE:
+        fix = (
+            "scan at more positions, farther apart and at different heights; measure where they are"
+        )
+        found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
     places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
     for name, which, items, fix in (
         ("positions that do not fit", fit.residuals > MISFIT, places, "measure there again"),

@@ -113,7 +113,7 @@ def fit_scan(
         raise ArgumentError(
             "positions",
             f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
-            f"{1e3 * position_error:g} mm: measure them again, or give their error and the temperature",
+            f"{1e3 * position_error:g} mm: measure them again, and check the temperature if it is given",
         )
     return best.finish(size)
 

@@ -238,6 +238,22 @@ def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
         assert code == 2
         assert "none of the files read" in told
     assert run("calibrate", bench.file, "--out", "o.csv")[0] == 2  # no scan
+    assert (
+        "in a folder"
+        in run("calibrate", bench.file, scan, "--out", bench.folder / "no" / "o.csv")[1]
+    )
+    assert "twice" in run("calibrate", bench.file, scan, scan, "--out", bench.folder / "o.csv")[1]
+
+
+def test_a_microphone_that_stands_still_is_told(bench: Bench) -> None:
+    """Where it stands is unknown, and all that it reads fits some calibration."""
+    q = bench.q[:1] + np.zeros((10, 1))
+    X = np.tile(bench.X[:1], (10, 1))
+    X += 0.05 * np.random.default_rng(1).normal(size=X.shape)
+    G = np.eye(60) + 0j
+    scan = bench.npz(positions=q, drives=G, readings=G @ X.T)
+    code, told = run("calibrate", bench.file, scan, "--out", bench.folder / "o.csv")
+    assert code == 2 or "standard error: above" in told, told
 
 
 def test_a_calibration_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
