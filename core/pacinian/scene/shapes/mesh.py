@@ -34,7 +34,7 @@ _read: WeakValueDictionary[tuple[str, float, Stamp | None], Triangles] = WeakVal
 class Mesh(
     Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="mesh", dict=True
 ):
-    """A triangle mesh, from a file that trimesh reads (OBJ, STL, PLY, glTF), or given here.
+    """A triangle mesh, from a file (OBJ, STL, PLY, OFF, glTF), or given here.
 
     A closed one is a solid, and one wound inside out is turned; an open one faces where its triangles are
     seen counter-clockwise. Several meshes in a file are one.

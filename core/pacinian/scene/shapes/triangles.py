@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.mesh_distance import MeshDistance
     from pacinian.types import Floats, Longs
 
+FORMATS = "obj", "stl", "ply", "off", "glb", "gltf"  # none that is packed: it could be any size
 LARGEST = 256 << 20  # [bytes] of a file
 MOST = 1_000_000  # triangles
 THIN = 1e-7  # share of the reach: what is lower is the rounding of single precision
@@ -141,18 +142,29 @@ def _reach(vertices: Floats) -> float:
 
 
 def read(file: str, scale: float) -> Triangles:
-    """Triangles of a file that trimesh reads, `scale` [m] per unit. Raises ArgumentError."""
+    """Triangles of a file in one of `FORMATS`, `scale` [m] per unit. Raises ArgumentError, which names the file."""
     import trimesh
 
+    path = Path(file)
+    kind = path.suffix[1:].lower()
     try:
-        if (size := Path(file).stat().st_size) > LARGEST:
+        if not path.is_file():
+            raise ArgumentError("mesh", f"{file} cannot be read: it is not there, or not a file")
+        if kind not in FORMATS:
+            raise ArgumentError("mesh", f"{file} must end in one of .{', .'.join(FORMATS)}")
+        if (size := path.stat().st_size) > LARGEST:
             raise ArgumentError("mesh", f"{file} is {size >> 20} MiB: keep to {LARGEST >> 20}")
-        loaded: Any = trimesh.load_mesh(Path(file), process=False)
-        if not isinstance(loaded, trimesh.Trimesh):
-            raise ArgumentError("mesh", f"{file} has no triangles")
+        loaded: Any = trimesh.load_mesh(path, process=False)
+        if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
+            raise ArgumentError("mesh", f"{file} has no triangles, or is damaged")
         vertices = np.asarray(loaded.vertices, dtype=np.float64) * scale
         return Triangles.of(vertices, np.asarray(loaded.faces, dtype=np.int64), file)
     except ArgumentError:
         raise
+    except ImportError as error:  # of a decoder that it names, such as Draco's
+        raise ArgumentError(
+            "mesh", f"{file} cannot be read without the library {error.name}: save it as plain .stl"
+        ) from error
     except Exception as error:
-        raise ArgumentError("mesh", f"{file} does not load: {error}") from error
+        problem = f"{file} is damaged, or is no {kind.upper()} file ({error})"
+        raise ArgumentError("mesh", f"{problem}: export it again") from error

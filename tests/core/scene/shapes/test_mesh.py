@@ -2,9 +2,13 @@ from __future__ import annotations
 
 import gc
 import math
+import os
 import pickle
+import sys
 import threading
+import tomllib
 import weakref
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -20,7 +24,7 @@ from pacinian.scene.shapes.mesh import Mesh
 from ..tools import mesh_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Iterator
 
 TRIANGLE = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 BOX = trimesh.creation.box((0.06, 0.04, 0.02))
@@ -101,6 +105,62 @@ def test_a_file_without_triangles_is_refused_by_name(
         with pytest.raises(pc.ArgumentError, match=name) as caught:
             ask()
         assert caught.value.argument == "mesh"
+
+
+def damaged() -> Iterator[tuple[str, str, bytes]]:
+    """Files that are cut off, of something else, or that claim more than they hold: kind, damage, bytes."""
+    whole: dict[str, bytes] = {kind: BALL.export(file_type=kind) for kind in ("stl", "ply", "glb")}
+    whole |= {kind: BALL.export(file_type=kind).encode() for kind in ("obj", "off")}
+    whole["gltf"] = BALL.export(file_type="gltf")["model.gltf"]
+    for kind, data in whole.items():
+        yield kind, "empty", b""
+        yield kind, "cut off", data[: len(data) // 3]
+        yield kind, "of something else", b"<html>404</html>" * 10
+        yield kind, "not text", data[: len(data) // 3] + b"\xff\xfe\x80" * 50
+    yield "stl", "a count too large", whole["stl"][:80] + b"\xff" * 4 + whole["stl"][84:]
+    count = str(len(BALL.vertices)).encode()
+    yield "ply", "a count too large", whole["ply"].replace(b"vertex " + count, b"vertex 999999999999")
+    yield "off", "a count too large", whole["off"].replace(count + b" ", b"999999999999 ", 1)
+    yield "obj", "a count too large", whole["obj"] + b"\nf 1 2 99999999999999999999\n"
+
+
+@pytest.mark.parametrize(("kind", "damage", "data"), [*damaged()])
+def test_an_error_about_a_damaged_file_names_it_and_says_so(
+    tmp_path: Path, kind: str, damage: str, data: bytes
+) -> None:
+    path = tmp_path / f"hand.{kind}"
+    path.write_bytes(data)
+    with pytest.raises(pc.ArgumentError, match=rf"hand\.{kind} .*damaged"):
+        _ = Mesh(file=str(path)).area
+
+
+def test_what_is_no_mesh_file_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    (tmp_path / "hand.zip").write_bytes(b"PK")
+    os.mkfifo(tmp_path / "hand.stl")  # reading it would never end
+    with pytest.raises(pc.ArgumentError, match=r"hand\.zip must end in one of \.obj, \.stl"):
+        _ = Mesh(file=str(tmp_path / "hand.zip")).area
+    with pytest.raises(pc.ArgumentError, match=r"hand\.stl cannot be read: it is not there, or no"):
+        _ = Mesh(file=str(tmp_path / "hand.stl")).area
+
+
+def test_text_in_an_old_encoding_is_read_and_what_that_takes_is_installed_with_us(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "wuerfel.obj"
+    path.write_bytes("mtllib Würfel.mtl\n".encode("latin-1") + BALL.export(file_type="obj").encode())
+    assert Mesh(file=str(path)).area == pytest.approx(BALL.area, rel=1e-5)
+    project = tomllib.loads((Path(__file__).parents[4] / "pyproject.toml").read_text("utf-8"))
+    assert any(d.startswith("charset-normalizer") for d in project["project"]["dependencies"])
+
+
+def test_a_library_that_a_file_needs_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "hand.obj"
+    path.write_bytes(b"\xff\xfe\x80")
+    monkeypatch.setitem(sys.modules, "charset_normalizer", None)
+    with pytest.raises(pc.ArgumentError, match=r"hand\.obj .*without the library charset_normalizer"):
+        _ = Mesh(file=str(path)).area
 
 
 @pytest.mark.parametrize(
