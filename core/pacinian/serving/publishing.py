@@ -51,8 +51,9 @@ class View:
         self._numbers = dict.fromkeys(memory, 0)
 
     def look(self) -> None:
-        """Read what is new, but the frame."""
-        self.report = self._read("report", self.report)
+        """Read what is new, but the frame. The plug-ins there are stay known while a process starts again."""
+        report = self._read("report", self.report)
+        self.report = report if report.solvers else replace(report, solvers=self.report.solvers)
         self.device = self._read("device", self.device)
         self.traffic = self._read("traffic", self.traffic)
 

@@ -68,8 +68,9 @@ class Pretender:
         elif self.name == "bus":
             value = Traffic(1, now, **self.extra)
         else:
-            given = {"state": {"solver": "auto", "ticks": 3}, **self.extra}
-            value = Report(1, now, solvers=(Plugin(name="auto"), Plugin(name="gs")), **given)
+            solvers = Plugin(name="auto"), Plugin(name="gs")
+            given = {"state": {"solver": "auto", "ticks": 3}, "solvers": solvers, **self.extra}
+            value = Report(1, now, **given)
             with self.latest("frame") as file:
                 levels = bytes(range(8)) * 2
                 file.write(FrameHead(1, now, permit.epoch, 1, 2, 2).pack() + levels)

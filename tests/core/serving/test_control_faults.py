@@ -21,7 +21,7 @@ from pacinian.serving.priority import URGENT
 from pacinian.serving.security import Gate
 from pacinian.serving.settings import Network
 from pacinian.wire.codec import encode
-from pacinian.wire.control import Arm, Choice, Select, Status, Stop
+from pacinian.wire.control import Arm, Capabilities, Choice, Select, Status, Stop
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.state import State
 
@@ -78,6 +78,17 @@ def test_a_mistake_of_ours_ends_a_request_only(
 
 
 # the other processes
+
+
+def test_while_the_renderer_starts_again_its_solvers_stay_known(server: Any) -> None:
+    game = server.client().hello()
+    before = game.ask(Capabilities).solvers
+    not_listed_yet = {"solvers": (), "state": {"ticks": 7}, "results": {"solver 1": ""}}
+    server.extra["render"] |= not_listed_yet
+    server.processes["render"][-1].code = -9
+    eventually(lambda: game.ask(Status).ticks == 7)
+    assert game.ask(Capabilities).solvers == before
+    assert isinstance(game.ask(Select, solver=Choice(name="gs")), Ok)
 
 
 def test_nothing_is_armed_while_the_bus_is_started_again(server: Any) -> None:
