@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -46,7 +46,8 @@ class GuardProcess:
     def __init__(self, settings: Settings, *, orphan: bool = False) -> None:
         self._array = settings.array.make()
         self._levels = levels(self._array)
-        self._folder = folder()
+        self._stack = ExitStack()
+        self._folder = self._stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": frame_capacity(len(self._array))}
         names = "permit", "frame", "orders", "device"
         self._memory = {n: Latest.create(self._folder / n, sizes[n]) for n in names}
@@ -65,7 +66,7 @@ class GuardProcess:
         child.end(self.process)
         for memory in self._memory.values():
             memory.close()
-        shutil.rmtree(self._folder, ignore_errors=True)  # the guard may have been quicker
+        self._stack.close()
 
     def wait(self, so: Callable[[Device], bool]) -> Device:
         """Until the guard says so."""

@@ -122,7 +122,12 @@ def _bound(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
     try:
         socket.bind(network.endpoint(port))
     except zmq.ZMQError as error:
-        raise ServerError(
-            f"{network.endpoint(port)} cannot be bound: {error.strerror}: is another server running?"
-        ) from error
+        raise ServerError(cannot_bind(network.endpoint(port), error.strerror)) from error
     return int(str(socket.get_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
+
+
+def cannot_bind(at: str, why: str | None) -> str:
+    """What is told of an address where nothing can be bound."""
+    return (
+        f"{at} cannot be bound: {why}: is another server running? Choose another port, or 0 for any"
+    )

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
-import shutil
 import signal
 import sys
 import threading
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING
 from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
-from pacinian.serving import child, priority
+from pacinian.serving import child, memory, priority
 from pacinian.serving.devices import Devices
 from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
@@ -39,6 +38,7 @@ ROUND, IDLE = 0.25e-3, 1e-3  # [s] between two looks, while there may be sound a
 TELL = 0.01  # [s] between two reports
 SWITCH = 1e-4  # [s] in which a thread that opens a device lets the one that sounds go on
 LAST = 1.0  # [s] in which it ends once its parent has gone
+LEFT = 0.1  # [s] that it then waits for the parent's lock on their shared memory
 ALONE = 2.0  # times `hung`: control, which can tell slow from hung, kills it before it does itself
 
 
@@ -135,7 +135,7 @@ def _alive(seconds: float) -> None:
 
 def main() -> None:
     """Run until the parent goes, or tells it to."""
-    ended, parent = threading.Event(), os.getppid()
+    ended = threading.Event()
 
     def orphaned() -> None:
         ended.set()
@@ -164,8 +164,7 @@ def main() -> None:
             _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
         _alive(LAST)
-    if os.getppid() != parent:  # it has gone, and would have removed it
-        shutil.rmtree(told.path, ignore_errors=True)
+    memory.remove(told.path, LEFT)  # where the parent has gone, which would have removed it
 
 
 if __name__ == "__main__":

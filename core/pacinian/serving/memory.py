@@ -7,17 +7,27 @@ that by the slot's number or by the checksum, in which the number is: so also on
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import os
+import secrets
+import shutil
+import stat
 import tempfile
+import time
 import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ServerError
+from pacinian.serving.locking import Lock
 
 if TYPE_CHECKING:
+    from collections.abc import Generator
     from types import TracebackType
+
+PREFIX, LOCK = "pacinian-memory-", ".lock"  # of the folders' names, of the locks beside them
+LOOK = 0.005  # [s] between two tries to remove a folder
 
 MAGIC = 0x504143494E49414E
 SLOTS = 4
@@ -27,10 +37,44 @@ SLOT = 3  # words before each value: number, length, checksum
 TRIES = 100
 
 
-def folder() -> Path:
-    """A new private folder for shared memory; its maker removes it."""
-    root = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-    return Path(tempfile.mkdtemp(prefix="pacinian-", dir=root))
+@contextlib.contextmanager
+def folder() -> Generator[Path]:
+    """A new private folder for shared memory, removed at the end. Removes those that killed processes have left, too.
+
+    A lock lies beside it, made before it and removed after it. This process holds it as long as it lives.
+    """
+    root = Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
+    for lock in root.glob(f"{PREFIX}*{LOCK}"):
+        remove(lock.with_suffix(""))
+    made = root / f"{PREFIX}{secrets.token_hex(8)}"
+    with Lock(made.with_suffix(LOCK)):
+        made.mkdir(mode=0o700)
+        try:
+            yield made
+        finally:
+            shutil.rmtree(made, ignore_errors=True)
+
+
+def remove(left: Path, patience: float = 0.0) -> None:
+    """Remove a folder of shared memory whose maker has gone; wait for its end for so long [s]."""
+    lock, due = left.with_suffix(LOCK), time.monotonic() + patience
+    while _is_ours(lock):
+        with contextlib.suppress(ServerError), Lock(lock):
+            if _is_ours(left):
+                shutil.rmtree(left, ignore_errors=True)
+            return
+        if time.monotonic() >= due:
+            return
+        time.sleep(LOOK)
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether it belongs to this user, and is no link."""
+    try:
+        status = path.lstat()
+    except OSError:
+        return False
+    return os.name != "posix" or (status.st_uid == os.getuid() and not stat.S_ISLNK(status.st_mode))
 
 
 class Latest:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import shutil
 import signal
 import socket
 import sys
@@ -18,13 +17,14 @@ from msgspec.structs import replace
 from pacinian.errors import ServerError
 from pacinian.serving import child, memory, priority
 from pacinian.serving.control import Control
-from pacinian.serving.doors import Doors
+from pacinian.serving.doors import Doors, cannot_bind
+from pacinian.serving.locking import Lock, Locked
 from pacinian.serving.logs import configure, flush, log
 from pacinian.serving.messages import CAPACITIES, frame_capacity
-from pacinian.serving.metrics import Metrics
+from pacinian.serving.metrics import HOST, Metrics
 from pacinian.serving.security import Gate, fresh
 from pacinian.serving.supervise import Supervisor
-from pacinian.wire.connection import Connection, where
+from pacinian.wire.connection import Connection, check_replaceable, where
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -48,15 +48,14 @@ def serve(
     """
     ending = ending or threading.Event()
     path = where(settings.connection)
-    _alone(path)
-    configure(settings.log, "control")
-    _many_files()
     with contextlib.ExitStack() as stack:
+        stack.enter_context(_alone(path))
+        configure(settings.log, "control")
+        _many_files()
         stack.callback(flush)
         stack.enter_context(_signals(ending))
         secrets = fresh(settings)
-        folder = memory.folder()
-        stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        folder = stack.enter_context(memory.folder())
         capacities = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
         files = {
             name: stack.enter_context(memory.Latest.create(folder / name, capacity))
@@ -66,7 +65,9 @@ def serve(
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
         doors = stack.enter_context(Doors(context, gate, settings.network))
-        command = settings.network.command or _free(settings.network)
+        command = _free(settings.network.host, settings.network.command)
+        if settings.metrics.port:
+            _free(HOST, settings.metrics.port)
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
@@ -95,17 +96,24 @@ def serve(
             log().info("end")
 
 
-def _alone(path: Path) -> None:
-    """Refuse to take the connection file from a server that runs."""
+def _alone(path: Path) -> Lock:
+    """The right to write a connection file, as long as this process lives. Raises ServerError."""
     try:
-        other = Connection.read(path)
-    except ServerError:
-        return
-    if other.pid != os.getpid():
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        lock = Lock(path.with_name(f"{path.name}.lock"))
+    except OSError as error:
+        raise ServerError(f"{path}: cannot be written: {error.strerror}") from error
+    except Locked as error:
         raise ServerError(
-            f"{path} is of a server that runs (process {other.pid}): end it, or choose another file "
-            "with `--connection`; if that process is no server, remove the file"
-        )
+            f"{path} is of a server that runs (process {error.pid or 'not known yet'}): end it, or choose "
+            "another file with `--connection`"
+        ) from error
+    try:
+        check_replaceable(path)
+    except BaseException:
+        lock.close()
+        raise
+    return lock
 
 
 def _many_files() -> None:
@@ -149,15 +157,19 @@ def _connection(network: Network, secrets: dict[str, str]) -> Connection:
     )
 
 
-def _free(network: Network) -> int:
-    """A port that nobody listens on, for the bus: the same when it is started again."""
-    family = socket.AF_INET6 if ":" in network.host else socket.AF_INET
+def _free(host: str, port: int) -> int:
+    """A port that nobody listens on, for what is bound later: that one, or any unless given. Raises ServerError."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(family) as probe:
-            probe.bind((network.host, 0))
+            if (
+                os.name == "posix"
+            ):  # as who binds it later: connections that linger are no hindrance
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((host, port))
             return int(probe.getsockname()[1])
     except OSError as error:
-        raise ServerError(f"{network.host} cannot be bound: {error.strerror}") from error
+        raise ServerError(cannot_bind(f"{host}:{port}", error.strerror)) from error
 
 
 @contextlib.contextmanager

@@ -153,6 +153,10 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
         number("state_rate", self.state_rate, low=1.0, high=1000.0)
         if self.power is not None:
             number("power", self.power, low=1e-12, high=1e12)
+        network = self.network
+        ports = network.control, network.command, network.state, self.metrics.port
+        if twice := [port for port in ports if port and ports.count(port) > 1]:
+            raise ArgumentError("network", f"must not have port {twice[0]} twice")
         if not self.network.loopback and not self.security.keys:
             raise ArgumentError(
                 "security.keys",

@@ -90,15 +90,21 @@ def where(path: str | Path = "") -> Path:
         return platformdirs.user_runtime_path("pacinian") / "connection.json"
 
 
+def check_replaceable(path: Path) -> None:
+    """Refuse to write over what no server on this machine has written. Raises ServerError."""
+    try:
+        text = _opened(path)[1]
+    except FileNotFoundError:
+        return
+    if text and not _parsed(path, text).pid:
+        raise ServerError(f"{path}: is of a server on another machine: choose another file")
+
+
 def _decoded(path: Path) -> Connection:
     try:
-        with path.open("rb") as file:
-            status, text = os.fstat(file.fileno()), file.read(LONGEST)
+        status, text = _opened(path)
     except FileNotFoundError:
         raise ServerError(f"{path}: no connection file; {FIX}") from None
-    except (OSError, ValueError) as error:
-        problem = getattr(error, "strerror", None) or error
-        raise ServerError(f"{path}: cannot be read: {problem}") from error
     if os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise ServerError(
             f"{path}: others can read or change it, so its secrets are none: "
@@ -106,6 +112,22 @@ def _decoded(path: Path) -> Connection:
         )
     if os.name == "posix" and status.st_uid not in (os.getuid(), 0):
         raise ServerError(f"{path}: belongs to another user, whose server it may be")
+    return _parsed(path, text)
+
+
+def _opened(path: Path) -> tuple[os.stat_result, bytes]:
+    """How the file is, and what is in it. Raises FileNotFoundError, ServerError."""
+    try:
+        with path.open("rb") as file:
+            return os.fstat(file.fileno()), file.read(LONGEST)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError) as error:
+        problem = getattr(error, "strerror", None) or error
+        raise ServerError(f"{path}: cannot be read: {problem}") from error
+
+
+def _parsed(path: Path, text: bytes) -> Connection:
     try:
         return msgspec.json.decode(text, type=Connection)
     except (msgspec.DecodeError, ValueError, RecursionError) as error:

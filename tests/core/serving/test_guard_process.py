@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -103,7 +103,8 @@ class Server:
     """What a guard needs of the others."""
 
     def __init__(self) -> None:
-        self.folder = folder()
+        self.stack = ExitStack()
+        self.folder = self.stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": frame_capacity(N)}
         names = "permit", "frame", "orders", "device"
         self.memory = {n: Latest.create(self.folder / n, sizes[n]) for n in names}
@@ -167,7 +168,7 @@ class Server:
             child.end(process, PATIENCE)
         for memory in self.memory.values():
             memory.close()
-        shutil.rmtree(self.folder, ignore_errors=True)  # a guard without a parent has done so
+        self.stack.close()
 
 
 @pytest.fixture

@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import threading
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,14 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pacinian.errors import ServerError
-from pacinian.serving.memory import SLOTS, Latest, folder
+from pacinian.serving.memory import LOCK, SLOTS, Latest, folder, remove
 
-from ...waiting import eventually
+from ...waiting import PATIENCE, eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
+posix = pytest.mark.skipif(os.name != "posix", reason="users, and links to files")
 WRITER = """
 import sys
 from pathlib import Path
@@ -35,11 +38,8 @@ VALUES, LIFE = 3_000, 500  # that are read; after so many the writer is killed
 
 @pytest.fixture
 def place() -> Iterator[Path]:
-    made = folder()
-    yield made
-    for file in made.iterdir():
-        file.unlink()
-    made.rmdir()
+    with folder() as made:
+        yield made
 
 
 class Killed(Exception):
@@ -93,29 +93,27 @@ def mortal(path: Path, lives: int) -> tuple[Latest, Latest]:
 
 @given(st.lists(st.lists(st.binary(max_size=40), max_size=3), max_size=12), st.integers(1, 120))
 def test_the_newest_value_is_read_whole_and_once(values: list[list[bytes]], capacity: int) -> None:
-    place = folder()
-    path = place / "value"
-    try:
-        with Latest.create(path, capacity) as writer, Latest.attach(path) as reader:
-            assert reader.capacity == writer.capacity >= capacity
-            assert reader.read() is None
-            newest, seen = b"", 0
-            for parts in values:
-                if sum(map(len, parts)) > reader.capacity:
-                    with pytest.raises(ServerError, match="more than"):
-                        writer.write(*parts)
-                else:
-                    newest = b"".join(parts)
-                    assert writer.write(*parts) == seen + 1
-                    assert reader.read(seen) == (seen + 1, newest)
-                    seen += 1
-                assert reader.read(seen) is None
-                assert reader.number == seen
-            if seen:
-                assert reader.read() == (seen, newest)
-    finally:
-        path.unlink()
-        place.rmdir()
+    with (
+        folder() as place,
+        Latest.create(place / "value", capacity) as writer,
+        Latest.attach(place / "value") as reader,
+    ):
+        assert reader.capacity == writer.capacity >= capacity
+        assert reader.read() is None
+        newest, seen = b"", 0
+        for parts in values:
+            if sum(map(len, parts)) > reader.capacity:
+                with pytest.raises(ServerError, match="more than"):
+                    writer.write(*parts)
+            else:
+                newest = b"".join(parts)
+                assert writer.write(*parts) == seen + 1
+                assert reader.read(seen) == (seen + 1, newest)
+                seen += 1
+            assert reader.read(seen) is None
+            assert reader.number == seen
+        if seen:
+            assert reader.read() == (seen, newest)
 
 
 def test_an_array_s_memory_is_a_part(place: Path) -> None:
@@ -248,3 +246,95 @@ def test_a_writer_killed_again_and_again_never_harms_its_reader(place: Path) -> 
         memory.close()
     assert whole
     assert kills == VALUES // LIFE
+
+
+MAKER = """
+import sys
+from pacinian.serving.memory import Latest, folder
+with folder() as made, Latest.create(made / "value", 1000):
+    print(made, flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def maker() -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """A process that has shared memory, and its folder."""
+    command = [sys.executable, "-c", MAKER]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        yield process, Path(process.stdout.readline().strip())
+        process.kill()
+
+
+def beside(place: Path) -> set[Path]:
+    return set(place.parent.glob(f"{place.name}*"))
+
+
+def test_what_a_killed_process_has_left_is_removed_with_the_next_start_and_nothing_else(
+    maker: tuple[subprocess.Popen[str], Path],
+) -> None:
+    process, place = maker
+    with folder():
+        assert (place / "value").exists(), "its maker lives"
+    process.kill()
+    process.wait()
+    assert len(beside(place)) == 2, "the folder and its lock"
+    lying = place.with_name(f"{place.name}x")
+    lying.mkdir()  # without a lock: of something else, maybe
+    try:
+        with folder() as own:
+            assert beside(place) == {lying}
+            assert own.is_dir()
+        assert not beside(own)
+    finally:
+        lying.rmdir()
+
+
+@posix
+def test_a_link_is_not_followed_and_what_another_user_owns_is_left(
+    maker: tuple[subprocess.Popen[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    process, place = maker
+    process.kill()
+    process.wait()
+    (tmp_path / "precious").touch()
+    links = [place.with_name(f"{place.name}x{suffix}") for suffix in ("", LOCK)]
+    try:
+        links[0].symlink_to(tmp_path)
+        links[1].symlink_to(tmp_path / "precious")
+        monkeypatch.setattr(os, "getuid", lambda: 4321)
+        with folder():
+            assert len(beside(place)) == 4, "it is of another user"
+        monkeypatch.undo()
+        with folder():
+            assert beside(place) == set(links)
+        links[1].unlink()
+        links[1].touch()
+        with folder():
+            assert beside(place) == {links[0]}, "the lock is ours, the folder is a link"
+        assert (tmp_path / "precious").exists()
+    finally:
+        for link in links:
+            link.unlink(missing_ok=True)
+
+
+def test_one_is_removed_as_soon_as_its_maker_has_ended(
+    maker: tuple[subprocess.Popen[str], Path],
+) -> None:
+    process, place = maker
+    remove(place)
+    assert place.exists()
+    killer = threading.Thread(target=process.kill)
+    killer.start()
+    remove(place, PATIENCE)
+    killer.join()
+    assert not beside(place)
+    remove(place)
+
+
+def test_a_folder_without_a_lock_is_not_removed(tmp_path: Path) -> None:
+    remove(tmp_path)
+    assert tmp_path.exists()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -51,7 +51,8 @@ class Server:
     """
 
     def __init__(self) -> None:
-        self.folder = memory.folder()
+        self._stack = ExitStack()
+        self.folder = self._stack.enter_context(memory.folder())
         sizes = {**CAPACITIES, "frame": frame_capacity(UNIT)}
         names = "permit", "frame", "orders", "device"
         self.files = {n: memory.Latest.create(self.folder / n, sizes[n]) for n in names}
@@ -130,4 +131,4 @@ class Server:
                 self._process.stdin.close()
         for file in self.files.values():
             file.close()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self._stack.close()

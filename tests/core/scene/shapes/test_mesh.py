@@ -119,7 +119,11 @@ def damaged() -> Iterator[tuple[str, str, bytes]]:
         yield kind, "not text", data[: len(data) // 3] + b"\xff\xfe\x80" * 50
     yield "stl", "a count too large", whole["stl"][:80] + b"\xff" * 4 + whole["stl"][84:]
     count = str(len(BALL.vertices)).encode()
-    yield "ply", "a count too large", whole["ply"].replace(b"vertex " + count, b"vertex 999999999999")
+    yield (
+        "ply",
+        "a count too large",
+        whole["ply"].replace(b"vertex " + count, b"vertex 999999999999"),
+    )
     yield "off", "a count too large", whole["off"].replace(count + b" ", b"999999999999 ", 1)
     yield "obj", "a count too large", whole["obj"] + b"\nf 1 2 99999999999999999999\n"
 
@@ -147,7 +151,9 @@ def test_text_in_an_old_encoding_is_read_and_what_that_takes_is_installed_with_u
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "wuerfel.obj"
-    path.write_bytes("mtllib Würfel.mtl\n".encode("latin-1") + BALL.export(file_type="obj").encode())
+    path.write_bytes(
+        "mtllib Würfel.mtl\n".encode("latin-1") + BALL.export(file_type="obj").encode()
+    )
     assert Mesh(file=str(path)).area == pytest.approx(BALL.area, rel=1e-5)
     project = tomllib.loads((Path(__file__).parents[4] / "pyproject.toml").read_text("utf-8"))
     assert any(d.startswith("charset-normalizer") for d in project["project"]["dependencies"])
@@ -159,7 +165,9 @@ def test_a_library_that_a_file_needs_is_named(
     path = tmp_path / "hand.obj"
     path.write_bytes(b"\xff\xfe\x80")
     monkeypatch.setitem(sys.modules, "charset_normalizer", None)
-    with pytest.raises(pc.ArgumentError, match=r"hand\.obj .*without the library charset_normalizer"):
+    with pytest.raises(
+        pc.ArgumentError, match=r"hand\.obj .*without the library charset_normalizer"
+    ):
         _ = Mesh(file=str(path)).area
 
 

@@ -1,0 +1,220 @@
+"""The server's start and end: one for each connection file, ports that are free, nothing that is left."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from pacinian.errors import ArgumentError, ServerError
+from pacinian.serving import memory
+from pacinian.serving.memory import LOCK, PREFIX
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Metrics, Network, Settings
+from pacinian.testing import serving
+from pacinian.wire.connection import Connection
+
+from ...waiting import PATIENCE, eventually
+from .processes import runs
+from .test_supervise import CHILD, PARENT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    Launch = Callable[[Path], subprocess.Popen[str]]
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals, and modes of files")
+PROCESSES = "control", "guard", "bus", "render"
+
+
+@pytest.fixture
+def launch() -> Iterator[Launch]:
+    """Start a server whose other processes only give signs of life; what it prints and logs is its output."""
+    with contextlib.ExitStack() as stack:
+
+        def start(connection: Path) -> subprocess.Popen[str]:
+            process = subprocess.Popen(
+                [sys.executable, "-c", PARENT, str(connection), CHILD],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            )  # fmt: skip
+            stack.enter_context(process)
+            stack.callback(process.kill)
+            return process
+
+        yield start
+
+
+def ready(process: subprocess.Popen[str]) -> str:
+    """What it printed until it was ready, or ended."""
+    assert process.stdout is not None
+    lines: list[str] = []
+    for line in process.stdout:
+        lines.append(line)
+        if line.startswith("ready"):
+            break
+    return "".join(lines)
+
+
+def refused(settings: Settings) -> str:
+    """Why a server does not start, before it has started any other process."""
+
+    def start(*_: object) -> Any:
+        raise AssertionError("a process was started")
+
+    with pytest.raises(ServerError) as caught:
+        serve(settings, start=start)
+    return str(caught.value)
+
+
+# one server for each connection file
+
+
+def test_of_servers_that_start_at_the_same_moment_one_has_the_connection_file(
+    launch: Launch, tmp_path: Path
+) -> None:
+    path = tmp_path / "connection.json"
+    both = [launch(path), launch(path)]
+    said = [ready(process) for process in both]
+    (first,) = (process for process, text in zip(both, said, strict=True) if "ready" in text)
+    (other,) = (process for process in both if process is not first)
+    assert other.wait(PATIENCE) == 1
+    assert any(f"{path} is of a server that runs (process {first.pid})" in text for text in said)
+    assert Connection.read(path).pid == first.pid
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o644, 0o600])
+def test_while_a_server_runs_its_file_is_not_replaced_whatever_its_mode(
+    launch: Launch, tmp_path: Path, mode: int
+) -> None:
+    path = tmp_path / "connection.json"
+    first = launch(path)
+    ready(first)
+    path.chmod(mode)
+    before = path.read_bytes()
+    assert f"process {first.pid}" in refused(Settings(connection=str(path)))
+    assert path.read_bytes() == before
+    first.kill()
+    first.wait()
+    assert "ready" in ready(launch(path)), "the one that wrote it has gone"
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("text", ['{"pid": 0}', "[network]\nport = 7001", "\xff"])
+def test_what_no_server_of_this_machine_has_written_is_not_replaced(
+    tmp_path: Path, text: str
+) -> None:
+    path = tmp_path / "connection.json"
+    remote = Connection(pid=0, control="tcp://a:1", command="tcp://a:2", state="tcp://a:3")
+    if text == '{"pid": 0}':
+        remote.write(path)
+    else:
+        path.write_text(text, "latin-1")
+    before = path.read_bytes()
+    assert str(path) in refused(Settings(connection=str(path)))
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@posix
+def test_a_file_where_nothing_can_be_written_is_told_at_once(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert "cannot be" in refused(Settings(connection=str(tmp_path / "file" / "connection.json")))
+
+
+# ports
+
+
+@pytest.mark.parametrize("name", ["control", "command", "state", "metrics"])
+def test_a_port_that_is_taken_is_told_before_any_process_is_started(
+    tmp_path: Path, name: str
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        network = Network() if name == "metrics" else Network(**{name: port})
+        metrics = Metrics(port if name == "metrics" else 0)
+        path = str(tmp_path / "connection.json")
+        why = refused(Settings(network=network, metrics=metrics, connection=path))
+    assert f"127.0.0.1:{port} cannot be bound" in why
+    assert "\n" not in why
+
+
+@posix
+@pytest.mark.parametrize("name", ["command", "metrics"])
+def test_a_port_of_which_connections_linger_is_free(tmp_path: Path, name: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+        with socket.create_connection(("127.0.0.1", port)), listener.accept()[0] as accepted:
+            accepted.shutdown(socket.SHUT_RDWR)  # whoever ends it first keeps it for a minute
+    network = Network(command=port) if name == "command" else Network()
+    metrics = Metrics(port if name == "metrics" else 0)
+    with pytest.raises(AssertionError, match="process was started"):
+        refused(
+            Settings(network=network, metrics=metrics, connection=str(tmp_path / "connection.json"))
+        )
+
+
+def test_two_sockets_with_one_port_are_refused() -> None:
+    with pytest.raises(ArgumentError, match="7001 twice"):
+        Settings(network=Network(command=7001), metrics=Metrics(7001))
+
+
+# what is left
+
+
+def folder_of(pid: int) -> Path:
+    """The shared memory of a server, by its first process."""
+    locks = Path("/dev/shm").glob(f"{PREFIX}*{LOCK}")
+    (lock,) = (lock for lock in locks if lock.read_text() == str(pid))
+    return lock.with_suffix("")
+
+
+def remains(folder: Path) -> list[Path]:
+    """Of one server's shared memory."""
+    return list(folder.parent.glob(f"{folder.name}*"))
+
+
+@posix
+@pytest.mark.parametrize("killed", [("control",), ("control", "guard"), PROCESSES], ids="-".join)
+def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
+    launch: Launch, tmp_path: Path, killed: tuple[str, ...]
+) -> None:
+    process = launch(tmp_path / "connection.json")
+    words = [line.split() for line in ready(process).splitlines()]
+    pids = {w[1]: int(w[2]) for w in words if w[0] == "started"} | {"control": process.pid}
+    (folder,) = {Path(w[3]) for w in words if w[0] == "started"}
+    for name in killed:
+        os.kill(pids[name], signal.SIGKILL)
+    process.wait()
+    eventually(lambda: not any(map(runs, pids.values())))
+    assert remains(folder), "nobody was there to remove it"
+    with memory.folder():
+        assert not remains(folder)
+
+
+@posix
+@pytest.mark.deep
+@pytest.mark.parametrize(
+    "killed", [each for n in range(1, 5) for each in combinations(PROCESSES, n)], ids="-".join
+)
+def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
+    killed: tuple[str, ...],
+) -> None:
+    with serving(Settings()) as server:
+        pids, folder = server.pids, folder_of(server.process.pid)
+        assert set(pids) == set(PROCESSES)
+        for name in killed:
+            os.kill(pids[name], signal.SIGKILL)
+        if "control" in killed:
+            server.process.wait()
+    eventually(lambda: not any(map(runs, pids.values())))
+    with memory.folder():
+        assert not remains(folder)
