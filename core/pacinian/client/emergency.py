@@ -12,6 +12,7 @@ from pacinian.client.link import Link, milliseconds
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Stop
+from pacinian.wire.emergency import stopped
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -28,14 +29,18 @@ def emergency_stop(
 ) -> None:
     """Silence at once, whoever owns the output, until `Client.reset`. Returns when the server has done it.
 
+    On the server's machine it needs no connection, so no number of others can keep it out.
+
     connection, keys: as of `Client`. timeout: within which it must say so [s], or ConnectionLost is raised. Raises
     Refused, too.
     """
-    given = found(connection, keys)
+    given, deadline = found(connection, keys), time.perf_counter() + timeout
+    if given.stop and stopped(given.stop, given.secret, timeout):
+        return
     with zmq.Context() as context:
         link = Link(context, given, given.control)
         try:
-            _told(link, time.perf_counter() + timeout, timeout)
+            _told(link, deadline, timeout)
         finally:
             link.close()
 

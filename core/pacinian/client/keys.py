@@ -42,7 +42,8 @@ def _with_keys(connection: Connection, path: Path) -> Connection:
     if not theirs or not private:
         lacks = f"{secret} has no secret key" if theirs else f"{server} is not there"
         raise ArgumentError("keys", f"must have our secret and the server's public key: {lacks}")
-    return replace(connection, server_key=theirs, public_key=public, secret_key=private)
+    # a stop without a connection is proven by the keys of the file alone
+    return replace(connection, server_key=theirs, public_key=public, secret_key=private, stop="")
 
 
 def _read(path: Path) -> tuple[str, str]:

@@ -95,6 +95,7 @@ class Control:
     def round(self) -> None:
         """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
         self._doors.wait(ROUND)
+        self._stop()
         for peer, user, data in self._doors.requests(MOST):
             self._request(peer, user, data)
         for why, more in self._doors.turned_away():
@@ -130,6 +131,14 @@ class Control:
             return False
         self._due[what] = max(self._due[what] + every, now)
         return True
+
+    def _stop(self) -> None:
+        """Do what was asked for without a connection, before all else."""
+        if asked := self._doors.stop.asked():
+            self.sessions.ownership.stop()
+            self._settle()
+            self._doors.stop.confirm(asked)
+            self._log.warning("emergency stop", user="without a connection")
 
     def _request(self, peer: bytes, user: str, data: bytes) -> None:
         now = self._clock()

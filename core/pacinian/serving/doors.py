@@ -1,4 +1,4 @@
-"""The control process's two sockets: requests and replies, what is published, who was turned away."""
+"""The control process's sockets: requests and replies, what is published, who was turned away."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian.serving.security import Gate
     from pacinian.serving.settings import Network
+    from pacinian.wire.emergency import StopSocket
 
 SUBSCRIPTION = 4096  # [bytes] of what a subscriber may send: its handshake is the longest
 FRESH = 8  # states that wait for a slow reader before it misses some
@@ -35,12 +36,17 @@ EVENTS = 1024
 class Doors:
     """The sockets, bound. A context manager. control, state: ports. counts: connections, and those refused, by why.
 
-    Raises ServerError if a port is taken.
+    stop: for emergency stops without a connection. Raises ServerError if a port is taken.
     """
 
     def __init__(
-        self, context: zmq.Context[zmq.Socket[bytes]], gate: Gate, network: Network
+        self,
+        context: zmq.Context[zmq.Socket[bytes]],
+        gate: Gate,
+        network: Network,
+        stop: StopSocket,
     ) -> None:
+        self.stop = stop
         self.counts: Counter[str] = Counter()
         self._gate = gate
         with contextlib.ExitStack() as stack:
@@ -59,6 +65,7 @@ class Doors:
             self.state = _bound(self._state, network, network.state)
             self._poller = zmq.Poller()
             self._poller.register(self._control, zmq.POLLIN)
+            self._poller.register(stop.socket, zmq.POLLIN)
             self._stack = stack.pop_all()
 
     def wait(self, seconds: float) -> bool:

@@ -25,6 +25,7 @@ from pacinian.serving.metrics import HOST, Metrics
 from pacinian.serving.security import Gate, fresh
 from pacinian.serving.supervise import Supervisor
 from pacinian.wire.connection import Connection, check_replaceable, where
+from pacinian.wire.emergency import StopSocket
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
     from pacinian.serving.settings import Network, Settings
     from pacinian.serving.supervise import Process
+
+RESERVE = 16  # files that are kept for processes that are started again
 
 
 def serve(
@@ -51,7 +54,7 @@ def serve(
     with contextlib.ExitStack() as stack:
         stack.enter_context(_alone(path))
         configure(settings.log, "control")
-        _many_files()
+        _limit_files(RESERVE)
         stack.callback(flush)
         stack.enter_context(_signals(ending))
         secrets = fresh(settings)
@@ -64,7 +67,9 @@ def serve(
         priority.urgent()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
-        doors = stack.enter_context(Doors(context, gate, settings.network))
+        secret = secrets.get("token") or secrets["secret_key"]
+        stop = stack.enter_context(StopSocket(folder / "stop", secret))
+        doors = stack.enter_context(Doors(context, gate, settings.network, stop))
         command = _free(settings.network.host, settings.network.command)
         if settings.metrics.port:
             _free(HOST, settings.metrics.port)
@@ -72,11 +77,14 @@ def serve(
             settings.network, control=doors.control, command=command, state=doors.state
         )
         told = child.Told(str(folder), replace(settings, network=network))
-        connection = _connection(network, secrets)
+        connection = _connection(network, secrets, stop.address)
         given = {"bus": replace(told, secrets=secrets)}  # the others have no socket
-        supervisor = Supervisor(
-            lambda name: start(name, given.get(name, told)), settings.safety.hung
-        )
+
+        def begin(name: str) -> Process:
+            with _reserve():
+                return start(name, given.get(name, told))
+
+        supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)
         control = Control(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
@@ -116,15 +124,25 @@ def _alone(path: Path) -> Lock:
     return lock
 
 
-def _many_files() -> None:
-    """Each connection takes a file: let there be as many as the system allows."""
+def _limit_files(reserve: int) -> None:
+    """Each connection takes a file: let there be as many as the system allows, but for so many."""
     if sys.platform == "win32":
         return
     import resource
 
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most - reserve, most))
+
+
+@contextlib.contextmanager
+def _reserve() -> Generator[None]:
+    """Files that no connection can take, for a process that is started."""
+    _limit_files(0)
+    try:
+        yield
+    finally:
+        _limit_files(RESERVE)
 
 
 def _end(supervisor: Supervisor) -> None:
@@ -143,7 +161,7 @@ def _metrics(
     )
 
 
-def _connection(network: Network, secrets: dict[str, str]) -> Connection:
+def _connection(network: Network, secrets: dict[str, str], stop: str) -> Connection:
     at = functools.partial(network.endpoint, local=True)
     return Connection(
         pid=os.getpid(),
@@ -154,6 +172,7 @@ def _connection(network: Network, secrets: dict[str, str]) -> Connection:
         server_key=secrets.get("server_key", ""),
         public_key=secrets.get("public_key", ""),
         secret_key=secrets.get("secret_key", ""),
+        stop=stop,
     )
 
 

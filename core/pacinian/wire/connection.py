@@ -24,7 +24,7 @@ class Connection(Struct, frozen=True, kw_only=True):
     """What the file holds.
 
     pid: of the server; 0 for one on another machine. token: on loopback. server_key, public_key, secret_key: CURVE
-    keys (Z85), elsewhere.
+    keys (Z85), elsewhere. stop: where the server on this machine takes an emergency stop that needs no connection.
     """
 
     format: Literal["pacinian connection"] = "pacinian connection"
@@ -37,6 +37,12 @@ class Connection(Struct, frozen=True, kw_only=True):
     server_key: str = ""
     public_key: str = ""
     secret_key: str = ""
+    stop: str = ""
+
+    @property
+    def secret(self) -> str:
+        """What proves that one has read the file."""
+        return self.token or self.secret_key
 
     def __repr__(self) -> str:
         return f"Connection(pid={self.pid}, control={self.control!r})"  # no secrets in logs

@@ -22,6 +22,7 @@ from pacinian.serving.security import Gate
 from pacinian.serving.settings import Network
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Arm, Capabilities, Choice, Select, Status, Stop
+from pacinian.wire.emergency import StopSocket
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.state import State
 
@@ -184,12 +185,13 @@ def test_a_crowd_that_only_connects_keeps_nobody_from_being_answered(
     assert server.error is None
 
 
-def test_news_of_a_crowd_do_not_pile_up() -> None:
+def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
     """ZeroMQ's own thread, and so everybody's heartbeat, waits for who does not fetch them."""
     with (
         zmq.Context() as context,
         Gate(context, {"token": "x"}) as gate,
-        Doors(context, gate, Network()) as doors,
+        StopSocket(tmp_path / "stop", "x") as stop,
+        Doors(context, gate, Network(), stop) as doors,
         context.socket(zmq.PAIR) as news,
         context.socket(zmq.PAIR) as monitor,
     ):

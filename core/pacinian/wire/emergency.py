@@ -1,0 +1,113 @@
+"""The emergency stop's own way in, for programs on the server's machine: a datagram, and one that confirms it.
+
+It needs no connection, so nobody can take its place. Both datagrams prove that their sender has the secret of the
+connection file (RFC 2104), without telling it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+import socket
+import sys
+import time
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+NONCE = 16  # [bytes], new for each stop
+LENGTH = NONCE + hashlib.sha256().digest_size  # [bytes] of a datagram
+AGAIN = 0.1  # [s] after which one that is not confirmed is sent again
+LOOPBACK = "127.0.0.1"
+
+
+def proof(secret: str, what: bytes, nonce: bytes) -> bytes:
+    """A datagram: the nonce, and what only those who have the secret can make of it."""
+    return nonce + hmac.digest(secret.encode(), what + nonce, "sha256")
+
+
+def proven(secret: str, what: bytes, data: bytes) -> bytes:
+    """The nonce of a datagram; empty if its sender has not the secret."""
+    return data[:NONCE] if hmac.compare_digest(data, proof(secret, what, data[:NONCE])) else b""
+
+
+class StopSocket:
+    """The server's side. A context manager. address: for clients. file: of the socket, where the system has such."""
+
+    def __init__(self, file: Path, secret: str) -> None:
+        self._secret = secret
+        if sys.platform == "win32":
+            self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.socket.bind((LOOPBACK, 0))
+            self.address = f"udp:{self.socket.getsockname()[1]}"
+        else:
+            self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+            self.socket.bind(str(file))  # in a private folder: nobody else can fill its queue
+            self.address = f"unix:{file}"
+        self.socket.setblocking(False)
+
+    def asked(self) -> list[tuple[bytes, object]]:
+        """Stops that were asked for since this was asked last: to be confirmed once they are done."""
+        found: list[tuple[bytes, object]] = []
+        with suppress(OSError):  # nothing more, or one who asked has gone (on Windows)
+            while True:
+                data, peer = self.socket.recvfrom(LENGTH + 1)
+                if nonce := proven(self._secret, b"stop", data):
+                    found.append((nonce, peer))
+        return found
+
+    def confirm(self, asked: list[tuple[bytes, object]]) -> None:
+        """Tell those who asked that it is done."""
+        for nonce, peer in asked:
+            with suppress(OSError):
+                self.socket.sendto(proof(self._secret, b"stopped", nonce), peer)  # type: ignore[arg-type]
+
+    def __enter__(self) -> StopSocket:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.socket.close()
+
+
+def stopped(address: str, secret: str, timeout: float) -> bool:
+    """Ask a server on this machine to stop; whether it has confirmed it within `timeout` [s]."""
+    nonce, due = secrets.token_bytes(NONCE), time.perf_counter() + timeout
+    with ExitStack() as stack:
+        try:
+            made = _connected(address, stack, nonce.hex())
+            while (left := due - time.perf_counter()) > 0.0:
+                made.settimeout(min(left, AGAIN))
+                with suppress(TimeoutError):
+                    made.send(proof(secret, b"stop", nonce))
+                    if proven(secret, b"stopped", made.recv(LENGTH + 1)) == nonce:
+                        return True
+        except (AttributeError, OSError, ValueError):  # no such sockets here, or no such server
+            return False
+    return False
+
+
+def _connected(address: str, stack: ExitStack, name: str) -> socket.socket:
+    """A socket that can be answered. Raises AttributeError, OSError, ValueError."""
+    kind, _, at = address.partition(":")
+    made = socket.socket(socket.AF_INET if kind == "udp" else socket.AF_UNIX, socket.SOCK_DGRAM)
+    stack.callback(made.close)
+    if kind == "udp":
+        made.connect((LOOPBACK, int(at)))
+        return made
+    if sys.platform == "linux":
+        made.bind("")  # a name that is nobody's file: unix(7), autobind
+    else:
+        ours = Path(f"{at}-{name}")
+        stack.callback(ours.unlink, missing_ok=True)
+        made.bind(str(ours))
+    made.connect(at)
+    return made

@@ -1,0 +1,160 @@
+"""The emergency stop's own way in: whoever else is there, it is done, and confirmed only then."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from pacinian.client.emergency import emergency_stop
+from pacinian.client.keys import found
+from pacinian.errors import ConnectionLost
+from pacinian.serving.security import make
+from pacinian.serving.server import RESERVE
+from pacinian.serving.settings import Security
+from pacinian.wire.connection import Connection
+from pacinian.wire.control import Arm
+from pacinian.wire.emergency import LENGTH, StopSocket, proof, proven, stopped
+from pacinian.wire.replies import Ok
+
+from ...waiting import PATIENCE, eventually
+from .processes import PATIENT
+from .test_supervise import CHILD, PARENT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
+FEW = 64  # open files
+STRANGERS = 200
+
+
+def test_it_stops_without_a_connection_and_is_confirmed_when_it_is_done(server: Any) -> None:
+    game = server.client().hello()
+    assert isinstance(game.ask(Arm), Ok)
+    connection = server.connection
+    assert stopped(connection.stop, connection.secret, PATIENCE)
+    assert server.permit().stopped == 1
+    assert game.ask(Arm).code == "stopped"
+
+
+def test_a_client_needs_nothing_else(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pacinian.client.emergency.Link", None)
+    emergency_stop(server.path, timeout=PATIENCE)
+    assert server.permit().stopped == 1
+
+
+def test_who_has_not_the_secret_is_not_answered_and_does_not_stop(server: Any) -> None:
+    connection = server.connection
+    assert not stopped(connection.stop, "f" * 64, 0.2)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
+        for data in (b"", b"stop", bytes(LENGTH), bytes(60_000)):
+            stranger.sendto(data, connection.stop.partition(":")[2])
+    assert server.permit().stopped == 0
+    assert stopped(connection.stop, connection.secret, PATIENCE), "the server goes on"
+
+
+def test_where_that_way_is_not_there_it_goes_by_a_connection(server: Any) -> None:
+    known = server.connection
+    for stop in ("", "unix:/none", "udp:nowhere", "pigeon:post"):
+        given = Connection(
+            pid=known.pid, control=known.control, command=known.command, state=known.state,
+            token=known.token, stop=stop,
+        )  # fmt: skip
+        emergency_stop(given, timeout=PATIENCE)
+        assert server.permit().stopped == 1
+
+
+def test_a_server_that_does_not_confirm_is_told_as_such(tmp_path: Path) -> None:
+    with StopSocket(tmp_path / "stop", "secret") as deaf:
+        given = Connection(
+            pid=os.getpid(), control="tcp://127.0.0.1:9", command="", state="", token="secret",
+            stop=deaf.address,
+        )  # fmt: skip
+        with pytest.raises(ConnectionLost):
+            emergency_stop(given, timeout=0.2)
+        (nonce, _), *_ = deaf.asked()
+    assert len(nonce) == 16
+
+
+def test_with_curve_the_keys_of_the_file_prove_it_and_those_of_others_go_by_a_connection(
+    start_server: Callable[..., Any], tmp_path: Path
+) -> None:
+    keys = tmp_path / "keys"
+    make(keys, "server", server=True)
+    make(keys, "headset")
+    server = start_server(
+        PATIENT.__class__(log=PATIENT.log, safety=PATIENT.safety, security=Security(str(keys)))
+    )
+    connection = server.connection
+    assert not connection.token
+    assert stopped(connection.stop, connection.secret, PATIENCE)
+    assert not found(connection, keys / "headset.key_secret").stop
+
+
+def test_a_datagram_proves_the_secret_and_what_it_says() -> None:
+    nonce = bytes(range(16))
+    data = proof("secret", b"stop", nonce)
+    assert len(data) == LENGTH
+    assert proven("secret", b"stop", data) == nonce
+    assert not proven("secret", b"stopped", data)
+    assert not proven("other", b"stop", data)
+    for i in range(LENGTH):
+        assert not proven("secret", b"stop", data[:i])
+        assert not proven("secret", b"stop", data[:i] + bytes([data[i] ^ 1]) + data[i + 1 :])
+
+
+@posix
+@pytest.mark.deep
+def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_path: Path) -> None:
+    path = tmp_path / "connection.json"
+    log = tmp_path / "log"
+    limited = f'ulimit -n {FEW}; exec "$0" "$@"'
+    with contextlib.ExitStack() as stack:
+        out = stack.enter_context(log.open("wb"))
+        process = stack.enter_context(
+            subprocess.Popen(
+                ["sh", "-c", limited, sys.executable, "-c", PARENT, str(path), CHILD],
+                stdout=out,
+                stderr=out,
+            )  # fmt: skip
+        )
+        stack.callback(process.kill)
+        eventually(path.exists)
+        host, _, port = Connection.read(path).control.removeprefix("tcp://").rpartition(":")
+        strangers: list[socket.socket] = []
+
+        def come() -> None:
+            """Whoever was sent away comes again."""
+            for stranger in list(strangers):
+                with contextlib.suppress(BlockingIOError):
+                    if not _heard(stranger):
+                        strangers.remove(stranger)
+                        stranger.close()
+            while len(strangers) < STRANGERS:
+                strangers.append(stack.enter_context(socket.socket()))
+                strangers[-1].setblocking(False)
+                strangers[-1].connect_ex((host, int(port)))
+
+        files = f"/proc/{process.pid}/fd"
+        eventually(lambda: len(os.listdir(files)) >= FEW - RESERVE, come)
+        emergency_stop(path, timeout=PATIENCE)
+        guards = [
+            line.split()[2] for line in log.read_text().splitlines() if "started guard" in line
+        ]
+        os.kill(int(guards[0]), signal.SIGKILL)
+        eventually(lambda: log.read_text().count("started guard") == 2, come)
+
+
+def _heard(stranger: socket.socket) -> bytes:
+    try:
+        return stranger.recv(64)
+    except ConnectionError:
+        return b""
