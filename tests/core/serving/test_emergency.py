@@ -124,7 +124,7 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
                 ["sh", "-c", limited, sys.executable, "-c", PARENT, str(path), CHILD],
                 stdout=out,
                 stderr=out,
-            )  # fmt: skip
+            )
         )
         stack.callback(process.kill)
         eventually(path.exists)
