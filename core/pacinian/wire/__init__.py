@@ -7,5 +7,5 @@ codec.py      bytes to messages and back         convert.py, convert_*.py       
 bulk.py       numbers in a `bin`                 within.py                        where an argument is wrong
 page.py       docs/wire.md, with page.md         document.py                      AsyncAPI; both by described.py
 vectors.py    tests/wire                         examples*.py, malformed.py       what is in them
-connection.py where the server is
+connection.py where the server is                 emergency.py                      a stop without a connection
 """

@@ -14,7 +14,7 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -50,9 +50,9 @@ class StopSocket:
             self.address = f"unix:{file}"
         self.socket.setblocking(False)
 
-    def asked(self) -> list[tuple[bytes, object]]:
+    def asked(self) -> list[tuple[bytes, Any]]:
         """Stops that were asked for since this was asked last: to be confirmed once they are done."""
-        found: list[tuple[bytes, object]] = []
+        found: list[tuple[bytes, Any]] = []
         with suppress(OSError):  # nothing more, or one who asked has gone (on Windows)
             while True:
                 data, peer = self.socket.recvfrom(LENGTH + 1)
@@ -60,11 +60,11 @@ class StopSocket:
                     found.append((nonce, peer))
         return found
 
-    def confirm(self, asked: list[tuple[bytes, object]]) -> None:
+    def confirm(self, asked: list[tuple[bytes, Any]]) -> None:
         """Tell those who asked that it is done."""
         for nonce, peer in asked:
             with suppress(OSError):
-                self.socket.sendto(proof(self._secret, b"stopped", nonce), peer)  # type: ignore[arg-type]
+                self.socket.sendto(proof(self._secret, b"stopped", nonce), peer)
 
     def __enter__(self) -> StopSocket:
         return self
