@@ -59,12 +59,13 @@ def find_stale() -> dict[str, list[Path]]:
     """The modules with kernels that may have to be compiled, and the files that are kept of them."""
     found: dict[str, list[Path]] = {}
     for name, source in _modules():
-        kernels = source.read_text("utf-8", "replace").count(MARK)
-        folders = _folders(source)
-        files = [file for f in folders for file in f.glob(f"{source.stem}.*.{PYTHON}.nbi")]
-        since = source.stat().st_mtime
-        if kernels > sum(file.stat().st_mtime >= since for file in files):
-            found[name] = files
+        with contextlib.suppress(OSError):  # it was removed just now, or is an editor's broken link
+            kernels = source.read_text("utf-8", "replace").count(MARK)
+            folders = _folders(source)
+            files = [file for f in folders for file in f.glob(f"{source.stem}.*.{PYTHON}.nbi")]
+            since = source.stat().st_mtime
+            if kernels > sum(file.stat().st_mtime >= since for file in files):
+                found[name] = files
     return found
 
 

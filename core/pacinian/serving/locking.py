@@ -78,9 +78,12 @@ class Lock:
 
     def close(self) -> None:
         """Let go of it."""
-        with suppress(OSError):  # Windows removes no open file; an empty lock is no harm
+        with suppress(OSError):  # while it is held: so nobody else's is removed
             self.path.unlink()
         os.close(self._file)
+        if os.name != "posix":  # Windows removes no file that is open, another's neither
+            with suppress(OSError):
+                self.path.unlink()
 
     def __enter__(self) -> Lock:
         return self

@@ -59,6 +59,7 @@ def serve(
         stack.callback(flush)
         stack.enter_context(_signals(ending))
         secrets = fresh(settings)
+        _check_ports(settings)
         folder = stack.enter_context(memory.folder())
         stack.enter_context(kernels.kept(folder / "kernels", settings.log, ending, _working))
         capacities = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
@@ -72,9 +73,7 @@ def serve(
         secret = secrets.get("token") or secrets["secret_key"]
         stop = stack.enter_context(StopSocket(folder / "stop", secret))
         doors = stack.enter_context(Doors(context, gate, settings.network, stop))
-        command = _free(settings.network.host, settings.network.command)
-        if settings.metrics.port:
-            _free(HOST, settings.metrics.port)
+        command = settings.network.command or _free(settings.network.host, 0)
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
@@ -133,8 +132,9 @@ def _limit_files(reserve: int) -> None:
     import resource
 
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    soft = most if most == resource.RLIM_INFINITY else most - reserve
     with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most - reserve, most))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, most))
 
 
 @contextlib.contextmanager
@@ -176,6 +176,15 @@ def _connection(network: Network, secrets: dict[str, str], stop: str) -> Connect
         secret_key=secrets.get("secret_key", ""),
         stop=stop,
     )
+
+
+def _check_ports(settings: Settings) -> None:
+    """Refuse ports that are taken, before anything is started that takes long. Raises ServerError."""
+    network = settings.network
+    ports = [(network.host, port) for port in (network.control, network.command, network.state)]
+    for host, port in (*ports, (HOST, settings.metrics.port)):
+        if port:
+            _free(host, port)
 
 
 def _free(host: str, port: int) -> int:

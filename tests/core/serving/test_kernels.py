@@ -75,6 +75,8 @@ def test_modules_of_plug_ins_are_found_without_importing_them(
     assert modules["pacinian.acoustics.kernels"].exists()
     assert any(name.startswith("pacinian_plugins.solvers.") for name in modules)
     assert "toy" not in sys.modules
+    toy.source.with_name(".#kernels.py").symlink_to("nobody@nowhere")  # an editor's lock
+    assert "toy.kernels" in find_stale()
 
 
 def test_what_is_missing_or_old_is_compiled_once_and_found_by_the_next_process(
