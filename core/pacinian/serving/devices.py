@@ -6,9 +6,12 @@ import functools
 import itertools
 import queue
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from pacinian.errors import BackendError
 from pacinian.plugins import registry
+from pacinian.rendering.clock import SystemClock
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
@@ -19,12 +22,21 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Backend, Capability
+    from pacinian.rendering.clock import Clock
     from pacinian.scene.file import Choice as Configured
     from pacinian.serving.guarding import Guard
     from pacinian.serving.messages import Orders
     from pacinian.wire.control import Choice
 
 KEPT = 16  # results
+OPENING = (
+    8.0  # [s] for a device to open; a client waits for 10 s, and is to be told why there is none
+)
+MAX_HANGING = 4  # threads in devices that were given up: only the process's end takes them away
+AGAIN, PAUSE = (
+    1.0,
+    0.02,
+)  # [s] in which a device that another process has just left is tried again; between two tries
 SUPERSEDED = "another one was selected since"
 
 
@@ -35,6 +47,17 @@ class Opened(NamedTuple):
     choice: Choice | Configured
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
+
+
+@dataclass(eq=False)
+class Opening:
+    """A device that a thread opens. since: when it began [s]. until: so long it is tried again [s]."""
+
+    orders: tuple[str, ...]
+    choice: Choice | Configured
+    olds: list[Backend]
+    since: float
+    until: float
 
 
 class Next:
@@ -58,7 +81,10 @@ class Next:
 class Devices:
     """Gives a guard its devices, as ordered: one is opened at a time, and of those that wait only the newest.
 
-    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread: for tests.
+    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread, clock: for tests.
+
+    One that has not opened within `OPENING` is given up: what its thread has opened in the end is closed, and never
+    sounds.
     """
 
     def __init__(
@@ -69,21 +95,29 @@ class Devices:
         rate: float,
         make: Callable[[Choice | Configured], Backend] | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
+        clock: Clock | None = None,
     ) -> None:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
         self._make, self._thread = make or _made, thread or functools.partial(beside, name="device")
-        self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
+        self._clock = clock or SystemClock()
+        self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
-        self._busy = False
-        self._next = Next()  # once the thread is free
+        self._opening: Opening | None = None
+        self._hanging = 0  # were given up, and have not come back
+        self._again = 0.0  # [s] for which the next one that is opened is tried again
+        self._next = Next()  # once none is being opened
         self._coming: dict[
             int, tuple[str, ...]
         ] = {}  # generation to orders: wait for the first frame
 
-    def begin(self, orders: Orders) -> None:
-        """Open the first one: what was selected before the guard was started anew, or as configured."""
+    def begin(self, orders: Orders, again: float = 0.0) -> None:
+        """Open the first one: what was selected before the guard was started anew, or as configured.
+
+        again: for which one that does not open is tried again, as another process may hold it still [s].
+        """
+        self._again = again
         self._reset = orders.reset
         self._selected, selected = orders.backend
         self._choice = selected or self._choice
@@ -123,15 +157,28 @@ class Devices:
         """Take what has been opened, close what has been left."""
         guard = self._guard
         while not self._opened.empty():
-            self._take(self._opened.get())
+            self._came(*self._opened.get())
+        now, opening = self._clock.now(), self._opening
+        if opening is not None and now - opening.since > OPENING:
+            self._hanging += 1
+            problem = f"{opening.choice.name}: does not open within {OPENING:g} s, and is given up"
+            self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(guard.generation, ()):  # which has got its first frame
             self._done(order)
         while guard.leaving:
             self._thread(functools.partial(self._close, guard.leaving.pop()))
 
+    def _came(self, opening: Opening, opened: Opened) -> None:
+        if opening is self._opening:
+            self._take(opened)
+            return
+        self._hanging -= 1
+        if opened.device is not None:
+            self._guard.leaving.append(opened.device[0])
+
     def _take(self, opened: Opened) -> None:
         guard, (orders, choice, device, problem) = self._guard, opened
-        self._busy = False
+        self._opening = None
         if device is None:
             for order in orders:
                 self._done(order, problem)
@@ -161,7 +208,7 @@ class Devices:
     def _open(self) -> None:
         """Begin with what is next, unless one is being opened."""
         ahead, guard = self._next, self._guard
-        if self._busy or not ahead.orders:
+        if self._opening is not None or not ahead.orders:
             return
         self._next = Next()
         if ahead.choice is None and guard.backend is not None:  # one that was selected is there now
@@ -170,14 +217,27 @@ class Devices:
             for order in ahead.resets:
                 self._done(order)
             return
-        choice, self._busy = ahead.choice or self._choice, True
+        choice, now = ahead.choice or self._choice, self._clock.now()
+        opening = Opening(ahead.orders, choice, ahead.olds, now, now + self._again)
+        self._opening, self._again = opening, 0.0
+        if self._hanging >= MAX_HANGING:
+            guard.leaving += ahead.olds
+            problem = f"{self._hanging} devices hang while they are opened: restart the server"
+            self._take(Opened(ahead.orders, choice, problem=problem))
+            return
+        self._thread(functools.partial(self._work, opening))
 
-        def work() -> None:
-            for old in ahead.olds:
-                self._close(old)
-            self._opened.put(self._tried(ahead.orders, choice))
-
-        self._thread(work)
+    def _work(self, opening: Opening) -> None:
+        """Open a device; in a thread."""
+        for old in opening.olds:
+            self._close(old)
+        opened = self._tried(opening)
+        while (
+            opened.device is None and opening is self._opening and self._clock.now() < opening.until
+        ):
+            self._clock.wait_until(self._clock.now() + PAUSE)
+            opened = self._tried(opening)
+        self._opened.put((opening, opened))
 
     def _close(self, backend: Backend) -> None:
         with suppress(
@@ -186,13 +246,15 @@ class Devices:
             backend.close()
         self._guard.closed(backend)
 
-    def _tried(self, orders: tuple[str, ...], choice: Choice | Configured) -> Opened:
-        """What comes of opening a device."""
-        backend = None
+    def _tried(self, opening: Opening) -> Opened:
+        """What comes of opening a device, which nobody wants any more if it was given up meanwhile."""
+        backend, orders, choice = None, opening.orders, opening.choice
         try:
             backend = self._make(choice)
             can = backend.capability
             check_rate(can.rate, self._rate)
+            if opening is not self._opening:
+                raise BackendError(SUPERSEDED)  # noqa: TRY301
             backend.open(self._array)
         except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
             if backend is not None:
