@@ -15,7 +15,8 @@ from pacinian.rendering.clock import SystemClock
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
-from pacinian.serving.priority import beside
+from pacinian.serving.priority import beside, urgent
+from pacinian.serving.selecting import chosen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,11 +52,16 @@ class Opened(NamedTuple):
 
 @dataclass(eq=False)
 class Opening:
-    """A device that a thread opens. since: when it began [s]. until: so long it is tried again [s]."""
+    """A device that a thread opens.
+
+    olds: are closed first. left: what another process left, which may sound; to be opened and closed first. since: when
+    it began [s]. until: so long it is tried again [s].
+    """
 
     orders: tuple[str, ...]
     choice: Choice | Configured
     olds: list[Backend]
+    left: Choice | None
     since: float
     until: float
 
@@ -106,22 +112,31 @@ class Devices:
         self._selected = self._reset = 0  # the last order of each kind
         self._opening: Opening | None = None
         self._hanging = 0  # were given up, and have not come back
+        self._left: Choice | None = None
         self._again = 0.0  # [s] for which the next one that is opened is tried again
+        self._choices: dict[int, Choice] = {}  # by generation
         self._next = Next()  # once none is being opened
         self._coming: dict[
             int, tuple[str, ...]
         ] = {}  # generation to orders: wait for the first frame
 
-    def begin(self, orders: Orders, again: float = 0.0) -> None:
+    def begin(self, orders: Orders, left: Choice | None = None) -> None:
         """Open the first one: what was selected before the guard was started anew, or as configured.
 
-        again: for which one that does not open is tried again, as another process may hold it still [s].
+        left: what a guard before this one had, which may sound still, and be held by the system for a moment.
         """
-        self._again = again
         self._reset = orders.reset
         self._selected, selected = orders.backend
         self._choice = selected or self._choice
+        if left is not None:
+            self._choices[0] = left
+        self._left, self._again = left, AGAIN if left else 0.0
         self._select(f"backend {self._selected}", self._choice)
+
+    @property
+    def choice(self) -> Choice | None:
+        """What the guard's device is of; what was left where it has none yet."""
+        return self._choices.get(self._guard.generation)
 
     def follow(self, orders: Orders) -> None:
         """Do what is new in the orders."""
@@ -194,7 +209,10 @@ class Devices:
                 for late in itertools.chain(*self._coming.values()):
                     self._done(late, SUPERSEDED)
                 self._choice = choice
-                self._coming = {guard.take(*device): orders}
+                generation = guard.take(*device)
+                self._coming = {generation: orders}
+                self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
+                self._choices[generation] = chosen(choice)
             if any(order.startswith("reset") for order in orders):
                 guard.clear()
         self._open()
@@ -218,8 +236,8 @@ class Devices:
                 self._done(order)
             return
         choice, now = ahead.choice or self._choice, self._clock.now()
-        opening = Opening(ahead.orders, choice, ahead.olds, now, now + self._again)
-        self._opening, self._again = opening, 0.0
+        opening = Opening(ahead.orders, choice, ahead.olds, self._left, now, now + self._again)
+        self._opening, self._left, self._again = opening, None, 0.0
         if self._hanging >= MAX_HANGING:
             guard.leaving += ahead.olds
             problem = f"{self._hanging} devices hang while they are opened: restart the server"
@@ -231,13 +249,25 @@ class Devices:
         """Open a device; in a thread."""
         for old in opening.olds:
             self._close(old)
-        opened = self._tried(opening)
-        while (
-            opened.device is None and opening is self._opening and self._clock.now() < opening.until
-        ):
+        if opening.left is not None:
+            urgent()  # nobody can end its sound but by this
+        if opening.left not in (None, chosen(opening.choice)):
+            device = self._tried(opening, opening.left).device
+            if device is not None:
+                self._close(device[0])
+        self._opened.put((opening, self._tried(opening, opening.choice)))
+
+    def _tried(self, opening: Opening, choice: Choice | Configured) -> Opened:
+        """What comes of opening a device, again and again until it was opened, or there is no more time."""
+        while True:
+            opened = self._once(opening, choice)
+            if (
+                opened.device is not None
+                or opening is not self._opening
+                or self._clock.now() >= opening.until
+            ):
+                return opened
             self._clock.wait_until(self._clock.now() + PAUSE)
-            opened = self._tried(opening)
-        self._opened.put((opening, opened))
 
     def _close(self, backend: Backend) -> None:
         with suppress(
@@ -246,15 +276,15 @@ class Devices:
             backend.close()
         self._guard.closed(backend)
 
-    def _tried(self, opening: Opening) -> Opened:
+    def _once(self, opening: Opening, choice: Choice | Configured) -> Opened:
         """What comes of opening a device, which nobody wants any more if it was given up meanwhile."""
-        backend, orders, choice = None, opening.orders, opening.choice
+        backend, orders = None, opening.orders
         try:
             backend = self._make(choice)
             can = backend.capability
             check_rate(can.rate, self._rate)
             if opening is not self._opening:
-                raise BackendError(SUPERSEDED)  # noqa: TRY301
+                raise BackendError(SUPERSEDED)
             backend.open(self._array)
         except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
             if backend is not None:
@@ -263,9 +293,14 @@ class Devices:
         return Opened(orders, choice, (backend, can))
 
 
-def _made(choice: Choice | Configured) -> Backend:
+def load(choice: Choice | Configured) -> None:
+    """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
     plugins = registry.installed()
     if ("backend", choice.name) not in plugins.offers:
         with LOADING:
             plugins.find("backend", choice.name)
-    return cast("Backend", plugins.make("backend", choice.name, dict(choice.options)))
+
+
+def _made(choice: Choice | Configured) -> Backend:
+    load(choice)
+    return cast("Backend", registry.installed().make("backend", choice.name, dict(choice.options)))

@@ -23,7 +23,7 @@ from pacinian.serving.logs import configure, flush, log
 from pacinian.serving.messages import CAPACITIES, frame_capacity
 from pacinian.serving.metrics import Metrics
 from pacinian.serving.security import Gate, fresh
-from pacinian.serving.supervise import Supervisor
+from pacinian.serving.supervise import GUARD, SPARE, Supervisor
 from pacinian.wire.connection import Connection, where
 
 if TYPE_CHECKING:
@@ -72,10 +72,14 @@ def serve(
         )
         told = child.Told(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets)
-        given = {"bus": replace(told, secrets=secrets)}  # the others have no socket
-        supervisor = Supervisor(
-            lambda name: start(name, given.get(name, told)), settings.safety.hung
-        )
+
+        def begin(name: str, spare: int) -> Process:
+            if name == SPARE:
+                return start(GUARD, replace(told, spare=spare))
+            # the others have no socket
+            return start(name, replace(told, secrets=secrets) if name == "bus" else told)
+
+        supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)
         control = Control(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))

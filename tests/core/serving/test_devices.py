@@ -441,13 +441,13 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench = Bench()
     bench.busy = 3
-    bench.devices.begin(Orders(), again=AGAIN)
+    bench.devices.begin(Orders(), Choice(name="a"))
     bench.run()
     assert bench.now == "a"
     assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(Orders(), again=AGAIN)
+    bench.devices.begin(Orders(), Choice(name="a"))
     bench.run()
     assert "open failed" in bench.guard.fault
     assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
