@@ -28,6 +28,7 @@ FOREVER = 1e6  # [s]
 N = len(lattice(0.05, 0.05))
 PLUGIN = '''
 import ctypes
+import time
 import pacinian as pc
 
 class Logged(pc.Backend):
@@ -55,12 +56,18 @@ class Logged(pc.Backend):
             ctypes.PyDLL(None).sleep(600)  # with the interpreter's lock
         if self.frames == 3 and self.does == "exit":
             raise SystemExit(5)
+        if self.frames == 3 and self.does == "stick":
+            raise OSError("gone")
 
     def silence(self):
         self.told("silence")
+        if self.frames == 3 and self.does == "stick":
+            raise OSError("gone")
 
     def close(self):
         self.told("close")
+        if self.does == "stick":
+            time.sleep(600)
 
 @pc.hookimpl
 def register_backends():

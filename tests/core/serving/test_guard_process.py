@@ -128,3 +128,17 @@ def test_a_backend_that_never_returns_takes_the_guard_with_it(server: Server, lo
     )
     assert second.generation == first.generation + 1
     assert second.frames == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs alarms")
+def test_a_device_that_may_sound_and_does_not_close_takes_the_guard_with_it(
+    server: Server, log: Path
+) -> None:
+    """The system closes it then, and another guard opens it."""
+    process = server.start(server.make_config(log, "stick", hung=1.0))
+    server.until(lambda device: device.generation > 0)
+    server.permit()
+    server.until(lambda device: device.fault, server.frame)
+    server.memory["orders"].write(pack(Orders(reset=1)))
+    assert ended(process) == -signal.SIGALRM
+    assert log.read_text().split()[-2:] == ["silence", "close"]

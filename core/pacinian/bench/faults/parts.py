@@ -62,8 +62,7 @@ def guard_blocked(stage: Stage) -> Times:
 
 def _guard_lost(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
     """Lose the guard while there is a spare, which has had time to make itself ready."""
-    spare = until(lambda: stage.server.parts().get(SPARE))
-    until(lambda: _waits(spare))
+    until(lambda: any(_waits(p) for name, p in stage.server.parts().items() if name == SPARE))
     return _lost(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
 
 
