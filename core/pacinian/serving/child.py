@@ -120,7 +120,7 @@ class Parent:
     """In the child: who has started it. told: what it was told. pipe: from it. Raises as `begin`."""
 
     def __init__(self) -> None:
-        _kill_orphan(signal.SIGKILL)
+        _kill_when_orphaned(True)
         self.pipe = os.dup(0)
         with Path(os.devnull).open("rb") as nothing:
             os.dup2(nothing.fileno(), 0)
@@ -141,7 +141,7 @@ class Parent:
         kill: on Linux, the system kills this process then: not where it has a device to silence.
         """
         if not kill:
-            _kill_orphan(0)
+            _kill_when_orphaned(False)
 
         def watch() -> None:
             while os.read(self.pipe, 4096):
@@ -151,10 +151,10 @@ class Parent:
         threading.Thread(target=watch, name="parent", daemon=True).start()
 
 
-def _kill_orphan(number: int) -> None:
-    """On Linux, have the system send this signal to this process when its parent has gone; 0: none."""
+def _kill_when_orphaned(kill: bool) -> None:
+    """On Linux, have the system kill this process when its parent has gone, or not."""
     if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PDEATHSIG, number)
+        ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL if kill else 0)
 
 
 def _read(pipe: int, length: int) -> bytes:

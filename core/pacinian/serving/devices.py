@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from pacinian.errors import BackendError
 from pacinian.plugins import registry
 from pacinian.rendering.clock import SystemClock
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
 from pacinian.serving.priority import beside, urgent
-from pacinian.serving.selecting import chosen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Backend, Capability
     from pacinian.rendering.clock import Clock
-    from pacinian.scene.file import Choice as Configured
     from pacinian.serving.guarding import Guard
     from pacinian.serving.messages import Orders
     from pacinian.wire.control import Choice
@@ -61,7 +60,7 @@ class Opening:
     orders: tuple[str, ...]
     choice: Choice | Configured
     olds: list[Backend]
-    left: Choice | None
+    left: Configured | None
     since: float
     until: float
 
@@ -112,15 +111,15 @@ class Devices:
         self._selected = self._reset = 0  # the last order of each kind
         self._opening: Opening | None = None
         self._hanging = 0  # were given up, and have not come back
-        self._left: Choice | None = None
+        self._left: Configured | None = None
         self._again = 0.0  # [s] for which the next one that is opened is tried again
-        self._choices: dict[int, Choice] = {}  # by generation
+        self._choices: dict[int, Configured] = {}  # by generation
         self._next = Next()  # once none is being opened
         self._coming: dict[
             int, tuple[str, ...]
         ] = {}  # generation to orders: wait for the first frame
 
-    def begin(self, orders: Orders, left: Choice | None = None) -> None:
+    def begin(self, orders: Orders, left: Configured | None = None) -> None:
         """Open the first one: what was selected before the guard was started anew, or as configured.
 
         left: what a guard before this one had, which may sound still, and be held by the system for a moment.
@@ -134,7 +133,7 @@ class Devices:
         self._select(f"backend {self._selected}", self._choice)
 
     @property
-    def choice(self) -> Choice | None:
+    def choice(self) -> Configured | None:
         """What the guard's device is of; what was left where it has none yet."""
         return self._choices.get(self._guard.generation)
 
@@ -212,7 +211,7 @@ class Devices:
                 generation = guard.take(*device)
                 self._coming = {generation: orders}
                 self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
-                self._choices[generation] = chosen(choice)
+                self._choices[generation] = _configured(choice)
             if any(order.startswith("reset") for order in orders):
                 guard.clear()
         self._open()
@@ -251,7 +250,7 @@ class Devices:
             self._close(old)
         if opening.left is not None:
             urgent()  # nobody can end its sound but by this
-        if opening.left not in (None, chosen(opening.choice)):
+        if opening.left not in (None, _configured(opening.choice)):
             device = self._tried(opening, opening.left).device
             if device is not None:
                 self._close(device[0])
@@ -299,6 +298,11 @@ def load(choice: Choice | Configured) -> None:
     if ("backend", choice.name) not in plugins.offers:
         with LOADING:
             plugins.find("backend", choice.name)
+
+
+def _configured(choice: Choice | Configured) -> Configured:
+    """The same, as it can be told: what is configured may be longer than what is selected."""
+    return Configured(choice.name, dict(choice.options))
 
 
 def _made(choice: Choice | Configured) -> Backend:

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 
 from msgspec.msgpack import Decoder
 
+from pacinian.scene.file import Choice
 from pacinian.serving import child, priority
 from pacinian.serving.devices import Devices, load
 from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, Orders, Permit, pack
 from pacinian.serving.offers import offers
-from pacinian.serving.selecting import chosen
 from pacinian.serving.spare import stand_by
 from pacinian.serving.watching import Watched
 
@@ -67,7 +67,8 @@ class Rounds:
         self._replaces = False
         array = settings.array.make()
         self.guard = Guard(len(array), gain=settings.gain, stale=settings.safety.stale)
-        configured = chosen(settings.backend)
+        chosen = settings.backend
+        configured = chosen if isinstance(chosen, Choice) else Choice(chosen)
         self.devices = Devices(self.guard, array, configured, settings.rate)
         self.processor = priority.ANY
         self._told = -TELL  # [s]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend
-    from pacinian.wire.control import Choice
+    from pacinian.scene.file import Choice as Configured
     from pacinian.wire.replies import Plugin
 
 KEPT = 256  # inputs
@@ -240,7 +240,7 @@ class Guard:
         results: dict[str, str],
         backends: tuple[Plugin, ...],
         processor: int = ANY,
-        choice: Choice | None = None,
+        choice: Configured | None = None,
     ) -> Device:
         """What others are told."""
         can = self._can if self.coming is None else self._coming_can

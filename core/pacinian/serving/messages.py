@@ -26,6 +26,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.plugins.backend import Capability
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.priority import ANY
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
@@ -287,7 +288,7 @@ class Device(Struct, frozen=True, array_like=True):
     reasons: dict[str, int] = {}
     sizes: bytes = b""
     processor: int = ANY
-    choice: Choice | None = None
+    choice: Configured | None = None
 
     @property
     def capability(self) -> Capability:

@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import pytest
 
 import pacinian as pc
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.devices import (
     AGAIN,
     KEPT,
@@ -21,9 +22,6 @@ from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
 from ...waiting import eventually
-
-if TYPE_CHECKING:
-    from pacinian.scene.file import Choice as Configured
 
 ARRAY = pc.autd()
 N = len(ARRAY)
@@ -441,13 +439,26 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench = Bench()
     bench.busy = 3
-    bench.devices.begin(Orders(), Choice(name="a"))
+    bench.devices.begin(Orders(), Configured("a"))
     bench.run()
     assert bench.now == "a"
     assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(Orders(), Choice(name="a"))
+    bench.devices.begin(Orders(), Configured("a"))
     bench.run()
     assert "open failed" in bench.guard.fault
     assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
+
+
+def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_opened() -> None:
+    bench = Bench()
+    bench.busy = 1  # the system holds it still
+    bench.devices.begin(selected(1, "b"), Configured("a", {"port": "x" * 1000}))
+    assert bench.devices.choice == Configured("a", {"port": "x" * 1000})
+    bench.run()
+    assert [(made.called, made.log) for made in bench.made] == [
+        ("a", ["open", "close"]), ("a", ["open", "close"]), ("b", ["open"]),
+    ]  # fmt: skip
+    assert bench.now == "b"
+    assert bench.devices.choice == Configured("b")

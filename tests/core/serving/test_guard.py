@@ -25,7 +25,6 @@ from pacinian.serving.messages import (
 )
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
-from pacinian.wire.control import Choice as Selected
 
 from ...waiting import eventually
 
@@ -706,7 +705,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         rounds.turn()
         rounds.turn()
         assert read_status().generation == 2
-        assert read_status().choice == Selected(name="simulated")
+        assert read_status().choice == Choice("simulated")
         assert not read_status().sounding  # the frame was for the device before
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from pacinian.scene.file import Choice
 from pacinian.serving.messages import Device, Orders, pack
 from pacinian.serving.spare import LOOK, Pulse
 from pacinian.serving.supervise import LATE
@@ -122,7 +123,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
 ) -> None:
     told = server.make_config(log)
     guard, _, before = begin(server, told)
-    assert before.choice == Selected(name="logged", options={"log": str(log), "does": ""})
+    assert before.choice == Choice("logged", {"log": str(log), "does": ""})
     guard.send_signal(signal.SIGSTOP)  # it does not hear of the selection any more
     server.memory["orders"].write(pack(Orders(backend=(1, Selected(name="simulated")))))
     guard.send_signal(signal.SIGKILL)
