@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 import pacinian as pc
-from pacinian.bench.faults.device import UNPLUGGED
+from pacinian.bench.faults.device import BLOCKED, UNPLUGGED
+from pacinian.bench.faults.server import Server
 
 from .game import LEASE, Game
 
 if TYPE_CHECKING:
-    from pacinian.bench.faults.server import Server
+    from pathlib import Path
+
+HASTY = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 8.0\n"
+"""A guard that may sound hangs after an eighth of it."""
 
 
 @pytest.mark.parametrize("part", ["render", "bus", "guard"])
@@ -28,7 +32,21 @@ def test_a_process_that_is_killed_is_replaced_and_the_game_is_told(game: Game, p
     told = f"the process '{part}' was killed by signal 9"
     gone = pc.ConnectionLost if part == "bus" else ()  # the game may see that its link to it ends
     assert any(told in str(error) or isinstance(error, gone) for error in game.told)
-    assert len(game.server.parts()) == 3
+    assert len(game.server.parts()) >= 3
+
+
+@pytest.mark.deep
+def test_a_guard_that_hangs_while_it_sounds_is_replaced_by_its_spare(tmp_path: Path) -> None:
+    """It stands still, or its device does not return."""
+    with Server(tmp_path, HASTY) as server, Game(server) as game:
+        for hang in (lambda: server.signal("guard", signal.SIGSTOP), (tmp_path / BLOCKED).touch):
+            game.play(lambda: "spare" in server.parts())
+            parts, mark = server.parts(), game.log.count
+            hang()
+            game.play(lambda mark=mark: not game.log.read(mark)["sounds"].all())
+            game.play(lambda parts=parts: not parts["guard"].is_running())
+            game.sound()
+            assert server.parts()["guard"] == parts["spare"]
 
 
 def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> None:

@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     "--repeats", type=click.IntRange(1), default=5, show_default=True, help="Of each fault."
 )
 @click.option("--only", "words", multiple=True, help="Faults with this word, again for more.")
+@click.option(
+    "--busy", type=click.IntRange(0), default=0, help="Beside so many processes that never wait."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON list instead of a table.")
-def faults(repeats: int, words: tuple[str, ...], as_json: bool) -> None:
+def faults(repeats: int, words: tuple[str, ...], busy: int, as_json: bool) -> None:
     """Break a real server in every known way: time to silence, time to sound again.
 
     Clients, the server's processes and devices are killed, stopped, frozen, cut off and unplugged while a game
@@ -36,7 +39,7 @@ def faults(repeats: int, words: tuple[str, ...], as_json: bool) -> None:
     rows: list[Row] = []
     with Progress(console=Console(stderr=True), transient=True, refresh_per_second=2) as bar:
         task = bar.add_task("starting", total=len(chosen))
-        for row in measure(chosen, repeats):
+        for row in measure(chosen, repeats, busy):
             rows.append(row)
             bar.update(task, advance=1, description=row.fault)
     if as_json:

@@ -24,14 +24,19 @@ if TYPE_CHECKING:
 
 LONGEST = 1 << 20  # [bytes] of what a child is told
 PDEATHSIG = 1  # of Linux's prctl
+CALL = b"!"  # what a spare waits for
 
 
 class Told(Struct, frozen=True):
-    """What a child is told. folder: of the shared memory. secrets: names to values, for the bus alone."""
+    """What a child is told. folder: of the shared memory. secrets: names to values, for the bus alone.
+
+    spare: of a spare, the number of the process whose end it waits for.
+    """
 
     folder: str
     settings: Settings
     secrets: dict[str, str] = {}
+    spare: int = 0
 
     def __repr__(self) -> str:  # never the secrets
         return f"Told({self.folder!r})"
@@ -42,31 +47,49 @@ class Told(Struct, frozen=True):
         return Path(self.folder)
 
 
-def start(module: str, told: Told) -> subprocess.Popen[bytes]:
-    """Start `python -m pacinian.serving.<module>`. Its standard input stays open: closed, the child ends.
+class Process(subprocess.Popen[bytes]):
+    """A child that runs. Its standard input stays open: closed, the child ends."""
+
+    _telling: threading.Thread | None = None
+
+    def tell(self, data: bytes) -> None:
+        """Write to its standard input, after all that it was told before; in a thread, as it may not read."""
+        if self.stdin is None:
+            return
+        file, before = os.dup(self.stdin.fileno()), self._telling
+
+        def write() -> None:
+            if before is not None:
+                before.join()
+            with contextlib.suppress(OSError), os.fdopen(file, "wb") as pipe:
+                pipe.write(data)
+
+        # one that does not read holds up nobody; one that has died is seen when it is asked for
+        self._telling = threading.Thread(target=write, name="tell", daemon=True)
+        self._telling.start()
+
+    def call(self) -> None:
+        """Let a spare begin."""
+        self.tell(CALL)
+
+
+def start(module: str, told: Told) -> Process:
+    """Start `python -m pacinian.serving.<module>`.
 
     From a thread that lives as long as the child: on Linux the child is killed when that thread ends.
     """
     return launch([sys.executable, "-m", f"pacinian.serving.{module}"], told)
 
 
-def launch(command: Sequence[str], told: Told) -> subprocess.Popen[bytes]:
+def launch(command: Sequence[str], told: Told) -> Process:
     """Start a child by any command that calls `begin`. Raises ServerError if it cannot be told so much."""
     data = msgspec.json.encode(told)
     if len(data) > LONGEST:
         raise ServerError(f"the settings take {len(data)} bytes, more than {LONGEST}")
     # a group of its own: Ctrl-C is the parent's, which ends its children in order
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
+    process = Process(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
     priority.ease(process.pid)
-    if process.stdin is not None:
-        file = os.dup(process.stdin.fileno())
-
-        def tell() -> None:
-            with contextlib.suppress(OSError), os.fdopen(file, "wb") as pipe:
-                pipe.write(len(data).to_bytes(4, "little") + data)
-
-        # one that does not read holds up nobody; one that has died is seen when it is asked for
-        threading.Thread(target=tell, name="tell", daemon=True).start()
+    process.tell(len(data).to_bytes(4, "little") + data)
     return process
 
 
@@ -82,31 +105,56 @@ def end(process: subprocess.Popen[bytes], within: float = 1.0) -> int:
         return process.wait()
 
 
-def begin(orphaned: Callable[[], object], *, kill: bool = True) -> Told:
+def begin(orphaned: Callable[[], object]) -> Told:
     """In the child: read what the parent tells. `orphaned` is called, in a thread, when the parent has gone.
 
-    kill: on Linux, the system kills this process then, whatever it does; not for the guard, which has a
-    device to silence. What runs in this process finds its standard input empty. Raises SystemExit if the
-    parent is gone already, or tells nonsense.
+    On Linux, the system also kills this process then, whatever it does. What runs in this process finds its standard
+    input empty. Raises SystemExit if the parent is gone already, or tells nonsense.
     """
-    if kill and sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL)
-    pipe = os.dup(0)
-    with Path(os.devnull).open("rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
-    length = int.from_bytes(_read(pipe, 4), "little")
-    try:
-        told = msgspec.json.decode(_read(pipe, min(length, LONGEST)), type=Told)
-    except msgspec.DecodeError as error:
-        raise SystemExit(f"not told what to do: {error}") from None
+    parent = Parent()
+    parent.watch(orphaned)
+    return parent.told
 
-    def watch() -> None:
-        while os.read(pipe, 4096):
-            pass
-        orphaned()
 
-    threading.Thread(target=watch, name="parent", daemon=True).start()
-    return told
+class Parent:
+    """In the child: who has started it. told: what it was told. pipe: from it. Raises as `begin`."""
+
+    def __init__(self) -> None:
+        _kill_when_orphaned(True)
+        self.pipe = os.dup(0)
+        with Path(os.devnull).open("rb") as nothing:
+            os.dup2(nothing.fileno(), 0)
+        length = int.from_bytes(_read(self.pipe, 4), "little")
+        try:
+            self.told = msgspec.json.decode(_read(self.pipe, min(length, LONGEST)), type=Told)
+        except msgspec.DecodeError as error:
+            raise SystemExit(f"not told what to do: {error}") from None
+
+    def wait(self) -> None:
+        """Until a spare is called. Raises SystemExit when the parent has gone."""
+        if not os.read(self.pipe, len(CALL)):
+            raise SystemExit(0)
+
+    def watch(self, orphaned: Callable[[], object], *, kill: bool = True) -> None:
+        """From now on, call `orphaned` in a thread when the parent has gone.
+
+        kill: on Linux, the system kills this process then: not where it has a device to silence.
+        """
+        if not kill:
+            _kill_when_orphaned(False)
+
+        def watch() -> None:
+            while os.read(self.pipe, 4096):
+                pass
+            orphaned()
+
+        threading.Thread(target=watch, name="parent", daemon=True).start()
+
+
+def _kill_when_orphaned(kill: bool) -> None:
+    """On Linux, have the system kill this process when its parent has gone, or not."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL if kill else 0)
 
 
 def _read(pipe: int, length: int) -> bytes:

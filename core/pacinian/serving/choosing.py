@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import queue
+import time
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.plugins import registry
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from pacinian.wire.control import Choice
 
 SUPERSEDED = "another one was selected since"
+MAKING = 10.0  # [s] after which one that is not made yet gives way to another: its client waits no longer
+MAX_HANGING = 4  # threads in solvers that gave way: only the process's end takes them away
 
 
 class Made(NamedTuple):
@@ -36,7 +39,9 @@ class Made(NamedTuple):
 class Solvers:
     """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
 
-    chosen: to begin with. array, medium: to try new ones out. thread: for tests.
+    chosen: to begin with. array, medium: to try new ones out. thread, clock: for tests.
+
+    One that takes longer than `MAKING` gives way to another: it may compile its kernels, which takes minutes, or hang.
     """
 
     def __init__(
@@ -45,13 +50,19 @@ class Solvers:
         array: Array,
         medium: Air | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
+        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.chosen = chosen
         self._array, self._medium = array, medium
         self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
-        self._busy = False
-        self._next: tuple[int, Choice] | None = None  # once the thread is free
+        self._clock = clock
+        self._making, self._since = (
+            0,
+            0.0,
+        )  # the order of the one that is made, or 0; since when [s]
+        self._hanging = 0  # gave way, and have not come back
+        self._next: tuple[int, Choice] | None = None  # once none is being made
         self._results: dict[str, str] = {}
 
     def order(self, number: int, choice: Choice) -> None:
@@ -63,9 +74,15 @@ class Solvers:
 
     def _begin(self) -> None:
         """Begin with what is next, unless one is being made."""
-        if self._busy or self._next is None:
+        if self._making or self._next is None:
             return
-        (number, choice), self._next, self._busy = self._next, None, True
+        (number, choice), self._next = self._next, None
+        if self._hanging >= MAX_HANGING:
+            self._results[f"solver {number}"] = (
+                f"{self._hanging} solvers hang while they are made: restart the server"
+            )
+            return
+        self._making, self._since = number, self._clock()
 
         def work() -> None:
             try:
@@ -80,15 +97,24 @@ class Solvers:
 
     def poll(self) -> dict[str, str]:
         """Take what has been made; return what became of orders."""
-        results, self._results = self._results, {}
         while not self._made.empty():
             order, solver, problem = self._made.get()
+            if order != self._making:
+                self._hanging -= 1
+                continue
             if solver is not None:
                 problem = self._take(solver)
-            results[f"solver {order}"] = problem
-            self._busy = False
-            self._begin()
+            self._end(problem)
+        if self._making and self._next is not None and self._clock() - self._since > MAKING:
+            self._hanging += 1
+            self._end(f"not made within {MAKING:g} s, and {SUPERSEDED}")
+        results, self._results = self._results, {}
         return results
+
+    def _end(self, problem: str) -> None:
+        """No more is made of an order; begin with the next."""
+        self._results[f"solver {self._making}"], self._making = problem, 0
+        self._begin()
 
     def _take(self, solver: Solver) -> str:
         if self._next is not None:

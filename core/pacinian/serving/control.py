@@ -19,6 +19,7 @@ from pacinian.serving.messages import pack
 from pacinian.serving.publishing import Publisher, View
 from pacinian.serving.selecting import Selection
 from pacinian.serving.sessions import Sessions
+from pacinian.serving.supervise import SPARE
 from pacinian.wire.codec import decode_control, encode, id_of
 from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
 from pacinian.wire.replies import Error
@@ -103,7 +104,7 @@ class Control:
         now = self._clock()
         self.sessions.pass_time(now)
         self._settle()
-        if self._is_due("look", LOOK, now):
+        if self._is_due("look", LOOK, now) or self._supervisor.ended:
             self._look(now)
         if self._is_due("owner", OWNER, now):
             self._probe(now, owner=True)
@@ -269,7 +270,9 @@ class Control:
                 if fault and not ownership.fault:
                     self._fault(f"{name}: {fault}")
                     ownership.fail(f"{name}: {fault}")
-        for name, why in self._supervisor.check(self._beats):
+        device = self.view.device
+        sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
+        for name, why in self._supervisor.check(self._beats, sound):
             self._ended(name, why, now)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
@@ -280,6 +283,9 @@ class Control:
         log().error("fault", fault=fault)
 
     def _ended(self, name: str, why: str, now: float) -> None:
+        if name == SPARE:
+            self._log.warning("spare guard lost", why=why)
+            return
         problem = f"the process {name!r} {why}, and is started again"
         self._fault(problem)
         self.sessions.ownership.interrupt("fault", problem)

@@ -6,25 +6,37 @@ import functools
 import itertools
 import queue
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from pacinian.errors import BackendError
 from pacinian.plugins import registry
+from pacinian.rendering.clock import SystemClock
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
-from pacinian.serving.priority import beside
+from pacinian.serving.priority import beside, urgent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Backend, Capability
-    from pacinian.scene.file import Choice as Configured
+    from pacinian.rendering.clock import Clock
     from pacinian.serving.guarding import Guard
     from pacinian.serving.messages import Orders
     from pacinian.wire.control import Choice
 
 KEPT = 16  # results
+OPENING = (
+    8.0  # [s] for a device to open; a client waits for 10 s, and is to be told why there is none
+)
+MAX_HANGING = 4  # threads in devices that were given up: only the process's end takes them away
+AGAIN, PAUSE = (
+    1.0,
+    0.02,
+)  # [s] in which a device that another process has just left is tried again; between two tries
 SUPERSEDED = "another one was selected since"
 
 
@@ -35,6 +47,22 @@ class Opened(NamedTuple):
     choice: Choice | Configured
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
+
+
+@dataclass(eq=False)
+class Opening:
+    """A device that a thread opens.
+
+    olds: are closed first. left: what another process left, which may sound; to be opened and closed first. since: when
+    it began [s]. until: so long it is tried again [s].
+    """
+
+    orders: tuple[str, ...]
+    choice: Choice | Configured
+    olds: list[Backend]
+    left: Configured | None
+    since: float
+    until: float
 
 
 class Next:
@@ -58,7 +86,10 @@ class Next:
 class Devices:
     """Gives a guard its devices, as ordered: one is opened at a time, and of those that wait only the newest.
 
-    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread: for tests.
+    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread, clock: for tests.
+
+    One that has not opened within `OPENING` is given up: what its thread has opened in the end is closed, and never
+    sounds.
     """
 
     def __init__(
@@ -69,25 +100,42 @@ class Devices:
         rate: float,
         make: Callable[[Choice | Configured], Backend] | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
+        clock: Clock | None = None,
     ) -> None:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
         self._make, self._thread = make or _made, thread or functools.partial(beside, name="device")
-        self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
+        self._clock = clock or SystemClock()
+        self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
-        self._busy = False
-        self._next = Next()  # once the thread is free
+        self._opening: Opening | None = None
+        self._hanging = 0  # were given up, and have not come back
+        self._left: Configured | None = None
+        self._again = 0.0  # [s] for which the next one that is opened is tried again
+        self._choices: dict[int, Configured] = {}  # by generation
+        self._next = Next()  # once none is being opened
         self._coming: dict[
             int, tuple[str, ...]
         ] = {}  # generation to orders: wait for the first frame
 
-    def begin(self, orders: Orders) -> None:
-        """Open the first one: what was selected before the guard was started anew, or as configured."""
+    def begin(self, orders: Orders, left: Configured | None = None) -> None:
+        """Open the first one: what was selected before the guard was started anew, or as configured.
+
+        left: what a guard before this one had, which may sound still, and be held by the system for a moment.
+        """
         self._reset = orders.reset
         self._selected, selected = orders.backend
         self._choice = selected or self._choice
+        if left is not None:
+            self._choices[0] = left
+        self._left, self._again = left, AGAIN if left else 0.0
         self._select(f"backend {self._selected}", self._choice)
+
+    @property
+    def choice(self) -> Configured | None:
+        """What the guard's device is of; what was left where it has none yet."""
+        return self._choices.get(self._guard.generation)
 
     def follow(self, orders: Orders) -> None:
         """Do what is new in the orders."""
@@ -123,15 +171,28 @@ class Devices:
         """Take what has been opened, close what has been left."""
         guard = self._guard
         while not self._opened.empty():
-            self._take(self._opened.get())
+            self._came(*self._opened.get())
+        now, opening = self._clock.now(), self._opening
+        if opening is not None and now - opening.since > OPENING:
+            self._hanging += 1
+            problem = f"{opening.choice.name}: does not open within {OPENING:g} s, and is given up"
+            self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(guard.generation, ()):  # which has got its first frame
             self._done(order)
         while guard.leaving:
             self._thread(functools.partial(self._close, guard.leaving.pop()))
 
+    def _came(self, opening: Opening, opened: Opened) -> None:
+        if opening is self._opening:
+            self._take(opened)
+            return
+        self._hanging -= 1
+        if opened.device is not None:
+            self._guard.leaving.append(opened.device[0])
+
     def _take(self, opened: Opened) -> None:
         guard, (orders, choice, device, problem) = self._guard, opened
-        self._busy = False
+        self._opening = None
         if device is None:
             for order in orders:
                 self._done(order, problem)
@@ -147,7 +208,10 @@ class Devices:
                 for late in itertools.chain(*self._coming.values()):
                     self._done(late, SUPERSEDED)
                 self._choice = choice
-                self._coming = {guard.take(*device): orders}
+                generation = guard.take(*device)
+                self._coming = {generation: orders}
+                self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
+                self._choices[generation] = _configured(choice)
             if any(order.startswith("reset") for order in orders):
                 guard.clear()
         self._open()
@@ -161,7 +225,7 @@ class Devices:
     def _open(self) -> None:
         """Begin with what is next, unless one is being opened."""
         ahead, guard = self._next, self._guard
-        if self._busy or not ahead.orders:
+        if self._opening is not None or not ahead.orders:
             return
         self._next = Next()
         if ahead.choice is None and guard.backend is not None:  # one that was selected is there now
@@ -170,14 +234,39 @@ class Devices:
             for order in ahead.resets:
                 self._done(order)
             return
-        choice, self._busy = ahead.choice or self._choice, True
+        choice, now = ahead.choice or self._choice, self._clock.now()
+        opening = Opening(ahead.orders, choice, ahead.olds, self._left, now, now + self._again)
+        self._opening, self._left, self._again = opening, None, 0.0
+        if self._hanging >= MAX_HANGING:
+            guard.leaving += ahead.olds
+            problem = f"{self._hanging} devices hang while they are opened: restart the server"
+            self._take(Opened(ahead.orders, choice, problem=problem))
+            return
+        self._thread(functools.partial(self._work, opening))
 
-        def work() -> None:
-            for old in ahead.olds:
-                self._close(old)
-            self._opened.put(self._tried(ahead.orders, choice))
+    def _work(self, opening: Opening) -> None:
+        """Open a device; in a thread."""
+        for old in opening.olds:
+            self._close(old)
+        if opening.left is not None:
+            urgent()  # nobody can end its sound but by this
+        if opening.left not in (None, _configured(opening.choice)):
+            device = self._tried(opening, opening.left).device
+            if device is not None:
+                self._close(device[0])
+        self._opened.put((opening, self._tried(opening, opening.choice)))
 
-        self._thread(work)
+    def _tried(self, opening: Opening, choice: Choice | Configured) -> Opened:
+        """What comes of opening a device, again and again until it was opened, or there is no more time."""
+        while True:
+            opened = self._once(opening, choice)
+            if (
+                opened.device is not None
+                or opening is not self._opening
+                or self._clock.now() >= opening.until
+            ):
+                return opened
+            self._clock.wait_until(self._clock.now() + PAUSE)
 
     def _close(self, backend: Backend) -> None:
         with suppress(
@@ -186,13 +275,15 @@ class Devices:
             backend.close()
         self._guard.closed(backend)
 
-    def _tried(self, orders: tuple[str, ...], choice: Choice | Configured) -> Opened:
-        """What comes of opening a device."""
-        backend = None
+    def _once(self, opening: Opening, choice: Choice | Configured) -> Opened:
+        """What comes of opening a device, which nobody wants any more if it was given up meanwhile."""
+        backend, orders = None, opening.orders
         try:
             backend = self._make(choice)
             can = backend.capability
             check_rate(can.rate, self._rate)
+            if opening is not self._opening:
+                raise BackendError(SUPERSEDED)
             backend.open(self._array)
         except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
             if backend is not None:
@@ -201,9 +292,19 @@ class Devices:
         return Opened(orders, choice, (backend, can))
 
 
-def _made(choice: Choice | Configured) -> Backend:
+def load(choice: Choice | Configured) -> None:
+    """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
     plugins = registry.installed()
     if ("backend", choice.name) not in plugins.offers:
         with LOADING:
             plugins.find("backend", choice.name)
-    return cast("Backend", plugins.make("backend", choice.name, dict(choice.options)))
+
+
+def _configured(choice: Choice | Configured) -> Configured:
+    """The same, as it can be told: what is configured may be longer than what is selected."""
+    return Configured(choice.name, dict(choice.options))
+
+
+def _made(choice: Choice | Configured) -> Backend:
+    load(choice)
+    return cast("Backend", registry.installed().make("backend", choice.name, dict(choice.options)))

@@ -20,11 +20,12 @@ from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
 from pacinian.serving import child, memory, priority
-from pacinian.serving.devices import Devices
+from pacinian.serving.devices import Devices, load
 from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, Orders, Permit, pack
 from pacinian.serving.offers import offers
+from pacinian.serving.spare import stand_by
 from pacinian.serving.watching import Watched
 
 if TYPE_CHECKING:
@@ -45,8 +46,9 @@ ALONE = 2.0  # times `hung`: control, which can tell slow from hung, kills it be
 class Rounds:
     """Joins a guard to the shared memory in `folder`. A context manager: at its end there is silence.
 
-    backends: that can be selected, None before they are known: as a guard before this one told. Nothing is told before
-    that, and before there is a device or a fault. Raises ServerError if the folder lacks something.
+    What takes long is done before it is entered; then the device is opened. backends: that can be selected, None before
+    they are known: as a guard before this one told. Nothing is told before that, and before there is a device or a
+    fault, unless this guard takes the place of another. Raises ServerError if the folder lacks something.
     """
 
     def __init__(self, folder: Path, settings: Settings) -> None:
@@ -59,23 +61,40 @@ class Rounds:
         self._permit = Watched(permit, Permit.unpack, Permit())
         self._frame = Watched(frame, bytes, b"")
         self._orders = Watched(orders, Decoder(Orders).decode, Orders())
+        self._last: Watched[Device | None] = Watched(device, Decoder(Device).decode, None)
         self._device = device
-        last = _last(device)
-        self.backends: tuple[Plugin, ...] | None = last.backends if last else None
+        self.backends: tuple[Plugin, ...] | None = None
+        self._replaces = False
         array = settings.array.make()
-        self.guard = Guard(
-            len(array),
-            gain=settings.gain,
-            stale=settings.safety.stale,
-            generation=max(last.generation, last.next) if last else 0,
-        )
+        self.guard = Guard(len(array), gain=settings.gain, stale=settings.safety.stale)
         chosen = settings.backend
-        choice = chosen if isinstance(chosen, Choice) else Choice(chosen)
-        self.devices = Devices(self.guard, array, choice, settings.rate)
+        configured = chosen if isinstance(chosen, Choice) else Choice(chosen)
+        self.devices = Devices(self.guard, array, configured, settings.rate)
         self.processor = priority.ANY
         self._told = -TELL  # [s]
         self._orders.look()
-        self.devices.begin(self._orders.value)
+        with contextlib.suppress(Exception):  # it is told when it is to be opened
+            load(self._orders.value.backend[1] or configured)
+
+    def watch(self) -> tuple[float, bool]:
+        """Of the guard that goes round now: its last sign of life [s], and whether there may be sound."""
+        self._last.look()
+        self._permit.look()
+        last = self._last.value
+        if last is None or not last.generation:
+            return 0.0, False
+        return last.beat, last.sounding or self._permit.value.armed > 0
+
+    def __enter__(self) -> Rounds:
+        """Begin, in place of the guard that was there before, if there was one."""
+        self._orders.look()
+        self._last.look()
+        last = self._last.value
+        if last is not None:
+            self._replaces, self.backends = True, last.backends
+            self.guard.replace(last)
+        self.devices.begin(self._orders.value, last.choice if last else None)
+        return self
 
     def turn(self) -> float:
         """One round; how long to wait until the next [s]."""
@@ -87,7 +106,7 @@ class Rounds:
         self._permit.look()  # after the frame: so it is never older than what the frame was made for
         switched = guard.step(self._permit.value, frame)
         now = time.perf_counter()
-        known = self.backends is not None and (guard.backend or guard.fault)
+        known = self.backends is not None and (self._replaces or guard.backend or guard.fault)
         if known and (guard.changed or now - self._told >= TELL):
             self.tell()
             self._told = now
@@ -99,11 +118,12 @@ class Rounds:
         """Publish how it is."""
         self.guard.changed = False
         self._device.write(
-            pack(self.guard.device(self.devices.results, self.backends or (), self.processor))
+            pack(
+                self.guard.device(
+                    self.devices.results, self.backends or (), self.processor, self.devices.choice
+                )
+            )
         )
-
-    def __enter__(self) -> Rounds:
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Silence, tell, and close."""
@@ -121,12 +141,6 @@ class Rounds:
                         backend.close()
 
 
-def _last(device: Latest) -> Device | None:
-    """What a guard before this one told: frames for its devices are not for ours."""
-    read = device.read()
-    return None if read is None else Decoder(Device).decode(read[1])
-
-
 def _alive(seconds: float) -> None:
     """Have the system end this process, and so close the device, unless asked again so soon; 0: not at all."""
     if hasattr(signal, "setitimer"):
@@ -134,7 +148,7 @@ def _alive(seconds: float) -> None:
 
 
 def main() -> None:
-    """Run until the parent goes, or tells it to."""
+    """Run until the parent goes, or tells it to; a spare first waits until it is called."""
     ended = threading.Event()
 
     def orphaned() -> None:
@@ -145,26 +159,38 @@ def main() -> None:
     def asked(number: int, frame: FrameType | None) -> None:
         ended.set()
 
-    told = child.begin(orphaned, kill=False)
+    starter = child.Parent()
+    told = starter.told
+    sys.setswitchinterval(SWITCH)
+    rounds = Rounds(told.path, told.settings)
+    if told.spare:
+        _settle(rounds)
+        stand_by(starter, told.settings.safety.hung, rounds.watch)
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, asked)
-    sys.setswitchinterval(SWITCH)
-    with Rounds(told.path, told.settings) as rounds:
+    starter.watch(orphaned, kill=False)
+    with rounds:
         while not (ended.is_set() or rounds.guard.backend or rounds.guard.fault):
             rounds.turn()  # a device may take its time
             time.sleep(IDLE)
         if rounds.backends is None:
             rounds.backends = offers("backend")  # takes long, and a device that is open is silent
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-        rounds.processor = priority.go_first()  # from here on it mostly sleeps
+        _settle(rounds)
         while not ended.is_set():
-            # not while there is none: one may take its time to open
-            _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
+            if not rounds.guard.stuck:  # else the system is to close what does not close
+                # not while there is none: one may take its time to open
+                _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
         _alive(LAST)
     memory.remove(told.path, LEFT)  # where the parent has gone, which would have removed it
+
+
+def _settle(rounds: Rounds) -> None:
+    """Nothing that takes long follows: from here on it mostly sleeps."""
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    rounds.processor = priority.go_first()
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend
+    from pacinian.scene.file import Choice as Configured
     from pacinian.wire.replies import Plugin
 
 KEPT = 256  # inputs
@@ -32,7 +33,7 @@ class Guard:
     """Lets frames through to a device while they are permitted and fresh; anything else is silence, at once.
 
     columns: transducers. gain: no amplitude is above it. stale: age of the newest frame at which there is
-    silence [s]. generation: of the last device that there was.
+    silence [s].
 
     A device sounds its last frame until the next one, so a frame's age counts from when it was first seen here.
     From `until`, or any other end, to silence it is at most one round: the pause between two calls of `step`, and
@@ -46,7 +47,6 @@ class Guard:
         *,
         gain: float,
         stale: float,
-        generation: int = 0,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.backend: Backend | None = None
@@ -64,7 +64,7 @@ class Guard:
         self.changed = True
         """There is something that others should know at once; set back by who tells them."""
         self._columns, self._gain, self._stale, self._clock = columns, gain, stale, clock
-        self._generations = generation
+        self._generations = 0
         self._can = self._coming_can = Capability()
         self._head, self._data = NONE, b""  # the newest frame
         self._waits = False  # it has not been let through yet
@@ -82,12 +82,23 @@ class Guard:
         self._generations += 1
         self.changed = True
         if self.backend is None:
+            self._ended("replaced")
             self.backend, self.generation, self._can = backend, self._generations, can
         else:
             if self.coming is not None:
                 self.leaving.append(self.coming)
             self.coming, self.next, self._coming_can = backend, self._generations, can
         return self._generations
+
+    def replace(self, last: Device) -> None:
+        """Go on after another guard: frames for its devices are not for ours, which ends its sound once it is open."""
+        self._generations = max(last.generation, last.next, self._generations)
+        self.sounding, self.changed = last.sounding, True
+
+    @property
+    def stuck(self) -> bool:
+        """A device that was left may sound, and is not closed yet."""
+        return bool(self._stuck)
 
     def release(self) -> Backend | None:
         """The device, to be closed; there is none from now on."""
@@ -225,7 +236,11 @@ class Guard:
             self._inputs_until += 1
 
     def device(
-        self, results: dict[str, str], backends: tuple[Plugin, ...], processor: int = ANY
+        self,
+        results: dict[str, str],
+        backends: tuple[Plugin, ...],
+        processor: int = ANY,
+        choice: Configured | None = None,
     ) -> Device:
         """What others are told."""
         can = self._can if self.coming is None else self._coming_can
@@ -250,6 +265,7 @@ class Guard:
             backends=backends,
             reasons=dict(self._reasons),
             processor=processor,
+            choice=choice,
             sizes=b"" if can.even else can.sizes.astype("<f4").tobytes(),
         )
 

@@ -26,6 +26,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.plugins.backend import Capability
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.priority import ANY
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
@@ -261,7 +262,8 @@ class Device(Struct, frozen=True, array_like=True):
     took. silences: how often sound was ended; reasons: by what. longest_gap: between frames since the output was armed
     last [s]. inputs: the last ones, as in `State`; inputs_until: how many there have been. results: of orders, by
     "backend number" and "reset number": "" for done, or why not. sizes: amplitude of each level, float32; empty where
-    they are even. processor: that the guard keeps to, or `ANY`.
+    they are even. processor: that the guard keeps to, or `ANY`. choice: what `generation` is of, or, where another
+    guard had it and died, what may sound still.
     """
 
     generation: int
@@ -286,6 +288,7 @@ class Device(Struct, frozen=True, array_like=True):
     reasons: dict[str, int] = {}
     sizes: bytes = b""
     processor: int = ANY
+    choice: Configured | None = None
 
     @property
     def capability(self) -> Capability:

@@ -18,10 +18,10 @@ LOADING = threading.Lock()  # plug-ins are found by one thread at a time
 
 
 def offers(kind: Kind) -> tuple[Plugin, ...]:
-    """The installed plug-ins of a kind; all are imported."""
+    """The installed plug-ins of a kind; all that may offer such are imported."""
     plugins = registry.installed()
     with LOADING:
-        plugins.load()
+        plugins.load(kind=kind)
     return tuple(
         Plugin(
             name=plain(offer.name)[:64],

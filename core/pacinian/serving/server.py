@@ -23,7 +23,7 @@ from pacinian.serving.logs import configure, flush, log
 from pacinian.serving.messages import CAPACITIES, frame_capacity
 from pacinian.serving.metrics import HOST, Metrics
 from pacinian.serving.security import Gate, fresh
-from pacinian.serving.supervise import Supervisor
+from pacinian.serving.supervise import GUARD, SPARE, Supervisor
 from pacinian.wire.connection import Connection, check_replaceable, where
 from pacinian.wire.emergency import StopSocket
 
@@ -79,11 +79,13 @@ def serve(
         )
         told = child.Told(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
-        given = {"bus": replace(told, secrets=secrets)}  # the others have no socket
 
-        def begin(name: str) -> Process:
+        def begin(name: str, spare: int) -> Process:
             with _reserve():
-                return start(name, given.get(name, told))
+                if name == SPARE:
+                    return start(GUARD, replace(told, spare=spare))
+                # the others have no socket
+                return start(name, replace(told, secrets=secrets) if name == "bus" else told)
 
         supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)

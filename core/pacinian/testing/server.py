@@ -53,12 +53,13 @@ class Running:
 
         found = {CONTROL: self.process.pid}
         with suppress(psutil.Error):
-            for child in psutil.Process(self.process.pid).children():
+            children = psutil.Process(self.process.pid).children()
+            for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
                 with suppress(psutil.Error):
                     words = child.cmdline()
-                    found |= {
-                        name: child.pid for name in CHILDREN if f"pacinian.serving.{name}" in words
-                    }
+                    for name in CHILDREN:
+                        if f"pacinian.serving.{name}" in words:
+                            found.setdefault(name, child.pid)  # the guard is older than its spare
         return {name: found[name] for name in (CONTROL, *CHILDREN) if name in found}
 
     def usage(self) -> dict[str, Usage]:

@@ -38,12 +38,13 @@ if TYPE_CHECKING:
 class Pretender:
     """A process that gives its sign of life each time it is looked at, and answers all orders."""
 
-    stdin = None
+    stdin, pid = None, 7
 
     def __init__(self, name: str, told: Told, extra: dict[str, Any]) -> None:
         self.name, self.told, self.extra = name, told, extra
         self.code: int | None = None
         self.silent = self.killed = False
+        self.called: Callable[[], object] = lambda: None
 
     def latest(self, name: str) -> Latest:
         return Latest.attach(self.told.path / name)
@@ -77,6 +78,9 @@ class Pretender:
         with self.latest({"guard": "device", "bus": "traffic", "render": "report"}[self.name]) as f:
             f.write(pack(value))
 
+    def call(self) -> None:
+        self.called()
+
     def kill(self) -> None:
         self.killed, self.code = True, -9
 
@@ -88,14 +92,15 @@ class Pretender:
 class Server:
     """One that runs.
 
-    processes: all that were started, by name. extra: what they tell, by name. silent: names of those that start
-    without a sign of life.
+    processes: all that were started, by name; spares: of the guard, which are among those once they are called. extra:
+    what they tell, by name. silent: names of those that start without a sign of life.
     """
 
     def __init__(self, settings: Settings, folder: Path) -> None:
         self.path = folder / "connection.json"
         self.settings = replace(settings, connection=str(self.path))
         self.processes: dict[str, list[Pretender]] = {}
+        self.spares: list[Pretender] = []
         self.extra: dict[str, dict[str, Any]] = {"guard": {}, "bus": {}, "render": {}}
         self.silent: set[str] = set()
         self.context = zmq.Context()
@@ -112,8 +117,17 @@ class Server:
 
     def _start(self, name: str, told: Told) -> Pretender:
         made = Pretender(name, told, self.extra[name])
-        made.silent = name in self.silent
-        self.processes.setdefault(name, []).append(made)
+        made.silent = name in self.silent or told.spare > 0
+
+        def call() -> None:
+            made.silent = name in self.silent
+            self.processes.setdefault(name, []).append(made)
+
+        if told.spare:
+            made.called = call
+            self.spares.append(made)
+        else:
+            call()
         return made
 
     def __enter__(self) -> Server:

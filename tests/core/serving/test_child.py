@@ -28,7 +28,12 @@ import ctypes, sys, threading, time
 from pathlib import Path
 from pacinian.serving import child
 gone = threading.Event()
-told = child.begin(gone.set, kill={kill})
+parent = child.Parent()
+told = parent.told
+if told.spare:
+    (told.path / "ready").touch()
+    parent.wait()
+parent.watch(gone.set, kill={kill})
 at = told.path
 (at / "told").write_text(repr((told.secrets, told.settings.rate, sys.stdin.read())))
 {work}
@@ -89,6 +94,33 @@ def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) 
     assert process.poll() is None, "it went on only once the child had ended"
     process.kill()
     child.end(process, PATIENCE)
+
+
+def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(rate=500.0), spare=1)
+    process = child.launch([sys.executable, "-c", source(WAITS)], told)
+    eventually((tmp_path / "ready").exists)
+    process.call()
+    eventually((tmp_path / "told").exists)
+    assert child.end(process, PATIENCE) == 0
+    assert (tmp_path / "orphaned").exists()
+
+
+def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), spare=1)
+    process = child.launch([sys.executable, "-c", source(WAITS)], told)
+    eventually((tmp_path / "ready").exists)
+    assert child.end(process, PATIENCE) == 0
+    assert not (tmp_path / "told").exists()
+
+
+def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Path) -> None:
+    """More than a pipe holds, told at once."""
+    told = Told(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
+    process = child.launch([sys.executable, "-c", source(WAITS)], told)
+    process.call()
+    eventually((tmp_path / "told").exists)
+    assert child.end(process, PATIENCE) == 0
 
 
 def test_secrets_are_not_shown() -> None:

@@ -10,8 +10,9 @@ import pytest
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
-from pacinian.serving.choosing import SUPERSEDED, Solvers, made
+from pacinian.serving.choosing import MAKING, MAX_HANGING, SUPERSEDED, Solvers, made
 from pacinian.serving.offers import offers
+from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
 ARRAY = pc.autd()
@@ -129,6 +130,41 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
     solvers.order(101, Choice(name="loud"))
     threads.work()
     assert solvers.poll() == {"solver 101": ""}
+
+
+def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) -> None:
+    clock = ManualClock()
+    solvers = Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    before = solvers.chosen
+    solvers.order(1, Choice(name="loud"))
+    hangs = threads.waiting.pop()
+    clock.advance(60.0 * MAKING)
+    assert solvers.poll() == {}, "it may compile for as long as nothing else is wanted"
+    solvers.order(2, Choice(name="auto"))
+    assert "not made within" in solvers.poll()["solver 1"]
+    threads.work()
+    assert solvers.poll() == {"solver 2": ""}
+    hangs()
+    assert solvers.poll() == {}
+    assert solvers.chosen is not before
+    assert solvers.chosen.name == "auto", "what comes too late is not taken"
+
+
+def test_solvers_that_hang_are_only_so_many(threads: Threads) -> None:
+    clock = ManualClock()
+    solvers = Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    results: dict[str, str] = {}
+    for number in range(1, MAX_HANGING + 2):
+        solvers.order(number, Choice(name="loud"))
+        clock.advance(1.1 * MAKING)
+        results |= solvers.poll()
+    assert len(threads.waiting) == MAX_HANGING
+    assert "restart the server" in results[f"solver {MAX_HANGING + 1}"]
+    threads.work()
+    solvers.poll()
+    solvers.order(100, Choice(name="auto"))
+    threads.work()
+    assert solvers.poll() == {"solver 100": ""}
 
 
 def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(

@@ -7,12 +7,14 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import psutil
 import pytest
 import zmq
+from msgspec.structs import replace
 
 from pacinian.errors import WireError
 from pacinian.serving import control
@@ -27,6 +29,7 @@ from pacinian.wire.replies import Error, Ok
 from pacinian.wire.state import State
 
 from ...waiting import eventually
+from .processes import PATIENT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -106,6 +109,47 @@ def test_nothing_is_armed_while_the_bus_is_started_again(server: Any) -> None:
     assert game.ask(Arm).code == "fault", "it gives no sign of life yet"
     server.processes["bus"][1].silent = False
     eventually(lambda: isinstance(game.ask(Arm), Ok))
+
+
+def test_a_spare_of_the_guard_takes_over_and_another_is_started(server: Any) -> None:
+    game = server.client().hello()
+    assert isinstance(game.ask(Arm), Ok)
+    eventually(lambda: server.spares)
+    spare = server.spares[0]
+    server.processes["guard"][0].code = -9
+    assert eventually(lambda: isinstance(said := game.hear(), Error) and said).code == "fault"
+    assert server.processes["guard"][1] is spare
+    assert server.permit().armed == 0, "nothing sounds before it is armed again"
+    eventually(lambda: len(server.spares) == 2)
+    assert game.ask(Status).restarts["guard"] == 1
+    server.end()
+    assert server.spares[1].killed
+
+
+def test_a_spare_that_is_lost_is_replaced_and_disturbs_nobody(server: Any, logged: Any) -> None:
+    game = server.client().hello()
+    assert isinstance(game.ask(Arm), Ok)
+    eventually(lambda: server.spares)
+    server.spares[0].code = 1
+    eventually(lambda: len(server.spares) == 2)
+    logged.wait("spare guard lost")
+    assert server.permit().armed == 1
+    assert game.ask(Status).restarts["guard"] == 0
+
+
+@pytest.mark.parametrize("sounds", [True, False])
+def test_a_guard_that_may_sound_is_given_less_time(start_server: Any, sounds: bool) -> None:
+    server = start_server(replace(PATIENT, safety=replace(PATIENT.safety, hung=2.0)))
+    game = server.client().hello()
+    guard = server.processes["guard"][0]
+    if sounds:
+        assert isinstance(game.ask(Arm), Ok)
+        eventually(lambda: game.ask(Status).output == "sounding")
+    guard.silent = True
+    began = time.perf_counter()
+    eventually(lambda: guard.killed)
+    # it counts only what control has looked on, which is never more than there was
+    assert time.perf_counter() - began >= (0.2 if sounds else 1.9)
 
 
 def test_only_the_bus_is_told_secrets(server: Any) -> None:

@@ -1,23 +1,27 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable
+from typing import ClassVar
 
 import pytest
 
 import pacinian as pc
-from pacinian.serving.devices import KEPT, SUPERSEDED, Devices
+from pacinian.scene.file import Choice as Configured
+from pacinian.serving.devices import (
+    AGAIN,
+    KEPT,
+    MAX_HANGING,
+    OPENING,
+    SUPERSEDED,
+    Devices,
+)
 from pacinian.serving.guarding import Guard
 from pacinian.serving.messages import FrameHead, Orders, Permit
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
 from ...waiting import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from pacinian.scene.file import Choice as Configured
 
 ARRAY = pc.autd()
 N = len(ARRAY)
@@ -29,6 +33,7 @@ class Named(pc.Backend):
     def __init__(self, called: str, broken: set[str]) -> None:
         self.called, self.broken, self.log = called, broken, list[str]()
         self.rate = 1000.0
+        self.opens: Callable[[], None] = lambda: None
 
     @property
     def capability(self) -> pc.Capability:
@@ -43,6 +48,7 @@ class Named(pc.Backend):
 
     def open(self, array: pc.Array) -> None:
         self._told("open")
+        self.opens()
 
     def send(self, frame: pc.Frame) -> None:
         self._told("send")
@@ -58,19 +64,32 @@ class Bench:
     """Devices whose threads run when they are told to."""
 
     def __init__(self) -> None:
+        self.clock = ManualClock()
         self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
+        self.hang = ""  # the one that opens too late
+        self.busy = 0  # so often more none can be opened
         self.broken: dict[str, set[str]] = {}
         self.rates: dict[str, float] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
         self.devices = Devices(
-            self.guard, ARRAY, Choice(name="a"), 1000.0, self.make, self.waiting.append
+            self.guard, ARRAY, Choice(name="a"), 1000.0, self.make, self.waiting.append, self.clock
         )
 
     def make(self, choice: Choice | Configured) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
         self.made[-1].rate = self.rates.get(choice.name, 1000.0)
+        if self.busy:
+            self.busy -= 1
+            self.made[-1].broken = {"open"}
+        if choice.name == self.hang:
+            self.made[-1].opens = self.late
         return self.made[-1]
+
+    def late(self) -> None:
+        """Meanwhile the guard goes on."""
+        self.clock.advance(1.1 * OPENING)
+        self.devices.poll()
 
     def run(self) -> None:
         self.devices.poll()
@@ -338,3 +357,108 @@ def test_real_threads_open_a_real_plug_in() -> None:
     devices.begin(Orders())
     eventually(lambda: devices.poll() or guard.backend)
     assert guard.device({}, ()).amplitudes == 32
+
+
+def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_selected(
+    bench: Bench,
+) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    hangs = bench.waiting.pop(0)  # it does not go on
+    bench.clock.advance(0.9 * OPENING)
+    bench.devices.follow(selected(2, "c"))
+    bench.devices.poll()
+    assert not bench.waiting, "one is opened at a time"
+    bench.clock.advance(0.2 * OPENING)
+    bench.devices.poll()
+    assert "not open within" in bench.devices.results["backend 1"]
+    assert bench.guard.sounding, "as before"
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == "c"
+    hangs()  # it opens after all
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+    assert not bench.guard.next
+    late = bench.made[-1]
+    assert late.called == "b"
+    assert late.log == ["close"], "it has not even been opened"
+    assert bench.devices.results["backend 2"] == ""
+
+
+def test_one_that_has_opened_too_late_is_closed_and_never_sounds(bench: Bench) -> None:
+    bench.frame()
+    bench.hang = "b"
+    bench.devices.follow(selected(1, "b"))
+    bench.run()  # it opens too late
+    bench.frame()
+    bench.run()
+    assert "not open within" in bench.devices.results["backend 1"]
+    assert bench.made[1].log == ["open", "close"]
+    assert bench.now == "a"
+    assert bench.guard.sounding
+
+
+def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> None:
+    bench.frame()
+    bench.made[0].broken.add("send")
+    bench.frame()
+    bench.devices.follow(Orders(reset=1))
+    bench.waiting.clear()  # it does not go on
+    bench.clock.advance(1.1 * OPENING)
+    bench.devices.poll()
+    assert "not open within" in bench.devices.results["reset 1"]
+    assert "not open within" in bench.guard.fault
+    bench.devices.follow(Orders(reset=2))
+    bench.run()
+    assert bench.devices.results["reset 2"] == ""
+    assert not bench.guard.fault
+
+
+def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
+    hang = list[Callable[[], None]]()
+    for number in range(1, MAX_HANGING + 3):
+        bench.devices.follow(selected(number, "b"))
+        hang += bench.waiting
+        bench.waiting.clear()
+        bench.clock.advance(1.1 * OPENING)
+        bench.devices.poll()
+    assert len(hang) == MAX_HANGING
+    assert "hang" in bench.devices.results[f"backend {MAX_HANGING + 2}"]
+    for one in hang:
+        one()
+    bench.run()
+    bench.devices.follow(selected(number + 1, "c"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+
+
+def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
+    bench = Bench()
+    bench.busy = 3
+    bench.devices.begin(Orders(), Configured("a"))
+    bench.run()
+    assert bench.now == "a"
+    assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
+    bench = Bench()
+    bench.broken["a"] = {"open"}
+    bench.devices.begin(Orders(), Configured("a"))
+    bench.run()
+    assert "open failed" in bench.guard.fault
+    assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
+
+
+def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_opened() -> None:
+    bench = Bench()
+    bench.busy = 1  # the system holds it still
+    bench.devices.begin(selected(1, "b"), Configured("a", {"port": "x" * 1000}))
+    assert bench.devices.choice == Configured("a", {"port": "x" * 1000})
+    bench.run()
+    assert [(made.called, made.log) for made in bench.made] == [
+        ("a", ["open", "close"]), ("a", ["open", "close"]), ("b", ["open"]),
+    ]  # fmt: skip
+    assert bench.now == "b"
+    assert bench.devices.choice == Configured("b")

@@ -473,8 +473,14 @@ def test_without_a_device_nothing_happens() -> None:
 
 
 def test_generations_go_on_after_a_restart() -> None:
-    bench = Bench(generation=7)
-    assert bench.status.generation == 8
+    """And until it has a device, what another guard made sound may sound still."""
+    last = Bench().status
+    guard = Guard(N, gain=1.0, stale=STALE)
+    guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
+    assert (guard.device({}, ()).generation, guard.sounding) == (0, True)
+    backend = Recorded(ManualClock())
+    guard.take(backend, backend.can)
+    assert (guard.device({}, ()).generation, guard.sounding) == (8, False)
 
 
 @given(
@@ -687,16 +693,19 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         assert news.number == 4
     last = news.number
 
-    with Rounds(tmp_path, SIMULATED) as rounds:  # which takes over what was known
-
-        def quiet() -> None:
-            assert news.number == last  # while it has no device yet
-
-        memory["permit"].write(FOREVER.pack())
-        open_device(rounds, quiet)
+    rounds = Rounds(tmp_path, SIMULATED)  # another, which takes over what was known
+    opens: list[Callable[[], None]] = []
+    monkeypatch.setattr(rounds.devices, "_thread", opens.append)
+    memory["permit"].write(FOREVER.pack())
+    with rounds:
         rounds.turn()
-        assert news.number > last
+        assert news.number == last + 1, "it lives"
+        assert read_status().generation == 0, "but has no device yet"
+        opens.pop()()
+        rounds.turn()
+        rounds.turn()
         assert read_status().generation == 2
+        assert read_status().choice == Choice("simulated")
         assert not read_status().sounding  # the frame was for the device before
 
 

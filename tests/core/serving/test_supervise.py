@@ -17,7 +17,16 @@ import psutil
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.serving.supervise import FIRST, LATE, LONGEST, STARTING, WELL, Supervisor
+from pacinian.serving.supervise import (
+    FIRST,
+    HASTE,
+    LATE,
+    LONGEST,
+    STARTING,
+    WELL,
+    Supervisor,
+    patience,
+)
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
 
@@ -38,7 +47,11 @@ from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, Report, Traffic, pack
 from pacinian.wire.replies import Plugin
 ended = threading.Event()
-told, name = child.begin(ended.set), sys.argv[1]
+parent, name = child.Parent(), sys.argv[1]
+told = parent.told
+if told.spare:
+    parent.wait()
+parent.watch(ended.set)
 with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
     while not ended.is_set():
         now = time.perf_counter()
@@ -50,17 +63,13 @@ with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "
 print("ended", name, flush=True)
 """
 PARENT = """
-import subprocess, sys
-import msgspec
+import sys
+from pacinian.serving import child
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Safety, Settings
 def start(name, told):
-    process = subprocess.Popen(
-        [sys.executable, "-c", sys.argv[2], name], stdin=subprocess.PIPE, start_new_session=True
-    )
-    data = msgspec.json.encode(told)
-    process.stdin.write(len(data).to_bytes(4, "little") + data)
-    process.stdin.flush()
+    process = child.launch([sys.executable, "-c", sys.argv[2], name], told)
+    name = "spare" if told.spare else name
     print("started", name, process.pid, told.folder, flush=True)
     return process
 settings = Settings(connection=sys.argv[1], safety=Safety(hung=3.0), log=Log(level="error"))
@@ -71,7 +80,7 @@ serve(settings, lambda path: print("ready", path, flush=True), start)
 class Fake:
     """A process that only has an exit code. log: of all that is done to any of them."""
 
-    stdin = None
+    stdin, pid = None, 7
 
     def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
         self.name, self.log, self.stubborn = name, log, stubborn
@@ -80,6 +89,9 @@ class Fake:
 
     def poll(self) -> int | None:
         return self.code
+
+    def call(self) -> None:
+        self.log.append(("call", self.name))
 
     def kill(self) -> None:
         self.log.append(("kill", self.name))
@@ -106,15 +118,15 @@ class Watch:
         self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
         self.supervisor.trusted = True
 
-    def _start(self, name: str) -> Fake:
+    def _start(self, name: str, spare: int) -> Fake:
         if self.error is not None:
             raise self.error
         self.started.append(Fake(name, self.log, name in self.stubborn))
         return self.started[-1]
 
-    def check(self, **beats: float) -> list[tuple[str, str]]:
+    def check(self, sound: bool = False, **beats: float) -> list[tuple[str, str]]:
         now = self.clock.time
-        return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats})
+        return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats}, sound)
 
     def look(self, seconds: float, **beats: float) -> list[tuple[str, str]]:
         """Look on for so long; who has ended."""
@@ -214,7 +226,7 @@ def test_one_that_hangs_is_found_however_late_the_looks_are() -> None:
         watch.clock.advance(0.7)
         watch.check(guard=beat)
         looks += 1
-    assert watch.log == [("kill", "guard")]
+    assert watch.log == [("kill", "guard"), ("call", "spare")]
     assert looks <= math.ceil(1.0 / LATE) + 1
 
 
@@ -232,6 +244,154 @@ def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_
     assert watch.newest("bus") is not old
     watch.newest("bus").held = True
     assert watch.supervisor.end() == ["bus"]
+
+
+# the guard's spare
+
+
+def with_spare(ready: float = 0.0) -> tuple[Watch, Fake, Fake]:
+    """A supervisor, its guard, and the spare, which has been there for so long."""
+    watch = Watch()
+    assert watch.check() == []
+    assert watch.look(ready) == []
+    return watch, watch.newest("guard"), watch.newest("spare")
+
+
+def test_a_spare_is_started_once_all_are_trusted_and_the_guard_lives() -> None:
+    watch = Watch()
+    watch.supervisor.trusted = False
+    assert watch.look(1.0) == []
+    watch.supervisor.trusted = True
+    assert watch.look(0.5, guard=watch.clock.time - 10.0) == []
+    assert [fake.name for fake in watch.started] == ["guard", "bus", "render"]
+    watch.look(LOOK)
+    assert watch.newest("spare").code is None
+    assert watch.supervisor.restarts == dict.fromkeys(NAMES, 0)
+    watch.look(1.0)
+    assert len(watch.started) == 4
+
+
+def test_the_spare_takes_over_in_the_same_look() -> None:
+    watch, guard, spare = with_spare()
+    assert not watch.supervisor.ended
+    guard.code = -9
+    assert watch.supervisor.ended
+    assert watch.check() == [("guard", "was killed by signal 9")]
+    assert watch.log == [("call", "spare")]
+    assert watch.supervisor.children["guard"].process is spare
+    assert watch.supervisor.restarts["guard"] == 1
+    assert not watch.supervisor.ended
+    old = watch.clock.time - LOOK
+    assert watch.look(10 * FIRST, guard=old) == []
+    assert len(watch.started) == 4, "first it must live"
+    watch.look(LOOK)
+    assert watch.newest("spare") is not spare
+    spare.code = 1
+    assert watch.check() == [("guard", "ended with exit code 1")]
+    assert watch.supervisor.restarts["guard"] == 2
+
+
+def test_spares_of_a_guard_that_ends_again_and_again_are_started_later_and_later() -> None:
+    watch, guard, spare = with_spare()
+    waits: list[float] = []
+    for _ in range(5):
+        guard.code = 1
+        assert len(watch.check()) == 1
+        began, guard = watch.clock.time, spare
+        while (spare := watch.newest("spare")) is guard:
+            watch.clock.advance(0.001)
+            assert watch.check() == []
+        waits.append(watch.clock.time - began)
+    assert waits == pytest.approx([2**k * FIRST for k in range(5)], abs=0.003)
+
+
+def test_a_spare_that_ends_is_told_and_replaced_and_the_guard_goes_on() -> None:
+    watch, guard, spare = with_spare()
+    spare.code = -9
+    assert watch.check() == [("spare", "was killed by signal 9")]
+    assert watch.look(FIRST + LOOK) == []
+    assert watch.newest("spare") is not spare
+    assert watch.supervisor.children["guard"].process is guard
+    assert watch.supervisor.restarts["guard"] == 0
+
+
+def test_without_a_spare_the_guard_is_started_as_the_others_are() -> None:
+    watch, guard, spare = with_spare()
+    spare.code = guard.code = -9
+    assert [name for name, _ in watch.check()] == ["guard", "spare"]
+    assert not watch.log, "one that has ended is not called"
+    assert watch.look(FIRST + LOOK) == []
+    assert watch.newest("guard") is not guard
+    assert watch.supervisor.restarts["guard"] == 1
+
+
+@pytest.mark.parametrize("sound", [True, False])
+def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
+    watch, guard, _ = with_spare()
+    beat, since = watch.clock.time, watch.clock.time
+    ended: list[tuple[str, str]] = []
+    while not ended:
+        watch.clock.advance(LOOK)
+        ended = watch.check(sound, guard=beat)
+    assert ended == [("guard", "hung, and was killed")]
+    assert watch.clock.time - since == pytest.approx(1.0 / HASTE if sound else 1.0, abs=2 * LOOK)
+    assert guard.code == -9
+    assert ("kill", "bus") not in watch.log
+
+
+def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
+    assert patience(0.1, sound=True) == 0.1
+    assert patience(2.0, sound=True) == 0.25
+    assert patience(2.0, sound=False) == 2.0
+
+
+def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
+    """The device must not be opened twice."""
+    watch, guard, _ = with_spare()
+    guard.held = True
+    beat = watch.clock.time
+    assert watch.look(2.0, guard=beat) == [("guard", "hung, and was killed")]
+    assert watch.log == [("kill", "guard")]
+    assert not watch.supervisor.ended
+    guard.code = -9
+    assert watch.supervisor.ended
+    assert watch.check() == []
+    assert watch.log[1:] == [("call", "spare")]
+
+
+def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_started() -> None:
+    """It may stand still, too."""
+    watch, guard, spare = with_spare(WELL + 1.0)
+    guard.code = -9
+    watch.check()
+    beat = watch.clock.time - LOOK
+    assert watch.look(1.1, guard=beat) == [("guard", "did not start, and was killed")]
+    assert watch.look(2 * FIRST + LOOK) == []
+    assert watch.newest("guard") is not guard
+    watch, guard, spare = with_spare()
+    guard.code = -9
+    watch.check()
+    beat = watch.clock.time - LOOK
+    assert watch.look(2.0, guard=beat) == [], "one that has just been started may be on its way"
+    assert spare.code is None
+
+
+def test_at_the_end_the_spare_goes_first() -> None:
+    watch, _, _ = with_spare()
+    watch.log.clear()
+    watch.supervisor.end()
+    assert watch.log[:3] == [("kill", "spare"), ("wait", "spare"), ("wait", "render")]
+
+
+@pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
+def test_a_spare_that_cannot_be_started_is_told(error: Exception) -> None:
+    watch = Watch()
+    watch.error = error
+    assert watch.check() == [("spare", f"could not be started: {error}")]
+    assert watch.look(FIRST - LOOK) == []
+    watch.error = None
+    assert watch.look(4 * FIRST) == []
+    assert watch.newest("spare").code is None
 
 
 @pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
@@ -281,7 +441,7 @@ def test_before_all_were_ready_an_end_is_an_error() -> None:
 def test_if_one_cannot_be_started_those_before_are_ended() -> None:
     log: list[tuple[str, str]] = []
 
-    def start(name: str) -> Fake:
+    def start(name: str, spare: int) -> Fake:
         if name == "render":
             raise OSError("no memory")
         return Fake(name, log)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 FOLDER = "PACINIAN_FAULTS"  # environment: where the devices keep their files
 UNPLUGGED = "unplugged"  # as long as there is such a file, all devices are gone
+BLOCKED = "blocked"  # where there is such a file, a device removes it, and does not return from its next frame
+BLOCK = 8.0  # [s] for so long
 EVENT = np.dtype([("time", "<f8"), ("sounds", "<i8")])
 ROOM = 1 << 20  # events, of which the newest stay
 HEAD = 8  # [bytes]: how many there were
@@ -104,8 +106,11 @@ class Probe(pc.Backend):
         self.silence()
 
     def send(self, frame: pc.Frame) -> None:
-        """Sound, or not. Raises BackendError while unplugged."""
+        """Sound, or not; or block. Raises BackendError while unplugged."""
         self._require()
+        if os.path.exists(self._folder / BLOCKED):
+            os.unlink(self._folder / BLOCKED)
+            time.sleep(BLOCK)
         if not frame.amplitude.any():
             self.silence()
         elif self._log is not None:

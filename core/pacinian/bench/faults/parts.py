@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 import psutil
 
-from pacinian.bench.faults.device import UNPLUGGED, Other, Probe
+from pacinian.bench.faults.device import BLOCKED, UNPLUGGED, Other, Probe
 from pacinian.bench.faults.server import memory
 from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
 from pacinian.bench.faults.stage import QUIET, Times, until
 from pacinian.bench.faults.through import Models, Simulated
 from pacinian.serving.settings import Safety
-from pacinian.serving.supervise import WELL
+from pacinian.serving.supervise import SPARE, WELL
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 WINDOW = 0.5  # [s] that is looked at for gaps, with a swap and without
 STILL = 1.3 * Safety().hung  # [s]
+READY, USED = 0.5, 0.03  # [s] in which a spare that waits uses less than so much of a processor [s]
 SWAPPING = 0.03  # [s] after a selection, in which something is being swapped
 
 
@@ -44,24 +45,49 @@ def bus_killed(stage: Stage) -> Times:
 
 
 def guard_killed(stage: Stage) -> Times:
-    """kill -9 of the guard: a device without a watchdog sounds on until the next one opens it."""
-    return _signalled(stage, "guard", signal.SIGKILL, quiet=0.0)
+    """kill -9 of the guard: a device without a watchdog sounds on until the spare has opened it."""
+    return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGKILL))
 
 
 def guard_stopped(stage: Stage) -> Times:
     """SIGSTOP of the guard: as before, once it is killed for it."""
-    return _signalled(stage, "guard", signal.SIGSTOP, quiet=0.0)
+    return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGSTOP))
 
 
-def _signalled(stage: Stage, part: str, number: int, quiet: float = QUIET) -> Times:
+def guard_blocked(stage: Stage) -> Times:
+    """The device does not return from a frame: as before."""
+    file = stage.server.folder / BLOCKED
+    return _guard_lost(stage, lambda guard: file.touch())
+
+
+def _guard_lost(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
+    """Lose the guard while there is a spare, which has had time to make itself ready."""
+    until(lambda: any(_waits(p) for name, p in stage.server.parts().items() if name == SPARE))
+    return _lost(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
+
+
+def _waits(process: psutil.Process) -> bool:
+    """Whether it has used no processor to speak of for a while: it has made itself ready, and waits."""
+    before = process.cpu_times()
+    time.sleep(READY)
+    after = process.cpu_times()
+    return bool(
+        before.user > 0.0 and after.user + after.system < before.user + before.system + USED
+    )
+
+
+def _signalled(stage: Stage, part: str, number: int) -> Times:
     process = stage.server.parts()[part]
     if stage.onlooker.ask("status")["restarts"][part]:
         # one that ends again and again is started later and later, which is not what is measured
         until(lambda: time.time() - process.create_time() > WELL)
+    return _lost(stage, lambda: process.send_signal(number))
 
+
+def _lost(stage: Stage, lose: Callable[[], object], quiet: float = QUIET) -> Times:
     def act() -> None:
         stage.answers.clear()
-        process.send_signal(number)
+        lose()
 
     silence = stage.broken(act, quiet)
     recovery = stage.healed(after=0.0)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import statistics
+import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +20,7 @@ from pacinian.serving import guard, supervise
 from pacinian.serving.settings import Safety
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Generator, Iterable, Iterator
 
 STATED = Safety()
 SWAP = "no gap longer by more than a tick than undisturbed"
@@ -25,7 +28,8 @@ LED = "the same, and the lead that frames wait for in a device"
 TICK, ROUND = 1e-3, 2 * guard.ROUND  # [s]; of the guard: its pause, and what a round takes
 LEAD = 2.5e-3  # [s] of `usb-autd`, and what is left of the row then
 LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
-AGAIN = 0.02 + supervise.FIRST + 0.5  # [s]: it is seen, waited for, and Python and NumPy start
+OPENED = 0.1  # [s]: the guard's end is seen, and the spare opens the device
+HUNG = STATED.hung / supervise.HASTE + 0.05 + OPENED  # [s]: in steps of 20 ms it is seen to hang
 
 
 class Fault(NamedTuple):
@@ -54,8 +58,9 @@ FAULTS = (
     Fault("renderer killed -9", parts.render_killed, STALE, "stale"),
     Fault("renderer stopped", parts.render_stopped, STALE, "stale"),
     Fault("bus killed -9", parts.bus_killed, math.nan, "as soon as it is seen"),
-    Fault("guard killed -9", parts.guard_killed, AGAIN, "device's watchdog, or a new guard"),
-    Fault("guard stopped", parts.guard_stopped, STATED.hung + AGAIN, "hung, and as before"),
+    Fault("guard killed -9", parts.guard_killed, OPENED, "device's watchdog, or the spare"),
+    Fault("guard stopped", parts.guard_stopped, HUNG, "an eighth of hung, and as before"),
+    Fault("device blocks in a frame", parts.guard_blocked, HUNG, "the same"),
     Fault("control killed -9", parts.control_killed, LEASE, "lease"),
     Fault("control stopped", parts.control_stopped, LEASE, "lease"),
     Fault("all stand still, and go on", parts.all_stopped, ROUND, "a round, from then"),
@@ -101,9 +106,9 @@ class Row:
         return list(dict.fromkeys([*self.failed, *(t.note for t in self.times if t.note)]))
 
 
-def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5) -> Iterator[Row]:
-    """Each fault so many times, on a server that goes on where it can."""
-    with tempfile.TemporaryDirectory(prefix="pacinian-faults-") as folder:
+def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5, busy: int = 0) -> Iterator[Row]:
+    """Each fault so many times, on a server that goes on where it can. busy: so many processes run beside it."""
+    with _busy(busy), tempfile.TemporaryDirectory(prefix="pacinian-faults-") as folder:
         made = iter(range(1 << 30))
         server: Server | None = None
         try:
@@ -119,6 +124,19 @@ def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5) -> Iterator[Row]
         finally:
             if server is not None:
                 server.close()
+
+
+@contextlib.contextmanager
+def _busy(count: int) -> Generator[None]:
+    """Processes that never wait, each in a session of its own, by which Linux shares time out."""
+    command = [sys.executable, "-c", "while True: pass"]
+    processes = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
 
 
 def _start(folder: Path) -> Server:

@@ -19,6 +19,7 @@ from pacinian.bench.faults.device import Log, Other, Probe
 from pacinian.bench.faults.plugins import install
 from pacinian.bench.faults.through import Models, Simulated
 from pacinian.errors import ServerError
+from pacinian.serving.supervise import SPARE
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -67,7 +68,7 @@ class Server:
                 stdout=errors, stderr=errors, cwd=self.folder,
             )  # fmt: skip
         end = time.monotonic() + START
-        while not (self.file.exists() and len(self.parts()) == len(PARTS)):
+        while not (self.file.exists() and self.parts().keys() >= set(PARTS)):
             if self._process.poll() is not None or time.monotonic() > end:
                 raise ServerError(f"the server did not start: {self.said()[-2000:]}")
             time.sleep(0.02)
@@ -81,14 +82,15 @@ class Server:
         return self._process
 
     def parts(self) -> dict[str, psutil.Process]:
-        """Its children by name."""
+        """Its children by name; "spare", if there is one, is the guard that waits."""
         found: dict[str, psutil.Process] = {}
         with contextlib.suppress(psutil.Error):
-            for child in psutil.Process(self.process.pid).children():
+            children = psutil.Process(self.process.pid).children()
+            for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
                 with contextlib.suppress(psutil.Error):
                     module = "".join(child.cmdline()[-1:]).rpartition(".")[2]
                     if module in PARTS and child.status() != psutil.STATUS_ZOMBIE:
-                        found[module] = child
+                        found[SPARE if module in found else module] = child
         self._seen.update(found.values())
         return found
 

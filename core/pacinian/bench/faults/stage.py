@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from pacinian.bench.faults.device import UNPLUGGED
+from pacinian.bench.faults.device import BLOCKED, UNPLUGGED
 from pacinian.bench.faults.peer import Peer, Silent
 from pacinian.bench.faults.solvers import STUCK
 
@@ -194,10 +194,10 @@ class Stage:
             self._onlooker = None
 
     def close(self) -> None:
-        """End the game; nothing is unplugged or stuck."""
+        """End the game; nothing is blocked, unplugged or stuck."""
         self.end()
         self.leave()
-        for name in (UNPLUGGED, STUCK):
+        for name in (BLOCKED, UNPLUGGED, STUCK):
             (self.server.folder / name).unlink(missing_ok=True)
 
     def __enter__(self) -> Stage:

@@ -1,0 +1,160 @@
+"""What a guard process needs of the others, and a device that writes down what it is told."""
+
+from __future__ import annotations
+
+import os
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+import pytest
+
+from pacinian.acoustics.array import lattice
+from pacinian.scene.file import Choice, Lattice
+from pacinian.serving import child
+from pacinian.serving.memory import Latest, folder
+from pacinian.serving.messages import CAPACITIES, Device, FrameHead, Permit, frame_capacity
+from pacinian.serving.settings import Safety, Settings
+
+from ...waiting import PATIENCE, eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+FOREVER = 1e6  # [s]
+N = len(lattice(0.05, 0.05))
+PLUGIN = '''
+import ctypes
+import time
+import pacinian as pc
+
+class Logged(pc.Backend):
+    """Writes down what it is told."""
+    name = "logged"
+
+    def __init__(self, log: str, does: str = ""):
+        self.log, self.does, self.frames = log, does, 0
+
+    @property
+    def capability(self):
+        return pc.Capability(64, 64)
+
+    def told(self, what):
+        with open(self.log, "a") as file:
+            file.write(what + "\\n")
+
+    def open(self, array):
+        self.told("open")
+
+    def send(self, frame):
+        self.told("send")
+        self.frames += 1
+        if self.frames == 3 and self.does == "hold":
+            ctypes.PyDLL(None).sleep(600)  # with the interpreter's lock
+        if self.frames == 3 and self.does == "exit":
+            raise SystemExit(5)
+        if self.frames == 3 and self.does == "stick":
+            raise OSError("gone")
+
+    def silence(self):
+        self.told("silence")
+        if self.frames == 3 and self.does == "stick":
+            raise OSError("gone")
+
+    def close(self):
+        self.told("close")
+        if self.does == "stick":
+            time.sleep(600)
+
+@pc.hookimpl
+def register_backends():
+    return [Logged]
+'''
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the plug-in, which is installed now, writes."""
+    (tmp_path / "logged.py").write_text(PLUGIN)
+    told = tmp_path / "logged-1.0.dist-info"
+    told.mkdir()
+    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: logged\nVersion: 1.0\n")
+    (told / "entry_points.txt").write_text("[pacinian]\nlogged = logged\n")
+    path = os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))
+    monkeypatch.setenv("PYTHONPATH", path)
+    return tmp_path / "log"
+
+
+class Server:
+    """What a guard needs of the others."""
+
+    def __init__(self) -> None:
+        self.stack = ExitStack()
+        self.folder = self.stack.enter_context(folder())
+        sizes = {**CAPACITIES, "frame": frame_capacity(N)}
+        names = "permit", "frame", "orders", "device"
+        self.memory = {n: Latest.create(self.folder / n, sizes[n]) for n in names}
+        self.processes: list[child.Process] = []
+        self.sequence, self.epoch = 0, 1
+
+    def make_config(
+        self, log: Path | None = None, does: str = "", hung: float = 60.0
+    ) -> child.Told:
+        options: dict[str, bool | int | float | str] = {"log": str(log), "does": does}
+        settings = Settings(
+            array=Lattice(0.05, 0.05),
+            backend=Choice("logged", options) if log else "simulated",
+            safety=Safety(stale=1.0, hung=hung),
+        )
+        return child.Told(str(self.folder), settings)
+
+    def start(self, told: child.Told) -> child.Process:
+        self.processes.append(child.start("guard", told))
+        return self.processes[-1]
+
+    @property
+    def device(self) -> Device | None:
+        read = self.memory["device"].read()
+        return None if read is None else msgspec.msgpack.decode(read[1], type=Device)
+
+    def until(
+        self, so: Callable[[Device], object], each: Callable[[], object] = lambda: None
+    ) -> Device:
+        """What the device tells once it is so."""
+        told: Device = eventually(lambda: (d := self.device) and so(d) and d, each)
+        return told
+
+    def permit(self, until: float = FOREVER, armed: int = 1, stopped: int = 0) -> None:
+        permit = Permit(armed, time.perf_counter() + until, self.epoch, stopped)
+        self.memory["permit"].write(permit.pack())
+
+    def frame(self) -> None:
+        device = self.device
+        assert device is not None
+        self.sequence += 1
+        made_for = device.next or device.generation
+        head = FrameHead(self.sequence, 0.0, self.epoch, made_for, 2, N)
+        levels = np.full((2, 2, N), 5, np.uint16)
+        self.memory["frame"].write(head.pack(), levels.data)
+
+    def sound(self) -> Device:
+        self.until(lambda device: device.generation > 0)
+        self.permit()
+        return self.until(lambda device: device.sounding, self.frame)
+
+    def silenced(self, reason: str, **permit: float) -> None:
+        """It sounds until another permit ends that; where this process stood still, no frames did: once more."""
+        while reason not in self.until(lambda _: True).reasons:
+            self.sound()
+            self.permit(**permit)  # type: ignore[arg-type]
+            self.until(lambda device: not device.sounding)
+
+    def close(self) -> None:
+        for process in self.processes:
+            child.end(process, PATIENCE)
+        for memory in self.memory.values():
+            memory.close()
+        self.stack.close()
