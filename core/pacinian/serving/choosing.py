@@ -6,9 +6,9 @@ import functools
 import queue
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from pacinian.errors import told
 from pacinian.plugins import registry
 from pacinian.rendering.warming import try_out
-from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.priority import beside
 from pacinian.session import Session

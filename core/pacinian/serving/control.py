@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from pacinian.errors import WireError
+from pacinian.errors import WireError, told
 from pacinian.serving.clocks import Allowance
 from pacinian.serving.logs import Sparse, log
 from pacinian.serving.messages import pack
@@ -152,7 +152,7 @@ class Control:
             message = decode_control(data)
         except WireError as error:
             self.counts["malformed"] += 1
-            self._log.warning("malformed request", user=user, error=str(error))
+            self._log.warning("malformed request", user=user, error=told(error))
             if tells.take(now):
                 wrong = Error(
                     id=id_of(data), code="malformed", message=error.problem, path=error.path

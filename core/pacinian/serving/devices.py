@@ -8,8 +8,8 @@ import queue
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from pacinian.errors import told
 from pacinian.plugins import registry
-from pacinian.serving.guarding import told
 from pacinian.serving.offers import LOADING
 from pacinian.serving.output import check_rate
 from pacinian.serving.priority import beside

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from pacinian.errors import plain
 from pacinian.plugins import registry
-from pacinian.serving.guarding import plain
 from pacinian.wire.replies import Plugin
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
         plugins.load()
     return tuple(
         Plugin(
-            name=plain(offer.name)[:64],
+            name=offer.name,
             summary=plain(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
             options=_options(offer),
         )
