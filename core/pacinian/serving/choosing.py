@@ -7,9 +7,9 @@ import queue
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import told
-from pacinian.plugins import registry
 from pacinian.rendering.warming import try_out
-from pacinian.serving.offers import LOADING
+from pacinian.scene.file import Choice as Configured
+from pacinian.serving import offers
 from pacinian.serving.priority import beside
 from pacinian.session import Session
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plugins.solver import Solver
-    from pacinian.scene.file import Choice as Configured
     from pacinian.wire.control import Choice
 
 SUPERSEDED = "another one was selected since"
@@ -36,7 +35,7 @@ class Made(NamedTuple):
 class Solvers:
     """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
 
-    chosen: to begin with. array, medium: to try new ones out. thread: for tests.
+    chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread: for tests.
     """
 
     def __init__(
@@ -44,9 +43,11 @@ class Solvers:
         chosen: Solver,
         array: Array,
         medium: Air | None = None,
+        configured: str | Configured = "",
         thread: Callable[[Callable[[], None]], object] | None = None,
     ) -> None:
         self.chosen = chosen
+        self._configured = configured
         self._array, self._medium = array, medium
         self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
@@ -69,7 +70,7 @@ class Solvers:
 
         def work() -> None:
             try:
-                solver = made(choice)
+                solver = made(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
                 self._made.put(Made(number, None, f"{choice.name}: {told(error)}"))
@@ -97,11 +98,7 @@ class Solvers:
         return ""
 
 
-def made(choice: str | Choice | Configured) -> Solver:
-    """A solver of one's own. Raises UnknownPlugin, PluginError, ArgumentError."""
-    name, options = (choice, {}) if isinstance(choice, str) else (choice.name, dict(choice.options))
-    plugins = registry.installed()
-    if ("solver", name) not in plugins.offers:
-        with LOADING:
-            plugins.find("solver", name)
-    return cast("Solver", plugins.make("solver", name, options))
+def made(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
+    """A solver of one's own; configured: as in `offers.made`. Raises UnknownPlugin, PluginError, ArgumentError."""
+    whole, owners = (Configured(c) if isinstance(c, str) else c for c in (choice, configured))
+    return cast("Solver", offers.made("solver", whole, owners))

@@ -9,8 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import told
-from pacinian.plugins import registry
-from pacinian.serving.offers import LOADING
+from pacinian.serving.offers import made
 from pacinian.serving.output import check_rate
 from pacinian.serving.priority import beside
 
@@ -73,7 +72,8 @@ class Devices:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
-        self._make, self._thread = make or _made, thread or functools.partial(beside, name="device")
+        self._make = make or (lambda chosen: cast("Backend", made("backend", chosen, choice)))
+        self._thread = thread or functools.partial(beside, name="device")
         self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
         self._busy = False
@@ -199,11 +199,3 @@ class Devices:
                 self._close(backend)
             return Opened(orders, choice, problem=f"{choice.name}: {told(error)}")
         return Opened(orders, choice, (backend, can))
-
-
-def _made(choice: Choice | Configured) -> Backend:
-    plugins = registry.installed()
-    if ("backend", choice.name) not in plugins.offers:
-        with LOADING:
-            plugins.find("backend", choice.name)
-    return cast("Backend", plugins.make("backend", choice.name, dict(choice.options)))

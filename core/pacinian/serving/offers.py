@@ -1,4 +1,4 @@
-"""What can be selected: plug-ins by name, with their simple settings."""
+"""What can be selected, and is made: plug-ins by name, with settings of the configuration and of clients."""
 
 from __future__ import annotations
 
@@ -9,10 +9,15 @@ import msgspec
 
 from pacinian.errors import plain
 from pacinian.plugins import registry
+from pacinian.plugins.options import checked, for_clients
+from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 
 if TYPE_CHECKING:
+    from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
+    from pacinian.plugins.solver import Solver
+    from pacinian.scene.file import Choice as Configured
 
 LOADING = threading.Lock()  # plug-ins are found by one thread at a time
 
@@ -33,10 +38,30 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
     )
 
 
+def made(
+    kind: Kind, choice: Configured | Choice, configured: Configured | Choice
+) -> Solver | Backend:
+    """A plug-in as configured; or as a client chooses it: with the options of the configuration, if that has the same.
+
+    Raises UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
+    """
+    plugins, options = registry.installed(), dict(choice.options)
+    if (kind, choice.name) not in plugins.offers:
+        with LOADING:
+            plugins.find(kind, choice.name)
+    if isinstance(choice, Choice):
+        asked = checked(plugins.find(kind, choice.name).cls, options)
+        options = {**(configured.options if configured.name == choice.name else {}), **asked}
+    return plugins.make(kind, choice.name, options)
+
+
 def _options(offer: Offer) -> dict[str, int | float | str]:
-    """Its simple settings; none of one of which they cannot be read, or told."""
+    """What clients may set, where it is simple; none of one of which that cannot be read, or told."""
     try:
-        found = {k: v for k, v in offer.options.items() if isinstance(v, int | float | str)}
+        allowed, given = for_clients(offer.cls), offer.options
+        found = {
+            k: v for k, v in given.items() if k in allowed and isinstance(v, int | float | str)
+        }
         msgspec.msgpack.encode(found)
     except Exception:  # whatever a plug-in does, the process starts
         return {}

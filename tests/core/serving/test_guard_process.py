@@ -38,14 +38,15 @@ FOREVER = 1e6  # [s]
 N = len(lattice(0.05, 0.05))
 PLUGIN = '''
 import ctypes
+import os
 import pacinian as pc
 
 class Logged(pc.Backend):
     """Writes down what it is told."""
     name = "logged"
 
-    def __init__(self, log: str, does: str = ""):
-        self.log, self.does, self.frames = log, does, 0
+    def __init__(self, log: str = "", does: str = ""):
+        self.log, self.does, self.frames = log or os.environ["LOGGED"], does, 0
 
     @property
     def capability(self):
@@ -96,6 +97,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (told / "entry_points.txt").write_text("[pacinian]\nlogged = logged\n")
     path = os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))
     monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.setenv("LOGGED", str(tmp_path / "log"))
     return tmp_path / "log"
 
 
@@ -197,8 +199,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
 
     # another device, while the old one goes on
     server.sound()
-    choice = Selected(name="logged", options={"log": str(log)})
-    server.memory["orders"].write(pack(Orders(backend=(1, choice))))
+    server.memory["orders"].write(pack(Orders(backend=(1, Selected(name="logged")))))
     after = server.until(lambda device: "backend 1" in device.results, server.frame)
     assert after.results["backend 1"] == ""
     assert (after.name, after.amplitudes) == ("logged", 64)
