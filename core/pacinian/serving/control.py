@@ -40,7 +40,8 @@ MOST = 64  # requests in one round
 ROUND = 0.005  # [s] a round takes at most while nobody asks anything
 OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
 LOOK = 0.02  # [s] between two looks at the other processes
-GRACE = 1.0  # [s] after a reset in which the fault that was reset may still be told
+MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
+TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
 STOP = 64  # [bytes]; one who asks too much is still listened to for so long
 TELLS = 10.0  # errors a second that one who asks too much is told
 PEERS = 4096  # whose rates are remembered
@@ -206,7 +207,7 @@ class Control:
 
     def _note_reset(self, now: float) -> None:
         faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
-        self._reset = {name: (fault, now + GRACE) for name, fault in faults.items() if fault}
+        self._reset = {name: (fault, now + MENDS) for name, fault in faults.items() if fault}
         self.selection.reset(self.sessions.resets)
         self._log.info("reset")
 
@@ -250,18 +251,21 @@ class Control:
         """At what the other processes tell, and at whether they live."""
         self.view.look()
         ownership = self.sessions.ownership
-        for name, fault in (
-            ("renderer", self.view.report.halted),
-            ("device", self.view.device.fault),
+        report, device = self.view.report, self.view.device
+        for name, fault, results in (
+            ("renderer", report.halted, report.results),
+            ("device", device.fault, device.results),
         ):
             old, until = self._reset.get(name, ("", 0.0))
-            if not fault or fault != old or now >= until:
+            answered = f"reset {self.selection.orders.reset}" in results
+            if not fault or fault != old or answered or now >= until:
                 self._reset.pop(name, None)
                 if fault and not ownership.fault:
                     self._fault(f"{name}: {fault}")
                     ownership.fail(f"{name}: {fault}")
         for name, why in self._supervisor.check(self._beats):
             self._ended(name, why, now)
+        self.view.guarded = self._supervisor.alive("guard", self.view.device.beat)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
         self._settle()
@@ -273,6 +277,7 @@ class Control:
     def _ended(self, name: str, why: str, now: float) -> None:
         problem = f"the process {name!r} {why}, and is started again"
         self._fault(problem)
+        self._reset.pop(TELLS_OF.get(name, ""), None)  # another one knows of no reset
         self.sessions.ownership.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
