@@ -285,7 +285,7 @@ class Control:
             self._fault("the selected solver is given up for the configured one")
 
     def _publish(self, now: float) -> None:
-        self.view.look()
+        self._look(now)  # so that what is said has been acted on
         self.view.look_at_frame()
         try:
             self.newest = self.publisher.published(now, self._supervisor.restarts)

@@ -72,7 +72,7 @@ class Devices:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
-        self._make = make or (lambda chosen: cast("Backend", made("backend", chosen, choice)))
+        self._make = make or functools.partial(_made, configured=choice)
         self._thread = thread or functools.partial(beside, name="device")
         self._opened: queue.SimpleQueue[Opened] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
@@ -199,3 +199,7 @@ class Devices:
                 self._close(backend)
             return Opened(orders, choice, problem=f"{choice.name}: {told(error)}")
         return Opened(orders, choice, (backend, can))
+
+
+def _made(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
+    return cast("Backend", made("backend", choice, configured))

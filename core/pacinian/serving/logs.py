@@ -73,9 +73,9 @@ def configure(settings: Log, process: str) -> None:
     )
 
 
-def _traced(info: ExcInfo) -> str:
+def _traced(exc_info: ExcInfo) -> str:
     """The last calls to an exception, and to those that it came of; no local variables, which may be secret."""
-    error: BaseException | None = info[1]
+    error: BaseException | None = exc_info[1]
     links: list[str] = []
     while error is not None and len(links) < LINKS:
         calls = traceback.format_tb(error.__traceback__, -CALLS)
