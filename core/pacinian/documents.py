@@ -25,7 +25,7 @@ LARGEST = 64 << 20  # [bytes]
 
 def decoded(path: Path, kind: type[S]) -> S:
     """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
-    text = _read(path)
+    text = read(path, ".toml", ".json")
     decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
     try:
         file: S = decode(text, type=kind)
@@ -38,22 +38,26 @@ def decoded(path: Path, kind: type[S]) -> S:
     return file
 
 
-def _read(path: Path) -> bytes:
-    if path.suffix not in (".toml", ".json"):
-        raise SceneFileError(path, "", "must end in .toml or .json")
+def read(path: Path, *suffixes: str, largest: int = LARGEST) -> bytes:
+    """The bytes of a file, without a byte order mark. suffixes: of which it has one, if given. largest: [bytes].
+
+    Raises SceneFileError, which says nothing of what is in it.
+    """
+    if suffixes and path.suffix not in suffixes:
+        raise SceneFileError(path, "", f"must end in {' or '.join(suffixes)}")
     try:
         if not path.is_file():
             raise SceneFileError(path, "", "cannot be read: it is not there, or not a file")
         with path.open("rb") as file:
-            text = file.read(LARGEST + 1)
+            text = file.read(largest + 1)
     except OSError as error:
         raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
     except ValueError as error:
         if isinstance(error, SceneFileError):
             raise
         raise SceneFileError(path, "", f"cannot be a path: {error}") from error
-    if len(text) > LARGEST:
-        raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
+    if len(text) > largest:
+        raise SceneFileError(path, "", f"is larger than {largest >> 20} MiB")
     return text.removeprefix(codecs.BOM_UTF8)
 
 

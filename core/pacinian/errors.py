@@ -16,6 +16,8 @@
     └── MissingExtra (ImportError)          an optional library is not installed; says which extra
 
 Inside the loop nothing is raised: a tick's outcome is a value (`pacinian.Status`, `pacinian.Fault`).
+
+Plug-ins raise anything, of any length: whoever catches it makes its text with `told`, and keeps no more of it.
 """
 
 from __future__ import annotations
@@ -25,6 +27,27 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
+
+LONGEST = 500  # characters that a text of somebody else is told in
+
+
+def told(error: BaseException) -> str:
+    """An error for people, in `LONGEST` characters at most.
+
+    Nothing can be done here about one that takes long to say what it is, or takes memory to: it is asked once.
+    """
+    kind = plain(type(error).__name__)
+    try:
+        text = str(error)
+    except (Exception, SystemExit):
+        return kind
+    return plain(text if isinstance(error, PacinianError) else f"{kind}: {text[:LONGEST]}")
+
+
+def plain(text: str) -> str:
+    """So much of a text that it can be told, whatever is in it."""
+    return text[:LONGEST].encode(errors="replace").decode()
 
 
 class PacinianError(Exception):

@@ -14,7 +14,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.checks import FAR, kind, near, numbers
-from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit
+from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, plain
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence, kernels
@@ -363,9 +363,9 @@ class Session:
                 broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
             )  # fmt: skip
         return Solution(
-            out, targets, p, status, result.solver or solver.name, result.iterations,
+            out, targets, p, status, plain(result.solver or solver.name), result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
-            self.clock() - start, result.note, _top(limits), late=result.late,
+            self.clock() - start, plain(result.note), _top(limits), late=result.late,
             asked_phases=None if asked is targets else asked.phases,
             quiet_weight=result.quiet_weight,
         )  # fmt: skip

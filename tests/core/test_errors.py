@@ -3,11 +3,15 @@ from __future__ import annotations
 import inspect
 import pickle
 import re
+from typing import TYPE_CHECKING
 
 import pytest
 
 import pacinian as pc
 from pacinian import errors
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 CLASSES = {
     name: kind
@@ -108,3 +112,41 @@ def test_an_error_survives_the_way_between_processes(name: str) -> None:
     assert type(copy) is type(error)
     assert str(copy) == str(error)
     assert vars(copy) == vars(error)
+
+
+class Rude(Exception):
+    """What a plug-in raises, whose text is what `says` returns."""
+
+    says: Callable[[], str] = staticmethod(lambda: "")
+
+    def __str__(self) -> str:
+        return type(self).says()
+
+
+def leave() -> str:
+    raise SystemExit(3)
+
+
+@pytest.mark.parametrize(
+    ("says", "expected"),
+    [
+        (lambda: "x" * 10**7, "Rude: " + "x" * (errors.LONGEST - 6)),
+        (lambda: "bad \udcff name", "Rude: bad ? name"),
+        (lambda: 1 / 0, "Rude"),
+        (lambda: 3, "Rude"),
+        (leave, "Rude"),
+    ],
+)
+def test_what_plug_ins_raise_can_always_be_told(
+    says: Callable[[], str], expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Rude, "says", staticmethod(says))
+    assert errors.told(Rude()) == expected
+
+
+def test_the_name_of_what_is_raised_is_cut_too() -> None:
+    assert len(errors.told(type("N" * 10**6, (Exception,), {})("x"))) == errors.LONGEST
+
+
+def test_our_errors_are_told_without_their_kind() -> None:
+    assert errors.told(errors.BackendError("it is gone")) == "it is gone"

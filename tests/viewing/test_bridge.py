@@ -316,7 +316,7 @@ def test_a_stop_that_fails_in_an_odd_way_is_told(url: str, monkeypatch: pytest.M
     with Page(url) as page:
         page.say("stop")
         refused = page.next("refused")
-        assert (refused["action"], refused["message"]) == ("stop", "too many open files")
+        assert (refused["action"], refused["message"]) == ("stop", "OSError: too many open files")
 
 
 def test_a_state_that_is_not_whole_is_passed_over(fake: Fake, url: str) -> None:

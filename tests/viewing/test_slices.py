@@ -7,6 +7,8 @@ import contextlib
 import math
 import os
 import signal
+import subprocess
+import sys
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -24,10 +26,12 @@ from pacinian.viewing.model import Model
 from pacinian.viewing.region_error import Regions, error
 from pacinian.viewing.slices import Fields, grid, interpolated, pressure
 
+from ..waiting import eventually
 from .watching import LIMIT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 UNIT = pc.autd()
 RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5, len(UNIT))
@@ -183,3 +187,43 @@ def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
     assert other.pid != worker.pid
     fields.close()
     other.wait(LIMIT)
+
+
+ENDLESS = """
+import asyncio, pathlib, sys, time
+import pacinian as pc
+from pacinian.viewing.hub import Drive
+from pacinian.viewing.model import Model
+from pacinian.viewing.slices import Fields
+
+def for_ever(model, gains, begun):
+    pathlib.Path(begun).touch()
+    while True:
+        time.sleep(1.0)
+
+async def main():
+    fields = Fields()
+    try:
+        await fields._done(for_ever, Drive(Model(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
+    finally:
+        fields.close()
+
+if __name__ == "__main__":
+    asyncio.run(main())
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are of POSIX")
+def test_a_slice_that_takes_for_ever_does_not_keep_the_viewer_from_its_end(tmp_path: Path) -> None:
+    begun, program = tmp_path / "begun", tmp_path / "endless.py"
+    program.write_text(ENDLESS)
+    command = [sys.executable, str(program), str(begun)]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        try:
+            eventually(begun.exists)
+            children = psutil.Process(process.pid).children()
+            process.send_signal(signal.SIGINT)  # as which the viewer takes SIGTERM, too
+            process.wait(LIMIT)
+            assert not psutil.wait_procs(children, LIMIT)[1]
+        finally:
+            process.kill()

@@ -96,7 +96,7 @@ class Side:
         self.renderer.tick(t)
         self.times.append(time.perf_counter() - begin)
         for fault in self.renderer.report.faults:
-            raise fault.error
+            raise fault.error or RuntimeError(fault.message)
 
     @property
     def median_ms(self) -> float:

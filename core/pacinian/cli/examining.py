@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.cli import findings
 from pacinian.cli.findings import Finding
-from pacinian.errors import PacinianError
+from pacinian.errors import PacinianError, told
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -55,8 +55,8 @@ def _safely(name: str, look: Callable[[], Finding]) -> Finding:
     try:
         return look()
     except Exception as error:
-        told = f"cannot be looked at: {type(error).__name__}: {error}"
-        return Finding(name, "problem", told, findings.INSTALL)
+        why = f"cannot be looked at: {told(error)}"
+        return Finding(name, "problem", why, findings.INSTALL)
 
 
 def python() -> Finding:

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes
 
 CHANGE = 12.0  # [s] that another solver or backend may take to be ready
-SHARE = 0.25  # of the lease between two renewals of `hold`
 
 
 class Client(Connected):
@@ -44,6 +43,9 @@ class Client(Connected):
     by default, the server's. timeout: of an answer [s]. keys: our CURVE keys, a file or a folder. reconnect: the
     next call after one that raised ConnectionLost connects anew, unless it is `renew`, `hold` or `watch`. clock:
     steady, [s].
+
+    The server forgets a client that says nothing for long (`safety.forget`), with all its objects. While nothing is
+    armed, any call renews the session by itself, however long it waits; what is armed, only `renew`, `hold`, `select`.
 
     Calls wait for their answer unless `wait=False`: then they never block, of commands that the server has no
     room for only the newest for each object is kept, and what it refuses is found in `errors`. ttl: a command that
@@ -178,7 +180,8 @@ class Client(Connected):
         Ctrl-C, or a notebook's stop button, disarms. Raises as `renew`.
         """
         end = self._clock() + number("seconds", seconds, low=0.0)
-        every = number("every", SHARE * self.lease if every is None else every, low=0.0, above=True)
+        live = self._live(again=False)
+        every = number("every", live.every if every is None else every, low=0.0, above=True)
         due = self._clock()
         try:
             while (now := self._clock()) < end:
@@ -214,7 +217,7 @@ class Client(Connected):
         }
         live = self._live()
         if wait:
-            live.change(control.Select, CHANGE, SHARE * self.lease, **fields)
+            live.change(control.Select, CHANGE, **fields)
             return 0
         return live.start(control.Select, **fields)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import itertools
+import math
 from collections import deque
 from functools import cache
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 R = TypeVar("R", bound="AnyReply | State")
 
+SHARE = 0.25  # of the lease between two renewals
 FAREWELL = 0.2  # [s] that a bye may take
 KEPT = 100  # errors of commands that were not waited for
 ENDED = "expired", "owner", "fault", "stopped"  # what ends the sound of an owner, unasked
@@ -58,6 +60,7 @@ class Dialogue:
         self.errors, self.notices = deque[Refused](maxlen=KEPT), deque[Refused](maxlen=KEPT)
         self.outbox = Outbox()
         self._come: deque[AnyReply | State] = deque()
+        self._due = math.inf  # [s] when the session is to be renewed by itself
         self._ended = ""  # why a link has ended; told after all that came before
         self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
@@ -72,6 +75,7 @@ class Dialogue:
                 self._poller.register(self._links[-1].monitor, zmq.POLLIN)
             self._control, self._command = self._links
             self.welcome = self._hello(hello)
+            self._due = self.clock() + self.every
             for link in self._links:
                 link.known = True
         except BaseException:
@@ -93,15 +97,20 @@ class Dialogue:
             raise Refused("version", problem, advice=f"update the {older}")
         return welcome
 
+    @property
+    def every(self) -> float:
+        """Between two renewals [s]."""
+        return SHARE * self.welcome.lease
+
     def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
         """A request to the control socket, and its answer."""
         request = kind(session=self.welcome.session, **fields)
         return self._call(self._control, request, answer, self.timeout)
 
-    def change(self, request: type[Request], timeout: float, every: float, **fields: Any) -> None:
-        """A request that takes up to `timeout` [s]; while armed, the lease is renewed every so often [s]."""
+    def change(self, request: type[Request], timeout: float, **fields: Any) -> None:
+        """A request that takes up to `timeout` [s], in which the lease goes on, too, if it is armed."""
         message = request(session=self.welcome.session, **fields)
-        self._call(self._control, message, Ok, timeout, every)
+        self._call(self._control, message, Ok, timeout, lease=True)
 
     def arm(self, take: bool) -> None:
         """Why it did not sound before its Ok is forgotten; what comes after that is not."""
@@ -174,13 +183,16 @@ class Dialogue:
         while True:
             found = newest(self._states, lambda state: self.timing.age(state.time, self.clock()))
             left = end - self.clock()
-            if found or left <= 0.0 or not watched.poll(milliseconds(left)):
+            if found or left <= 0.0:
                 return found
+            if not watched.poll(milliseconds(min(left, self.every))) and left <= self.every:
+                return None
             self.look()
 
     def close(self) -> None:
         """Say bye if anybody listens, and end it."""
         if not self.lost and hasattr(self, "welcome"):
+            self._due = math.inf
             try:
                 bye = Bye(session=self.welcome.session)
                 self._call(self._control, bye, Ok, min(self.timeout, FAREWELL))
@@ -195,7 +207,7 @@ class Dialogue:
         self._context.term()
 
     def _call(
-        self, link: Link, message: Any, answer: type[R], timeout: float, every: float = 0.0
+        self, link: Link, message: Any, answer: type[R], timeout: float, *, lease: bool = False
     ) -> R:
         number = self._number()
         what = type(message).__name__.lower()
@@ -203,7 +215,7 @@ class Dialogue:
         self.look()
         sent = self.clock()
         found = (
-            self._answer(number, sent + timeout, every) if self._sent(link, data, timeout) else None
+            self._answer(number, sent + timeout, lease) if self._sent(link, data, timeout) else None
         )
         if found is None:
             self._go_on()
@@ -217,14 +229,14 @@ class Dialogue:
             raise WireError(f"`{what}` was answered by a {type(found).__name__}")
         return found
 
-    def _answer(self, number: int, end: float, every: float) -> AnyReply | State | None:
+    def _answer(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
         """The reply of that number; those before are noted. None if it does not come until `end` [s]."""
         while (left := end - self.clock()) > 0.0:
-            step = min(left, every or left)
-            if not self._receive(step) and step == left:
+            step = (
+                min(left, max(self._due - self.clock(), 0.0)) if lease or not self.armed else left
+            )
+            if not self._receive(step, lease) and step == left:
                 break
-            if every and self.armed:
-                self._renew()
             while self._come:
                 if (reply := self._come.popleft()).id == number:
                     return reply
@@ -238,10 +250,15 @@ class Dialogue:
             sequence=next(self._sequence),
             time=self.clock(),
         )
+        self._due = self.clock() + self.every
         self._sent(self._control, encode(renew))
 
-    def _receive(self, wait: float) -> bool:
-        """Whether there is anything in `_come`, waiting at most so long [s]."""
+    def _receive(self, wait: float, lease: bool = False) -> bool:
+        """Whether there is anything in `_come`, waiting at most so long [s].
+
+        While nothing is armed the session is renewed by itself, for the server forgets who says nothing for long; what
+        is armed goes on only by the game's own `renew`, or a `lease` that it has asked for.
+        """
         if self.lost:
             raise ConnectionLost(self.lost)
         self._go_on()
@@ -253,6 +270,8 @@ class Dialogue:
             if link.monitor in ready and not self._ended:
                 self._ended = str(link.lost())
         self._go_on()
+        if not self._ended and (lease or not self.armed) and self.clock() >= self._due:
+            self._renew()
         return bool(self._come)
 
     def _go_on(self) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import uuid
 from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec.structs import replace
 
+from pacinian import documents
 from pacinian.checks import integer, number
 from pacinian.errors import ArgumentError, SceneFileError
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
     from pacinian.devices.description import Board
 
+LARGEST = 4 << 20  # [bytes]: some 100,000 channels
 COLUMNS = ("serial", "channel", "gain", "phase")
 Measured = dict[tuple[str, int], tuple[float, float]]
 
@@ -28,23 +31,21 @@ def read(path: Path) -> Measured:
     """
     found: Measured = {}
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = csv.reader(file, skipinitialspace=True)
-            head = tuple(name.strip() for name in next(rows, []))
-            if head != COLUMNS:
-                raise SceneFileError(path, "line 1", f"must be {','.join(COLUMNS)}")
-            for row in rows:
-                if not row:
-                    continue
-                where = f"line {rows.line_num}"
-                key, values = _row(path, where, row)
-                if key in found:
-                    raise SceneFileError(path, where, f"measures channel {key[1]} of it again")
-                found[key] = values
-    except OSError as error:
-        raise SceneFileError(path, "", f"cannot be read: {error.strerror}") from error
+        text = io.StringIO(documents.read(path, largest=LARGEST).decode(), newline="")
+        rows = csv.reader(text, skipinitialspace=True)
+        head = tuple(name.strip() for name in next(rows, []))
+        if head != COLUMNS:
+            raise SceneFileError(path, "line 1", f"must be {','.join(COLUMNS)}")
+        for row in rows:
+            if not row:
+                continue
+            where = f"line {rows.line_num}"
+            key, values = _row(path, where, row)
+            if key in found:
+                raise SceneFileError(path, where, f"measures channel {key[1]} of it again")
+            found[key] = values
     except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneFileError(path, "", f"is not CSV: {error}") from error
+        raise SceneFileError(path, "", "is not CSV, in UTF-8") from error
     return found
 
 
@@ -58,7 +59,7 @@ def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple
     except ArgumentError as error:
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
-        raise SceneFileError(path, where, f"must be numbers: {error}") from error
+        raise SceneFileError(path, where, "must be numbers") from error
     return key, values
 
 

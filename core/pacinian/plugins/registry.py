@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import pluggy
 
-from pacinian.errors import ArgumentError, PacinianError, PluginError, UnknownPlugin
+from pacinian.errors import ArgumentError, PacinianError, PluginError, UnknownPlugin, plain, told
 from pacinian.notebook import MOST, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 GROUP = "pacinian"
+LONGEST_NAME = 64  # characters of a plug-in's name, as on the wire
 Kind = Literal["solver", "backend"]
 BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
 
@@ -87,7 +88,7 @@ class Plugins:
                 offers = self._read(point)
             except (Exception, SystemExit) as error:
                 self.failed[point.name] = PluginError(
-                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {type(error).__name__}: {error}"
+                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {told(error)}"
                 )
                 self.failed[point.name].__cause__ = error
                 continue
@@ -119,8 +120,12 @@ class Plugins:
                     raise TypeError(
                         f"register_{kind}s must return classes derived from {base.__name__}, not {cls!r}"
                     )
-                if inspect.isabstract(cls) or not isinstance(getattr(cls, "name", None), str):
+                name = getattr(cls, "name", None)
+                if inspect.isabstract(cls) or not isinstance(name, str):
                     raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
+                if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+                    problem = f"must be 1 to {LONGEST_NAME} characters that can be printed"
+                    raise TypeError(f"the name of {cls.__name__} {problem}: {plain(repr(name))}")
                 offers.append(Offer(kind, cls, point.name, _origin(point)))
         if not offers:
             raise TypeError("offers nothing: is its hook decorated with @pacinian.hookimpl?")
@@ -162,9 +167,7 @@ class Plugins:
         except PacinianError:
             raise
         except Exception as error:
-            raise PluginError(
-                f"{kind} {name!r} cannot be made: {type(error).__name__}: {error}"
-            ) from error
+            raise PluginError(f"{kind} {name!r} cannot be made: {told(error)}") from error
 
 
 def _may_offer(point: EntryPoint, kind: Kind) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pacinian.errors import told
 from pacinian.rendering.report import Fault
 
 if TYPE_CHECKING:
@@ -39,8 +40,7 @@ class Emitter:
         try:
             action()
         except Exception as error:
-            what = f"{type(error).__name__}: {error}"
-            fault = Fault(report.ticks, self._stages.stage, what, error)
+            fault = Fault(report.ticks, self._stages.stage, told(error), error)
             if self.halted is None or fault.stage != "silence":
                 report.fault(fault)
             self.halted = self.halted or fault

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict, deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -30,13 +30,13 @@ class Fault:
     """Something that silenced the output.
 
     tick: when. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence". message: what was raised.
-    error: the exception itself.
+    error: the exception itself, which a report has of its last fault only.
     """
 
     tick: int
     stage: str
     message: str
-    error: BaseException = field(repr=False, compare=False)
+    error: BaseException | None = field(repr=False, compare=False)
 
 
 @dataclass
@@ -100,6 +100,8 @@ class Report:
 
     def fault(self, fault: Fault) -> None:
         """Count a fault."""
+        if self.faults:  # an exception holds frames, and texts of any length
+            self.faults[-1] = replace(self.faults[-1], error=None)
         self.faults.append(fault)
         self.fault_count += 1
 

@@ -7,10 +7,10 @@ import queue
 import time
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.plugins import registry
+from pacinian.errors import told
 from pacinian.rendering.warming import try_out
-from pacinian.serving.guarding import told
-from pacinian.serving.offers import LOADING
+from pacinian.scene.file import Choice as Configured
+from pacinian.serving import offers
 from pacinian.serving.priority import beside
 from pacinian.session import Session
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plugins.solver import Solver
-    from pacinian.scene.file import Choice as Configured
     from pacinian.wire.control import Choice
 
 SUPERSEDED = "another one was selected since"
@@ -39,7 +38,8 @@ class Made(NamedTuple):
 class Solvers:
     """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
 
-    chosen: to begin with. array, medium: to try new ones out. thread, clock: for tests.
+    chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread, clock: for
+    tests.
 
     One that takes longer than `MAKING` gives way to another: it may compile its kernels, which takes minutes, or hang.
     """
@@ -49,10 +49,12 @@ class Solvers:
         chosen: Solver,
         array: Array,
         medium: Air | None = None,
+        configured: str | Configured = "",
         thread: Callable[[Callable[[], None]], object] | None = None,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.chosen = chosen
+        self._configured = configured
         self._array, self._medium = array, medium
         self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
@@ -86,7 +88,7 @@ class Solvers:
 
         def work() -> None:
             try:
-                solver = made(choice)
+                solver = made(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
                 self._made.put(Made(number, None, f"{choice.name}: {told(error)}"))
@@ -123,11 +125,7 @@ class Solvers:
         return ""
 
 
-def made(choice: str | Choice | Configured) -> Solver:
-    """A solver of one's own. Raises UnknownPlugin, PluginError, ArgumentError."""
-    name, options = (choice, {}) if isinstance(choice, str) else (choice.name, dict(choice.options))
-    plugins = registry.installed()
-    if ("solver", name) not in plugins.offers:
-        with LOADING:
-            plugins.find("solver", name)
-    return cast("Solver", plugins.make("solver", name, options))
+def made(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
+    """A solver of one's own; configured: as in `offers.made`. Raises UnknownPlugin, PluginError, ArgumentError."""
+    whole, owners = (Configured(c) if isinstance(c, str) else c for c in (choice, configured))
+    return cast("Solver", offers.made("solver", whole, owners))

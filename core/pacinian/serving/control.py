@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from pacinian.errors import WireError
+from pacinian.errors import WireError, told
 from pacinian.serving.clocks import Allowance
 from pacinian.serving.logs import Sparse, log
 from pacinian.serving.messages import pack
@@ -41,7 +41,8 @@ MOST = 64  # requests in one round
 ROUND = 0.005  # [s] a round takes at most while nobody asks anything
 OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
 LOOK = 0.02  # [s] between two looks at the other processes
-GRACE = 1.0  # [s] after a reset in which the fault that was reset may still be told
+MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
+TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
 STOP = 64  # [bytes]; one who asks too much is still listened to for so long
 TELLS = 10.0  # errors a second that one who asks too much is told
 PEERS = 4096  # whose rates are remembered
@@ -162,7 +163,7 @@ class Control:
             message = decode_control(data)
         except WireError as error:
             self.counts["malformed"] += 1
-            self._log.warning("malformed request", user=user, error=str(error))
+            self._log.warning("malformed request", user=user, error=told(error))
             if tells.take(now):
                 wrong = Error(
                     id=id_of(data), code="malformed", message=error.problem, path=error.path
@@ -216,7 +217,7 @@ class Control:
 
     def _note_reset(self, now: float) -> None:
         faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
-        self._reset = {name: (fault, now + GRACE) for name, fault in faults.items() if fault}
+        self._reset = {name: (fault, now + MENDS) for name, fault in faults.items() if fault}
         self.selection.reset(self.sessions.resets)
         self._log.info("reset")
 
@@ -260,12 +261,14 @@ class Control:
         """At what the other processes tell, and at whether they live."""
         self.view.look()
         ownership = self.sessions.ownership
-        for name, fault in (
-            ("renderer", self.view.report.halted),
-            ("device", self.view.device.fault),
+        report, device = self.view.report, self.view.device
+        for name, fault, results in (
+            ("renderer", report.halted, report.results),
+            ("device", device.fault, device.results),
         ):
             old, until = self._reset.get(name, ("", 0.0))
-            if not fault or fault != old or now >= until:
+            answered = f"reset {self.selection.orders.reset}" in results
+            if not fault or fault != old or answered or now >= until:
                 self._reset.pop(name, None)
                 if fault and not ownership.fault:
                     self._fault(f"{name}: {fault}")
@@ -274,6 +277,7 @@ class Control:
         sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
         for name, why in self._supervisor.check(self._beats, sound):
             self._ended(name, why, now)
+        self.view.guarded = self._supervisor.alive("guard", self.view.device.beat)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
         self._settle()
@@ -288,6 +292,7 @@ class Control:
             return
         problem = f"the process {name!r} {why}, and is started again"
         self._fault(problem)
+        self._reset.pop(TELLS_OF.get(name, ""), None)  # another one knows of no reset
         self.sessions.ownership.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
@@ -295,7 +300,7 @@ class Control:
             self._fault("the selected solver is given up for the configured one")
 
     def _publish(self, now: float) -> None:
-        self.view.look()
+        self._look(now)  # so that what is said has been acted on
         self.view.look_at_frame()
         try:
             self.newest = self.publisher.published(now, self._supervisor.restarts)

@@ -9,12 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.errors import BackendError
-from pacinian.plugins import registry
+from pacinian.errors import BackendError, told
 from pacinian.rendering.clock import SystemClock
 from pacinian.scene.file import Choice as Configured
-from pacinian.serving.guarding import told
-from pacinian.serving.offers import LOADING
+from pacinian.serving import offers
 from pacinian.serving.output import check_rate
 from pacinian.serving.priority import beside, urgent
 
@@ -105,7 +103,9 @@ class Devices:
         self.results: dict[str, str] = {}
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
-        self._make, self._thread = make or _made, thread or functools.partial(beside, name="device")
+        self._owners = choice
+        self._make = make or functools.partial(_made, configured=choice)
+        self._thread = thread or functools.partial(beside, name="device")
         self._clock = clock or SystemClock()
         self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
@@ -211,7 +211,7 @@ class Devices:
                 generation = guard.take(*device)
                 self._coming = {generation: orders}
                 self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
-                self._choices[generation] = _configured(choice)
+                self._choices[generation] = self._configured(choice)
             if any(order.startswith("reset") for order in orders):
                 guard.clear()
         self._open()
@@ -250,7 +250,7 @@ class Devices:
             self._close(old)
         if opening.left is not None:
             urgent()  # nobody can end its sound but by this
-        if opening.left not in (None, _configured(opening.choice)):
+        if opening.left not in (None, self._configured(opening.choice)):
             device = self._tried(opening, opening.left).device
             if device is not None:
                 self._close(device[0])
@@ -267,6 +267,12 @@ class Devices:
             ):
                 return opened
             self._clock.wait_until(self._clock.now() + PAUSE)
+
+    def _configured(self, choice: Choice | Configured) -> Configured:
+        """The same as the owner would write it, with the options that the owner gave."""
+        given = choice if isinstance(choice, Configured) else None
+        owners = self._owners.options if given is None and choice.name == self._owners.name else {}
+        return given or Configured(choice.name, {**owners, **choice.options})
 
     def _close(self, backend: Backend) -> None:
         with suppress(
@@ -294,17 +300,8 @@ class Devices:
 
 def load(choice: Choice | Configured) -> None:
     """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
-    plugins = registry.installed()
-    if ("backend", choice.name) not in plugins.offers:
-        with LOADING:
-            plugins.find("backend", choice.name)
+    offers.find("backend", choice.name)
 
 
-def _configured(choice: Choice | Configured) -> Configured:
-    """The same, as it can be told: what is configured may be longer than what is selected."""
-    return Configured(choice.name, dict(choice.options))
-
-
-def _made(choice: Choice | Configured) -> Backend:
-    load(choice)
-    return cast("Backend", registry.installed().make("backend", choice.name, dict(choice.options)))
+def _made(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
+    return cast("Backend", offers.made("backend", choice, configured))

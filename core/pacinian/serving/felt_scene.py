@@ -12,11 +12,11 @@ from weakref import WeakKeyDictionary
 
 from msgspec.structs import force_setattr
 
+from pacinian.errors import plain, told
 from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving import loading, messages, taking
-from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input
 from pacinian.solving.zone import Zone
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.errors import BackendError, PacinianError
+from pacinian.errors import BackendError, plain, told
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.messages import HEAD, MOST_ROWS, Device, FrameHead, Permit
 from pacinian.serving.priority import ANY
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Plugin
 
 KEPT = 256  # inputs
-LONGEST = 500  # characters that an error is told in
 NONE = FrameHead(0, 0.0, -1, -1, 0, 0)
 _INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
 
@@ -247,7 +246,7 @@ class Guard:
         return Device(
             generation=0 if self.backend is None else self.generation,
             next=self.next,
-            name="" if self.backend is None else self.backend.name,
+            name="" if self.backend is None else plain(self.backend.name),
             phases=can.phases,
             amplitudes=len(can.sizes),
             rate=can.rate,
@@ -268,22 +267,6 @@ class Guard:
             choice=choice,
             sizes=b"" if can.even else can.sizes.astype("<f4").tobytes(),
         )
-
-
-def told(error: BaseException) -> str:
-    """An error for people; plug-ins raise anything."""
-    try:
-        text = (
-            str(error) if isinstance(error, PacinianError) else f"{type(error).__name__}: {error}"
-        )
-    except Exception:
-        text = type(error).__name__
-    return plain(text)
-
-
-def plain(text: str) -> str:
-    """So much of a text that it can be told, whatever is in it."""
-    return text[:LONGEST].encode(errors="replace").decode()
 
 
 def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: float) -> Frame:

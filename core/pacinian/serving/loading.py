@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.msgpack import Decoder
 
+from pacinian.errors import told
 from pacinian.scene.objects import Body, Object, Particles, Path, Point
 from pacinian.scene.shapes.flat import Disc, Rectangle
 from pacinian.scene.shapes.round import Sphere
 from pacinian.scene.time.envelope import Envelope, Noise, Timed, Wave, resolve
-from pacinian.serving.guarding import told
 from pacinian.serving.priority import beside
 
 if TYPE_CHECKING:

@@ -12,21 +12,24 @@ import queue
 import sys
 import threading
 import time
+import traceback
 from typing import TYPE_CHECKING, Any, cast
 
 import structlog
 
+from pacinian.errors import plain, told
 from pacinian.serving.clocks import Allowance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from structlog.typing import FilteringBoundLogger, Processor
+    from structlog.typing import ExcInfo, FilteringBoundLogger, Processor
 
     from pacinian.serving.settings import Log
 
 OFTEN = 5.0  # times a second that one event is logged
 PATIENCE = 0.5  # [s] for the last lines at the end
+LINKS, CALLS = 4, 20  # exceptions of a chain, and calls to each, that are logged
 THREAD = "log"
 _waiting: queue.Queue[str] = queue.Queue(1000)
 
@@ -43,24 +46,24 @@ def configure(settings: Log, process: str) -> None:
 
     def printable(_log: object, _method: str, event: Any) -> Any:
         for name, value in event.items():
-            if isinstance(value, str) and not value.isprintable():  # a client's name, say
-                event[name] = "".join(c if c.isprintable() else "?" for c in value)
+            if isinstance(value, str):  # a client's name, say
+                event[name] = "".join(c if c.isprintable() else "?" for c in plain(value))
         return event
 
-    plain = structlog.dev.plain_traceback  # others show local variables, and so secrets
-    last: list[Processor]
-    if settings.format == "json":
-        last = [structlog.processors.format_exc_info, structlog.processors.JSONRenderer()]
-    else:
-        colors = sys.stderr.isatty()
-        last = [structlog.dev.ConsoleRenderer(colors=colors, exception_formatter=plain)]
+    last: Processor = structlog.processors.JSONRenderer()
+    if settings.format != "json":
+        formatter = structlog.dev.plain_traceback  # the usual one warns of texts that are made
+        last = structlog.dev.ConsoleRenderer(
+            colors=sys.stderr.isatty(), exception_formatter=formatter
+        )
     structlog.configure(
         processors=[
             named,
             printable,
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
-            *last,
+            structlog.processors.ExceptionRenderer(_traced),
+            last,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(
             logging.getLevelNamesMapping()[settings.level.upper()]
@@ -68,6 +71,17 @@ def configure(settings: Log, process: str) -> None:
         logger_factory=_Lines,
         cache_logger_on_first_use=False,
     )
+
+
+def _traced(exc_info: ExcInfo) -> str:
+    """The last calls to an exception, and to those that it came of; no local variables, which may be secret."""
+    error: BaseException | None = exc_info[1]
+    links: list[str] = []
+    while error is not None and len(links) < LINKS:
+        calls = traceback.format_tb(error.__traceback__, -CALLS)
+        links.append("".join([*calls, told(error)]))
+        error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
+    return "\n".join(reversed(links))
 
 
 class _Lines:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.msgpack import Decoder
 from msgspec.structs import replace
 
+from pacinian.errors import plain, told
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.scene.sampling.sampler import Sampler
@@ -15,7 +16,6 @@ from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving import messages, reporting
 from pacinian.serving.felt_scene import FeltScene
-from pacinian.serving.guarding import plain, told
 from pacinian.serving.output import Input, Outputs
 from pacinian.serving.quiet import Quieting
 from pacinian.serving.salvage import changes_of

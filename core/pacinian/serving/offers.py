@@ -1,4 +1,4 @@
-"""What can be selected: plug-ins by name, with their simple settings."""
+"""What can be selected, and is made: plug-ins by name, with settings of the configuration and of clients."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from pacinian.errors import plain
 from pacinian.plugins import registry
-from pacinian.serving.guarding import plain
+from pacinian.plugins.options import checked, for_clients
+from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 
 if TYPE_CHECKING:
+    from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
+    from pacinian.plugins.solver import Solver
+    from pacinian.scene.file import Choice as Configured
 
 LOADING = threading.Lock()  # plug-ins are found by one thread at a time
 
@@ -24,7 +29,7 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
         plugins.load(kind=kind)
     return tuple(
         Plugin(
-            name=plain(offer.name)[:64],
+            name=offer.name,
             summary=plain(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
             options=_options(offer),
         )
@@ -33,10 +38,36 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
     )
 
 
+def made(
+    kind: Kind, choice: Configured | Choice, configured: Configured | Choice
+) -> Solver | Backend:
+    """A plug-in as configured; or as a client chooses it: with the options of the configuration, if that has the same.
+
+    Raises UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
+    """
+    offer, options = find(kind, choice.name), dict(choice.options)
+    if isinstance(choice, Choice):
+        asked = checked(offer.cls, options)
+        options = {**(configured.options if configured.name == choice.name else {}), **asked}
+    return registry.installed().make(kind, choice.name, options)
+
+
+def find(kind: Kind, name: str) -> Offer:
+    """The plug-in of a name, imported where it is not yet. Raises UnknownPlugin, PluginError."""
+    plugins = registry.installed()
+    if (kind, name) not in plugins.offers:
+        with LOADING:
+            plugins.find(kind, name)
+    return plugins.find(kind, name)
+
+
 def _options(offer: Offer) -> dict[str, int | float | str]:
-    """Its simple settings; none of one of which they cannot be read, or told."""
+    """What clients may set, where it is simple; none of one of which that cannot be read, or told."""
     try:
-        found = {k: v for k, v in offer.options.items() if isinstance(v, int | float | str)}
+        allowed, given = for_clients(offer.cls), offer.options
+        found = {
+            k: v for k, v in given.items() if k in allowed and isinstance(v, int | float | str)
+        }
         msgspec.msgpack.encode(found)
     except Exception:  # whatever a plug-in does, the process starts
         return {}

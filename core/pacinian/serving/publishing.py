@@ -41,12 +41,15 @@ EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
 class View:
-    """The newest that the other processes have told; values that cannot be read are counted and left out."""
+    """The newest that the other processes have told; values that cannot be read are counted and left out.
+
+    guarded: whether the guard that told is known to be there still.
+    """
 
     def __init__(self, memory: Mapping[str, Latest]) -> None:
         self.report, self.device, self.traffic = NO_REPORT, NO_DEVICE, NO_TRAFFIC
         self.frame, self.levels = EMPTY, b""
-        self.unreadable = 0
+        self.unreadable, self.guarded = 0, True
         self._memory = memory
         self._numbers = dict.fromkeys(memory, 0)
 
@@ -103,9 +106,13 @@ class Publisher:
         self.fault_count += 1
 
     def output(self) -> Output:
-        """How the output is."""
-        ownership, device = self._sessions.ownership, self._view.device
-        if ownership.fault:
+        """How the output is: the worst that is true, in the order of the wire's `OUTPUTS`.
+
+        Without a guard or a device, or while a fault is told that was reset and is not mended, it is faulted.
+        """
+        view, ownership, device = self._view, self._sessions.ownership, self._view.device
+        there = view.guarded and device.generation
+        if ownership.fault or device.fault or view.report.halted or not there:
             return "faulted"
         if ownership.permit.stopped:
             return "stopped"

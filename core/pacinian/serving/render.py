@@ -51,7 +51,14 @@ def _render(told: child.Told) -> None:
         while (newest := files["device"].read()) is None:
             time.sleep(LOOK)
         device = Decoder(Device).decode(newest[1])
-        loop = Loop(files, settings, array, medium, Solvers(chosen, array, medium), Loader())
+        loop = Loop(
+            files,
+            settings,
+            array,
+            medium,
+            Solvers(chosen, array, medium, settings.solver),
+            Loader(),
+        )
         priority.urgent()
         priority.avoid(device.processor)
         stack.callback(loop.close)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.errors import plain
 from pacinian.rendering.probe import name_of
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.scene.sampling.tracks import HOLD
-from pacinian.serving.guarding import plain
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
@@ -32,7 +32,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
     return {
         **_emitted(renderer),
         **_zones(renderer),
-        "solver": renderer.session.solver.name,
+        "solver": plain(renderer.session.solver.name),
         "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
         "ticks": report.ticks,
         "late": report.late_ticks,

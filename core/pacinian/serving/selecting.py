@@ -43,7 +43,8 @@ class Selection:
 
     def __init__(self, settings: Settings) -> None:
         self.orders = Orders()
-        self._configured = chosen(settings.solver)
+        solver = settings.solver  # its options are with who makes it
+        self._configured = Choice(name=solver if isinstance(solver, str) else solver.name)
         self._waiting: list[Waiting] = []
         self._suspect = -float("inf")  # [s] until when the solver is suspected
         self._ends = 0
@@ -128,10 +129,3 @@ class Selection:
         number = getattr(self.orders, kind)[0] + 1
         self.orders = replace(self.orders, **{kind: (number, value)})
         return f"{kind} {number}"
-
-
-def chosen(configured: Any) -> Choice:
-    """A solver or backend of the configuration, as on the wire."""
-    if isinstance(configured, str):
-        return Choice(name=configured)
-    return Choice(name=configured.name, options=dict(configured.options))

@@ -26,6 +26,7 @@ from pacinian.viewing.messages import Slice, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from multiprocessing.process import BaseProcess
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -104,10 +105,14 @@ class Fields:
         raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
 
     def close(self) -> None:
-        """End the process."""
-        if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            self._pool = None
+        """End the process, whatever it does: the interpreter's own end would wait for what is being computed."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            workers: dict[int, BaseProcess] = getattr(pool, "_processes", None) or {}
+            running = list(workers.values())  # what `kill_workers` does, since Python 3.14
+            pool.shutdown(wait=False, cancel_futures=True)
+            for worker in running:
+                worker.kill()
 
 
 def interpolated(model: bytes, gains: bytes, where: Grid) -> bytes:

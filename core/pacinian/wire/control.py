@@ -78,7 +78,7 @@ class Reset(Request, frozen=True, kw_only=True, tag="reset"):
 
 
 class Choice(Struct, frozen=True, kw_only=True):
-    """A solver or a backend. name: by which it is. options: settings of its own."""
+    """A solver or a backend. name: by which it is. options: of those that it lets clients set."""
 
     name: Name
     options: Annotated[dict[Name, Option], Meta(max_length=MOST_OPTIONS)] = {}

@@ -104,7 +104,8 @@ class Renewed(Reply, frozen=True, kw_only=True, tag="renewed"):
 class Plugin(Struct, frozen=True, kw_only=True):
     """A solver or backend that can be selected.
 
-    name: by which it is. summary: what it is good for. options: its settings and their defaults, where simple.
+    name: by which it is. summary: what it is good for. options: that clients may set, and their defaults,
+    where simple.
     """
 
     name: Name

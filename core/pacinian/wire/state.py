@@ -19,11 +19,12 @@ Output = Literal[
 ]
 OUTPUTS: dict[Output, str] = {
     "silent": "nobody has armed it, or there is nothing to feel",
-    "sounding": "something can be felt",
     "stale": "the renderer is late: silent until it goes on",
+    "sounding": "something can be felt",
     "stopped": "emergency stop, until `reset`",
-    "faulted": "a plug-in or device failed, until `reset`",
+    "faulted": "a plug-in or device failed, until `reset` has mended it; or there is no device",
 }
+"""What is said of the output: the last of these that is true."""
 
 
 class ClientState(Struct, frozen=True, kw_only=True):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer, number
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian.types import ArrayLike, Complexes
+
+Levels = Annotated[int, Meta(ge=2, le=1 << 16)]
 
 
 @dataclass
@@ -32,9 +35,9 @@ class Simulated(pc.Backend):
 
     name: ClassVar[str] = "simulated"
 
-    phases: int = 256
-    amplitudes: int | tuple[float, ...] = 256
-    rate: float = 1000.0
+    phases: Levels = 256
+    amplitudes: Levels | tuple[float, ...] = 256
+    rate: Annotated[float, Meta(ge=1.0, le=1e6)] = 1000.0
     keep: int = 256
     wait: Callable[[float], None] = field(default=time.sleep, repr=False)
 

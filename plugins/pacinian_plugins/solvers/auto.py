@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import number
@@ -36,7 +37,7 @@ class Auto(pc.Solver):
     surrounds: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
-    error: float = 1e-3
+    error: Annotated[float, Meta(ge=0.0, le=1.0)] = 1e-3
     focus: str = "single-focus"
     several: str = "lagrange"
     many: str = "pseudo-inverse"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 from numpy import float32 as f4
 
 import pacinian as pc
@@ -82,9 +83,9 @@ class Greedy(pc.Solver):
     name: ClassVar[str] = "greedy"
     linear: ClassVar[bool] = True
 
-    levels: int = 16
-    passes: int = 3
-    seed: int = 0
+    levels: Annotated[int, Meta(ge=2, le=256)] = 16
+    passes: Annotated[int, Meta(ge=1, le=20)] = 3
+    seed: Annotated[int, Meta(ge=0, le=2**32 - 1)] = 0
 
     def __post_init__(self) -> None:
         for name, low in (("levels", 2), ("passes", 1), ("seed", 0)):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer
@@ -36,7 +37,7 @@ class GsPat(pc.Solver):
     name: ClassVar[str] = "gs-pat"
     linear: ClassVar[bool] = True
 
-    steps: int = 50
+    steps: Annotated[int, Meta(ge=1, le=1000)] = 50
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "steps", integer("steps", self.steps, low=1))

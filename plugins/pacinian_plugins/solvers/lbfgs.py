@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, ClassVar, NamedTuple
 
 import numpy as np
+from msgspec import Meta
 from scipy import optimize
 
 import pacinian as pc
@@ -42,9 +43,9 @@ class Lbfgs(pc.Solver):
     name: ClassVar[str] = "lbfgs"
     linear: ClassVar[bool] = True
 
-    steps: int = 1000
-    tolerance: float = 1e-5
-    memory: int = 10
+    steps: Annotated[int, Meta(ge=1, le=10_000)] = 1000
+    tolerance: Annotated[float, Meta(gt=0.0, le=1.0)] = 1e-5
+    memory: Annotated[int, Meta(ge=1, le=100)] = 10
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "steps", integer("steps", self.steps, low=1))

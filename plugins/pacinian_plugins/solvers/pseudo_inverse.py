@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import number
@@ -38,7 +39,7 @@ class PseudoInverse(pc.Solver):
     name: ClassVar[str] = "pseudo-inverse"
     linear: ClassVar[bool] = True
 
-    rcond: float | None = None
+    rcond: Annotated[float, Meta(ge=0.0, le=1.0)] | None = None
 
     def __post_init__(self) -> None:
         if self.rcond is not None:

@@ -2,12 +2,14 @@
 
 import importlib.metadata
 import itertools
+import threading
 import time
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.testing import ManualClock
@@ -16,7 +18,8 @@ from pacinian.wire.bulk import unpack
 from pacinian.wire.convert import to_scene
 from pacinian.wire.protocol import MAJOR, MINOR
 
-from .fake import Fake, usual
+from ...waiting import PATIENCE
+from .fake import Fake, state, usual
 
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
 BALL = pc.Volume(
@@ -269,6 +272,68 @@ def test_a_slow_selection_keeps_the_lease_of_an_owner(server: Fake, client: pc.C
     client.arm()
     client.select(solver="lagrange")
     assert len(server.of(control.Renew)) >= 3
+
+
+def unarmed(message: Any) -> Any:
+    return replace(usual(message), owner=False, armed=False)
+
+
+@pytest.mark.parametrize(
+    ("kind", "call"),
+    [
+        (control.Select, lambda client: client.select(solver="lagrange")),
+        (control.Reset, lambda client: client.reset()),
+        (control.Arm, lambda client: client.arm()),
+        (commands.Put, lambda client: client.put(BALL)),
+        (commands.Show, lambda client: client.show()),
+    ],
+)
+def test_while_nothing_is_armed_any_call_that_waits_keeps_the_session(
+    server: Fake, client: pc.Client, kind: Any, call: Any
+) -> None:
+    answered = threading.Event()
+
+    def answer(message: Any) -> Any:
+        threading.Thread(target=late, args=(message,)).start()
+
+    def late(message: Any) -> None:
+        server.until(lambda: len(server.of(control.Renew)) >= 3)
+        reply = replies.Ok(id=message.id)
+        if kind is commands.Show:
+            reply = replies.Shown(
+                id=message.id, scene="", version=1, names=(), poses=b"", objects={}
+            )
+        server.say(reply, kind in (commands.Put, commands.Show))
+        answered.set()
+
+    server.answers[control.Renew] = unarmed
+    server.answers[kind] = answer
+    call(client)
+    assert answered.wait(PATIENCE)
+
+
+def test_who_only_watches_keeps_the_session(server: Fake, client: pc.Client) -> None:
+    def publish() -> None:
+        server.until(lambda: len(server.of(control.Renew)) >= 3)
+        server.stream = state
+
+    server.answers[control.Renew] = unarmed
+    thread = threading.Thread(target=publish)
+    thread.start()
+    assert next(client.watch(PATIENCE)).output == "silent"
+    server.stream = None
+    thread.join()
+
+
+def test_of_what_is_armed_no_other_call_renews_the_lease(server: Fake, client: pc.Client) -> None:
+    """A game that hangs in one of our calls is a game that hangs."""
+    client.arm()
+    before = len(server.of(control.Renew))
+    server.answers[control.Reset] = lambda message: None
+    client._dialogue.timeout = 4.0 * client._dialogue.every
+    with pytest.raises(pc.ConnectionLost, match="hangs"):
+        client.reset()
+    assert len(server.of(control.Renew)) == before
 
 
 def test_a_selection_need_not_be_waited_for(server: Fake, client: pc.Client) -> None:

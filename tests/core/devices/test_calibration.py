@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import pacinian as pc
+from pacinian.devices import calibration
 from pacinian.testing import ManualClock
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 DEVICE = """
 calibration = "heard.csv"
@@ -167,3 +166,21 @@ def test_a_response_stays_with_its_transducers() -> None:
 def test_a_response_that_cannot_be_is_refused(wrong: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="response"):
         replace(pc.autd(), response=wrong)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="a file without an end")
+@pytest.mark.parametrize("endless", ["/dev/zero", "large.csv"])
+def test_files_without_an_end_are_not_read(device: Path, endless: str) -> None:
+    with (device.parent / "large.csv").open("wb") as file:
+        file.truncate(calibration.LARGEST + 1)
+    device.write_text(device.read_text().replace("heard.csv", endless))
+    with pytest.raises(pc.SceneFileError, match=r"not a file|larger than"):
+        pc.DeviceDescription.load(device)
+
+
+def test_errors_tell_nothing_of_what_is_in_other_files(device: Path) -> None:
+    for secret in ("hunter2:x:0:0", f"{','.join(calibration.COLUMNS)}\nhunter2,x,0,0"):
+        (device.parent / "heard.csv").write_text(secret)
+        with pytest.raises(pc.SceneFileError) as raised:
+            pc.DeviceDescription.load(device)
+        assert "hunter2" not in str(raised.value)

@@ -104,6 +104,9 @@ def test_an_offer_named_unlike_its_entry_point_is_found_too(write: Any) -> None:
         (GOOD.format(name="plane").replace("[Plane]", "[Plane()]"), "derived from Solver"),
         (GOOD.format(name="plane").replace("def solve", "def solver"), "lacks a name or a method"),
         (GOOD.format(name="plane").replace('name = "plane"', ""), "lacks a name or a method"),
+        (GOOD.format(name="p" * 65), "must be 1 to 64 characters"),
+        (GOOD.format(name="\\n"), "must be 1 to 64 characters"),
+        ("raise RuntimeError('boom' * 10**6)", "boom"),
         (GOOD.format(name="plane").replace("return [Plane]", "1 / 0"), "ZeroDivisionError"),
     ],
 )

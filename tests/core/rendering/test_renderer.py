@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.errors import LONGEST
 from pacinian.gallery import SCENES
 from pacinian.rendering.pipeline import LOOK
 from pacinian.rendering.smooth import Smoothing
@@ -173,6 +174,21 @@ def test_a_scene_function_that_fails_is_a_fault(scene: Any) -> None:
     assert report.fault_count == 1
     assert report.faults[0].stage in ("scene", "sample")
     assert device.silent
+
+
+def test_of_what_is_raised_little_is_kept() -> None:
+    def scene(t: float) -> pc.Scene:
+        raise RuntimeError("x" * 10**7)
+
+    renderer, _, _ = make(scene)
+    with renderer:
+        for _ in range(3):
+            renderer.tick()
+            renderer.reset()
+    faults = renderer.report.faults
+    assert len(faults) == 3
+    assert max(len(fault.message) for fault in faults) <= LONGEST
+    assert [fault.error is None for fault in faults] == [True, True, False]
 
 
 def test_what_is_out_of_reach_is_left_out_and_counted() -> None:

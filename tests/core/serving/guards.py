@@ -28,6 +28,7 @@ FOREVER = 1e6  # [s]
 N = len(lattice(0.05, 0.05))
 PLUGIN = '''
 import ctypes
+import os
 import time
 import pacinian as pc
 
@@ -35,8 +36,8 @@ class Logged(pc.Backend):
     """Writes down what it is told."""
     name = "logged"
 
-    def __init__(self, log: str, does: str = ""):
-        self.log, self.does, self.frames = log, does, 0
+    def __init__(self, log: str = "", does: str = ""):
+        self.log, self.does, self.frames = log or os.environ["LOGGED"], does, 0
 
     @property
     def capability(self):
@@ -85,6 +86,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (told / "entry_points.txt").write_text("[pacinian]\nlogged = logged\n")
     path = os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))
     monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.setenv("LOGGED", str(tmp_path / "log"))
     return tmp_path / "log"
 
 

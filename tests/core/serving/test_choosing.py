@@ -2,14 +2,16 @@
 
 import importlib.metadata
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import msgspec
 import pytest
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
+from pacinian.scene.file import Choice as Configured
 from pacinian.serving.choosing import MAKING, MAX_HANGING, SUPERSEDED, Solvers, made
 from pacinian.serving.offers import offers
 from pacinian.testing import ManualClock
@@ -23,7 +25,8 @@ class Loud(pc.Solver):
     """A solver that drives all. It keeps nothing."""
 
     name: ClassVar[str] = "loud"
-    level: float = 0.5
+    level: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.5
+    file: str = ""
 
     def solve(
         self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
@@ -92,6 +95,15 @@ def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads)
     assert solvers.poll() == {}
 
 
+def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same() -> None:
+    owners = Configured("loud", {"file": "secret", "level": 0.1})
+    solver = made(Choice(name="loud", options={"level": 0.25}), owners)
+    assert (solver.file, solver.level) == ("secret", 0.25)  # type: ignore[attr-defined]
+    assert made(Choice(name="loud"), owners).level == 0.1  # type: ignore[attr-defined]
+    assert made(owners).level == 0.1  # type: ignore[attr-defined]
+    assert made(Choice(name="gs"), owners).name == "gs"
+
+
 @pytest.mark.parametrize(
     ("choice", "problem"),
     [
@@ -99,6 +111,8 @@ def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads)
         (Choice(name="unmade"), "SystemExit"),
         (Choice(name="nobody"), "no solver is called 'nobody'"),
         (Choice(name="loud", options={"volume": 11}), "volume"),
+        (Choice(name="loud", options={"level": 11}), "<= 1.0"),
+        (Choice(name="loud", options={"file": "/etc/passwd"}), "whoever runs the server"),
     ],
 )
 def test_what_cannot_solve_is_refused_with_the_reason(

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.file import Choice
 from pacinian.serving.guard import Rounds
-from pacinian.serving.guarding import KEPT, LONGEST, Guard, told
+from pacinian.serving.guarding import KEPT, Guard
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import (
     CAPACITIES,
@@ -334,16 +334,6 @@ def test_silence_is_asked_for_every_round_until_it_works(error: Exception) -> No
     bench.step()
     assert bench.backend.what == ["send"] + ["silence"] * 8
     assert not bench.status.sounding
-
-
-def test_what_plug_ins_raise_can_always_be_told() -> None:
-    class Odd(Exception):
-        def __str__(self) -> str:
-            raise ValueError
-
-    assert told(Odd()) == "Odd"
-    assert told(OSError("bad \udcff name")) == "OSError: bad ? name"
-    assert len(told(OSError("x" * 10**6))) == LONGEST
 
 
 def test_a_device_takes_over_with_the_first_frame_for_it() -> None:

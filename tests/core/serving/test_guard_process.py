@@ -62,8 +62,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
 
     # another device, while the old one goes on
     server.sound()
-    choice = Selected(name="logged", options={"log": str(log)})
-    server.memory["orders"].write(pack(Orders(backend=(1, choice))))
+    server.memory["orders"].write(pack(Orders(backend=(1, Selected(name="logged")))))
     after = server.until(lambda device: "backend 1" in device.results, server.frame)
     assert after.results["backend 1"] == ""
     assert (after.name, after.amplitudes) == ("logged", 64)

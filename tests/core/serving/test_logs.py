@@ -56,3 +56,22 @@ def test_what_comes_often_is_logged_now_and_then(
     assert [line["level"] for line in seen[:2]] == ["info", "error"]
     assert "ValueError: broken" in seen[1]["exception"]
     assert seen[-1]["missed"] == 8
+
+
+@pytest.mark.parametrize("form", ["console", "json"])
+def test_what_is_logged_is_bounded(form: Any, capfd: Any) -> None:
+    """Texts of any length, and errors that came of others, of others, ..."""
+    configure(Log(form, "info"), "test")
+    error: Exception | None = None
+    for _ in range(1000):
+        cause, error = error, ValueError("x" * 100_000)
+        error.__cause__ = cause
+    try:
+        raise RuntimeError("boom") from error
+    except RuntimeError:
+        log().exception("y" * 100_000, user="z" * 100_000)
+    _waiting.join()
+    text = capfd.readouterr().err
+    assert len(text) < 5000
+    assert "RuntimeError: boom" in text
+    assert "ValueError: xxx" in text

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer, kind, number
@@ -29,7 +31,7 @@ class Gs(pc.Solver):
     name: ClassVar[str] = "gs"
     linear: ClassVar[bool] = True
 
-    steps: int = 100
+    steps: Annotated[int, Meta(ge=1, le=1000)] = 100
     amplitudes: bool = True
 
     def __post_init__(self) -> None:
@@ -66,9 +68,9 @@ class WeightedGs(pc.Solver):
     name: ClassVar[str] = "weighted-gs"
     linear: ClassVar[bool] = True
 
-    steps: int = 100
-    exponent: float = 0.5
-    hold: int = 20
+    steps: Annotated[int, Meta(ge=1, le=1000)] = 100
+    exponent: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.5
+    hold: Annotated[int, Meta(ge=1, le=1000)] = 20
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "steps", integer("steps", self.steps, low=1))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer, number
@@ -47,9 +48,9 @@ class Lagrange(pc.Solver):
     surrounds: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
-    mu: float = 1e-6
-    mu_regions: float = 5e-3
-    rounds: int = 20
+    mu: Annotated[float, Meta(gt=0.0, le=1.0)] = 1e-6
+    mu_regions: Annotated[float, Meta(gt=0.0, le=1.0)] = 5e-3
+    rounds: Annotated[int, Meta(ge=1, le=100)] = 20
 
     def __post_init__(self) -> None:
         for name in ("mu", "mu_regions"):

@@ -492,7 +492,7 @@ namespace Pacinian.Wire
         /// <summary>By which it is. 1 to 64 characters.</summary>
         public string Name = "";
 
-        /// <summary>Settings of its own. 0 to 32.</summary>
+        /// <summary>Of those that it lets clients set. 0 to 32.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
         /// <inheritdoc/>

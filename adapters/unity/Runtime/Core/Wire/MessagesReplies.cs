@@ -398,7 +398,7 @@ namespace Pacinian.Wire
         /// <summary>What it is good for. 0 to 200 characters.</summary>
         public string Summary = "";
 
-        /// <summary>Its settings and their defaults, where simple.</summary>
+        /// <summary>That clients may set, and their defaults, where simple.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
         /// <inheritdoc/>

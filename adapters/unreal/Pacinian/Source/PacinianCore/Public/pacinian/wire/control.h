@@ -107,7 +107,7 @@ struct Reset : Request {
 struct Choice {
   /// by which it is; 1 to 64 characters
   std::string name;
-  /// settings of its own; 0 to 32
+  /// of those that it lets clients set; 0 to 32
   Map<Scalar> options;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);

@@ -110,7 +110,7 @@ struct Plugin {
   std::string name;
   /// what it is good for; 0 to 200 characters
   std::string summary;
-  /// its settings and their defaults, where simple
+  /// that clients may set, and their defaults, where simple
   Map<Anything> options;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
