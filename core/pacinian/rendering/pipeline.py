@@ -62,6 +62,7 @@ class Pipeline:
         times, gap = rows(capability, period)
         cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget, peak)
         self.player = Player(session, times, gap, smoothing, stages.report.skipped, cycle)
+        self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self.governor = Governor(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
@@ -98,6 +99,7 @@ class Pipeline:
         times, gap = rows(capability, self.period)
         self.player.retime(times, gap)
         self.player.cycle.most = frames_of(self._most, capability.rate)
+        self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
@@ -140,7 +142,7 @@ class Pipeline:
             skipped[kept] = before
         self._look()
         self.stages.enter("drive")
-        rows = self.player.rows(t)
+        rows = self.player.rows(t, 2 if self.turns.taking else 1)
         self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
         self._made = made
         return self._frame

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import numpy as np
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.rendering.cycle import Cycle
+from pacinian.rendering.mixing import amplitudes, mean, other, voiced
 from pacinian.rendering.smooth import Smoother
 from pacinian.rendering.voices import Voices, contributions
 from pacinian.scene.sampling.samples import BESIDE, joined, nothing
@@ -26,9 +28,9 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
     from pacinian.solving.solution import Solution
-    from pacinian.types import Floats, Gains
+    from pacinian.types import Floats, Gains, Singles
 
-TINY = 1e-300
+TINY = 1e-30
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
 TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
@@ -78,6 +80,8 @@ class Player:
         cycle: Cycle | None = None,
     ) -> None:
         self.session, self.skipped = session, skipped
+        self.switches = False
+        """Whether squares have steps: for a device that is on or off."""
         self.smoother = Smoother(smoothing, len(session.array))
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.solved: list[Solved] = []
@@ -92,6 +96,9 @@ class Player:
         self._steps: dict[Step, Solved] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
         self._followed: list[Solved] = []
+        self._before: Solved | None = None  # whose envelopes what still fades has
+        self._span = 0  # rows that are left of a change
+        self._growth = 1.0
         self._limited = False  # anew: what kept other limits may not fade
         self._further = True  # with what there was no time for
         self._several = False  # frames that sound in turn
@@ -115,7 +122,7 @@ class Player:
     def reset(self) -> None:
         """Forget what was solved, and begin from silence."""
         self._key, self._steps, self._limited = (), {}, False
-        self.solved, self._followed, self.placed = [], [], None
+        self.solved, self._followed, self.placed, self._before = [], [], None, None
         self.cycle.reset()
         self.smoother.reset()
 
@@ -131,6 +138,7 @@ class Player:
         if self._key != key:
             self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
             self._key, self._steps, self._parts = key, {}, _parts(samples)
+            self._growth = _growth(samples)
             alone = bool(self._parts[1]) or joins(limits)
             self.cycle.begin(samples, 1 if alone else None)
         self.fresh = []
@@ -160,26 +168,50 @@ class Player:
         """Whether what is kept will do for now."""
         return kept.final or not self._further
 
-    def rows(self, t: float) -> Gains:
-        """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused."""
+    def rows(self, t: float, ticks: int = 1) -> Gains:
+        """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
+
+        ticks: from one solution to the next one, over which a change is spread.
+        """
         solved = self.solved
         flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
         flat = flat and not self._several
         if flat:
-            self._smooth[:] = self.smoother.gains
+            self._smooth[:], self._before = self.smoother.gains, None
+            self.smoother.rest()
         else:
-            self._follow(solved)
-        strength: Floats | None = None
-        at = t + self.times
-        strengths = [None if one.voices is None else one.voices.strength(at) for one in solved]
-        for k in range(len(at)):
-            one, strength = solved[k % len(solved)], strengths[k % len(solved)]
-            self._rows[k] = self._mixed(one, None if strength is None else strength[:, k], k)
+            self._follow(solved, ticks)
+        at, before = t + self.times, self._before
+        strengths = [amplitudes(one, at, self.switches) for one in solved]
+        fading = None if before is None else amplitudes(before, at, self.switches)
+        for k in range(0 if flat else len(at)):
+            one, a = solved[k % len(solved)], strengths[k % len(solved)][:, k]
+            s = self._smooth[k]
+            if before is None and one.parts is None:
+                self._rows[k] = a[0] * s
+                continue
+            sound, rest = voiced(one, a, s)
+            if before is not None and fading is not None:
+                more, rest = voiced(before, fading[:, k], rest)
+                sound += more
+            self._rows[k] = sound + mean(one, a) * rest
+        if flat:
+            self._even(solved[0], strengths[0])
         self._row += len(at)
         self.steady = flat and solved[0].steady
         return self._rows
 
-    def _follow(self, solved: list[Solved]) -> None:
+    def _even(self, one: Solved, a: Singles) -> None:
+        """Write rows of which nothing fades. a: amplitudes of the voices, (V, K)."""
+        if one.parts is None:
+            np.multiply(a[0][:, None], self._smooth, out=self._rows)
+            return
+        g = one.gains
+        turn = np.vdot(g, self._smooth[0]) / max(float(np.vdot(g, g).real), TINY)
+        a = np.vstack([a, mean(one, a)])
+        np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
+
+    def _follow(self, solved: list[Solved], ticks: int) -> None:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
@@ -187,27 +219,13 @@ class Player:
         jumps = self._limited or bool(self._parts[1]) or self.cycle.count > 1
         self.smoother.settings = self._jumps if jumps else self._smoothing
         self._limited = False
-        self.smoother.follow(carriers, self._gap, self._smooth)
+        if solved != self._followed:
+            self._span = ticks * len(self.times)
+            self._before = other(self._followed, solved)
+        span = 1 if self.smoother.settings.rate is None else self._span
+        self.smoother.follow(carriers, self._gap, self._smooth, span, self._growth)
+        self._span -= len(self.times)
         self._followed = solved
-
-    def _mixed(self, solved: Solved, strength: Floats | None, k: int) -> Gains:
-        """One row: each voice as strong as it is now. strength: of radiation pressure, (voices,)."""
-        s: Gains = self._smooth[k]
-        if strength is None:
-            return s
-        a = np.sqrt(strength).astype(np.float32)  # of sound pressure
-        if solved.parts is None:
-            return np.asarray(a[0] * s, dtype=np.complex64) if len(a) else s
-        parts, g = solved.parts, solved.gains
-        P = np.abs(solved.solution.sound_pressure) ** 2
-        assert solved.voices is not None
-        shares = np.bincount(solved.voices.index, P, len(a))
-        mean = np.float32(np.sqrt(shares @ strength / max(shares.sum(), 1e-300)))
-        power = max(float(np.vdot(g, g).real), TINY)
-        c = complex(np.vdot(g, s)) / power  # s = c g + what has not faded yet
-        c /= max(abs(c), 1.0)
-        mixed = np.append(a, mean) @ parts
-        return np.asarray(c * mixed + mean * (s - c * g), dtype=np.complex64)
 
     def _found(
         self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
@@ -314,6 +332,12 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
         return samples, []
     parts = [(items[i], samples.only(samples.objects == i)) for i in moving]
     return samples.only(~np.isin(samples.objects, moving)), parts
+
+
+def _growth(samples: Samples) -> float:
+    """How many times louder samples are at the most that their objects press with."""
+    P, most = samples.radiation_pressure.sum(), samples.most.sum()
+    return math.sqrt(most / P) if most > P > TINY else 1.0
 
 
 def _presented(item: Object, samples: Samples, t: float) -> Samples:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 class Smoothing:
     """How far the output may go from row to row of a frame.
 
-    rate: the largest change of any gain per second [1/s]; None for no limit. A transducer at full drive
-        turns its phase by as many radians a second, so that a focus at speed v needs k v at most: 750
-        lets one at 1 m/s pass without lag, and silence take 1.3 ms to full drive. A focus that is meant
-        to jump (spatio-temporal modulation) needs None.
+    rate: the largest change of any gain per second, over the loudest gain that sounds or is asked [1/s]; None for no
+        limit. The loudest transducer turns its phase by as many radians a second, so that a focus at speed v needs
+        k v at most: 750 lets one at 1 m/s pass without lag, and any sound come or go in 1.3 ms, be it strong or weak.
+        A focus that is meant to jump (spatio-temporal modulation) needs None.
     align: turn each solution's global phase, which is free, to that of the row before.
     Raises ArgumentError.
     """
@@ -40,9 +40,9 @@ class Smoothing:
 class Smoother:
     """Follows solved gains smoothly, from silence on.
 
-    Where the limit binds, the output fades from the row before to the gains that are asked, all
-    transducers by the same fraction. So what both keep is kept on the way: limits of gain and power
-    and quiet zones are convex, and a focus that both have in phase stays.
+    Where the limit binds, or a change is spread over more rows, the output fades from the row before to the
+    gains that are asked, all transducers by the same fraction. So what both keep is kept on the way: limits of
+    gain and power and quiet zones are convex, and a focus that both have in phase stays.
 
     settings: may be replaced at any time. columns: N. Raises ArgumentError.
     """
@@ -56,13 +56,18 @@ class Smoother:
         """The last row given out, (N,)."""
         self.settled = False
         """Whether that row is what was asked: with the same gains, nothing is left to do."""
+        self._loudest = np.zeros(1, dtype=np.float32)
         self._follow = smooth_kernels.follow
 
-    def follow(self, gains: Gains, seconds: float, out: Gains) -> None:
+    def follow(
+        self, gains: Gains, seconds: float, out: Gains, span: int = 1, growth: float = 1.0
+    ) -> None:
         """Write the next rows of output, (K, N), for the solved `gains`, (K, N), or (1, N) for all rows.
 
         gains: complex64, contiguous, before any envelope: what is meant to vibrate is not smoothed.
-        seconds: from row to row [s]. No |out| is more than those of the gains and of the row before.
+        seconds: from row to row [s]. span: rows from now on over which a change is spread evenly; more where the limit
+        binds. growth: how many times louder the gains are going to be, if they come up: the limit is of that.
+        No |out| is more than those of the gains and of the row before.
         Raises ArgumentError.
         """
         K, N = out.shape
@@ -70,9 +75,16 @@ class Smoother:
             raise ArgumentError("gains", f"must have shape {out.shape}, not {gains.shape}")
         rate = self.settings.rate
         step = np.float32(math.inf if rate is None else rate * seconds)
-        self.settled = self._follow(gains, step, self.settings.align, self.gains, out)
+        align, settled = self.settings.align, self.settled
+        self.settled = self._follow(
+            gains, step, span, np.float32(growth), align, settled, self._loudest, self.gains, out
+        )
+
+    def rest(self) -> None:
+        """All stays as it is: what was louder before does not count any more."""
+        self._loudest[:] = 0.0
 
     def reset(self) -> None:
         """Silence: the next rows start from nothing."""
-        self.gains[:] = 0.0
+        self.gains[:] = self._loudest[:] = 0.0
         self.settled = False

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.scene.time.envelope import resolve
 from pacinian.scene.time.technique import Simultaneous
-from pacinian.scene.time.waves import Constant
+from pacinian.scene.time.waves import Constant, Square
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
@@ -36,10 +36,14 @@ class Voices:
 
     def _voice(self, item: Object) -> int:
         for v, other in enumerate(self.items):
-            if item.envelope == other.envelope and item.technique == other.technique:
+            if _alike(item, other):
                 return v
         self.items.append(item)
         return len(self.items) - 1
+
+    def alike(self, other: Voices) -> bool:
+        """Whether both are one and the same voice."""
+        return len(self) == len(other) == 1 and _alike(self.items[0], other.items[0])
 
     def __len__(self) -> int:
         return len(self.items)
@@ -52,12 +56,22 @@ class Voices:
             for item in self.items
         )
 
-    def strength(self, t: Floats) -> Floats:
-        """Factor on the radiation pressure of each voice at times t [s], (voices, K), in 0..1."""
+    def strength(self, t: Floats, switches: bool = False) -> Floats:
+        """Factor on the radiation pressure of each voice at times t [s], (voices, K), in 0..1.
+
+        switches: whether squares have steps.
+        """
         factors = np.empty((len(self.items), len(t)))
         for row, item in zip(factors, self.items, strict=True):
-            row[:] = resolve(item.envelope).at(t) * item.technique.factor(t)
+            envelope = resolve(item.envelope)
+            square = envelope if switches and isinstance(envelope, Square) else None
+            factor = envelope.at(t) if square is None else square.switched(t)
+            row[:] = factor * item.technique.factor(t)
         return np.asarray(np.fmin(np.fmax(factors, 0.0), 1.0))  # NaN is 0
+
+
+def _alike(item: Object, other: Object) -> bool:
+    return item.envelope == other.envelope and item.technique == other.technique
 
 
 def contributions(solution: Solution, propagator: Propagator, index: Indices, count: int) -> Gains:

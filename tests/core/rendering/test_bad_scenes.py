@@ -40,8 +40,8 @@ def render(
     rows: list[Any] = []
     follow = Smoother.follow
 
-    def followed(self: Smoother, gains: Any, seconds: float, out: Any) -> None:
-        follow(self, gains, seconds, out)
+    def followed(self: Smoother, gains: Any, seconds: float, out: Any, *more: Any) -> None:
+        follow(self, gains, seconds, out, *more)
         rows.append(np.abs(out).max(initial=0.0))
 
     monkeypatch.setattr(Smoother, "follow", followed)

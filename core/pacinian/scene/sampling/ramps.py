@@ -17,12 +17,16 @@ if TYPE_CHECKING:
 
 JUMP = 0.02  # [m] in one tick: the sample fades where it was, and rises where it is
 LONGEST = 0.02  # [s] that one tick may count for: time may jump
+QUARTER = math.pi / 2.0  # of a turn
+TINY = 1e-300
+SLACK = 1e-6  # of a ramp, for rounding: it ends in time
 
 
 class Ramps:
     """Follows the samples asked for, no pressure changing faster than from 0 to its most in `ramp` [s].
 
-    Its most is that of its object, or its pressure where that is more. What is no longer asked for fades
+    On this way it is a raised cosine over time, so that its slope begins and ends at 0.
+    Its most is that of its object, or where it comes down from more, that. What is no longer asked for fades
     out where it was last. 0: follows at once. Where the samples of a region change, because it moves over the skin
     or is covered more finely, the new ones go on from what was felt there, and the old ones end.
     """
@@ -47,16 +51,17 @@ class Ramps:
             self._asked = self._last = asked
             return asked
         self._asked = asked
-        share = seconds / self.ramp  # of its most, by which a pressure may change
+        share = seconds / self.ramp * (1.0 + SLACK)  # of the way between 0 and its most
         last = self._last
-        was, gone, jumped = _matched(asked, last)
-        step = share * np.maximum(asked.most, was)
-        P = np.minimum(np.maximum(asked.radiation_pressure, was - step), was + step)
+        was, top, gone, jumped = _matched(asked, last)
+        most = np.maximum(asked.most, np.where(was > asked.radiation_pressure, top, was))
+        low, high = _on(was, most, -share), _on(was, most, share)
+        P = np.minimum(np.maximum(asked.radiation_pressure, low), high)
         going = self._going(last, gone, jumped, share) if gone.any() else None
         if going is None and (asked.radiation_pressure == P).all():
             self._last = asked
         else:
-            self._last = asked.with_pressure(P)
+            self._last = replace(asked, radiation_pressure=P, most=most)
         if going is not None:
             self._last = _with(self._last, going)
         return self._last
@@ -67,7 +72,7 @@ class Ramps:
         It keeps its key, so that it comes up from there when it is asked for again, unless that has jumped.
         """
         P = last.radiation_pressure
-        P = P - share * np.maximum(last.most, P)
+        P = _on(P, np.maximum(last.most, P), -share)
         left = gone & (P > 0.0)
         if not left.any():
             return None
@@ -79,17 +84,24 @@ class Ramps:
         return replace(going, radiation_pressure=P[left], keys=keys)
 
 
-def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
-    """Each asked sample's pressure until now, 0 for new ones; which of the last are gone; which have jumped."""
+def _on(P: Floats, most: Floats, share: float) -> Floats:
+    """Pressures, (M,), a share of the way from 0 to their most further: the square of a sine over it."""
+    if not share:
+        return P
+    way = np.arcsin(np.sqrt(P / np.maximum(most, TINY))) / QUARTER
+    return np.asarray(most * np.sin(QUARTER * np.clip(way + share, 0.0, 1.0)) ** 2)
+
+
+def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flags]:
+    """Each asked sample's pressure until now and its most, 0 for new ones; which of the last are gone, which jumped."""
     jumped = np.zeros(len(last), dtype=np.bool_)
     if len(asked) == len(last) and (asked.keys == last.keys).all():
         near = _near(asked.positions, last.positions)
-        if near.all():
-            return last.radiation_pressure, jumped, jumped
-        return np.where(near, last.radiation_pressure, 0.0), ~near, ~near
+        was, top = (np.where(near, x, 0.0) for x in (last.radiation_pressure, last.most))
+        return was, top, ~near, ~near
     gone = np.ones(len(last), dtype=np.bool_)
     if not (len(last) and len(asked)):
-        return np.zeros(len(asked)), gone, jumped
+        return np.zeros(len(asked)), np.zeros(len(asked)), gone, jumped
     order = np.argsort(last.keys, kind="stable")
     place = np.minimum(np.searchsorted(last.keys, asked.keys, sorter=order), len(last) - 1)
     index = order[place]
@@ -97,17 +109,18 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Flags, Flags]:
     near = found & _near(asked.positions, last.positions[index])
     jumped[index[found & ~near]] = True
     gone[index[near]] = False
-    was = np.where(near, last.radiation_pressure[index], 0.0)
+    was, top = (np.where(near, x[index], 0.0) for x in (last.radiation_pressure, last.most))
     new = np.flatnonzero(~found & (asked.regions >= 0))
     if len(new):
         under = _under(asked.only(new), last)
         there = under >= 0
         new, under = new[there], under[there]
         was[new] = np.minimum(asked.radiation_pressure[new], last.radiation_pressure[under])
+        top[new] = was[new]
     left = np.flatnonzero(gone & ~jumped & (last.regions >= 0))
     if len(left):
         gone[left[_under(last.only(left), asked) >= 0]] = False
-    return was, gone, jumped
+    return was, top, gone, jumped
 
 
 def _under(samples: Samples, others: Samples) -> Indices:
@@ -136,13 +149,18 @@ def _with(asked: Samples, going: Samples) -> Samples:
     used, objects = np.unique(going.objects, return_inverse=True)
     for n, i in enumerate(used.tolist()):
         item = going.items[i]
-        if i >= len(items) or not _same(item, items[i]):
+        if i >= len(items) or not _same(item, items[i]) or not _alike(item, items[i]):
             used[n] = len(items) + len(extra)
             extra.append(item)
     if extra:
         items = (*items, *extra)
     going = replace(going, objects=used[objects], items=items)
     return joined([replace(asked, items=items), going])
+
+
+def _alike(item: Object, other: Object) -> bool:
+    """Whether what fades of one vibrates as the other."""
+    return item.envelope == other.envelope and item.technique == other.technique
 
 
 def _same(item: Object, other: Object) -> bool:

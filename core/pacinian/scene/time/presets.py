@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from pacinian.errors import ArgumentError
 from pacinian.scene.time.noise import Noise
-from pacinian.scene.time.waves import Sine
+from pacinian.scene.time.waves import EDGE, Sine, raised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,7 +27,7 @@ class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     They show waveforms and give no numbers: these are ours.
 
-    impulsive: taps, 4 a second: up within 1 ms, and away within about 40 ms (a time constant of 15).
+    impulsive: taps, 4 a second: up within 1.5 ms, and away within about 40 ms (a time constant of 15).
     rapturous: a vibration of 150 Hz that swells and fades once in 1.5 s.
     trembling: a vibration of 40 Hz whose strength wanders irregularly, some times a second.
     buzzing: a steady vibration of 250 Hz, where Pacinian corpuscles feel best. Raises ArgumentError.
@@ -48,7 +48,7 @@ class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 def impulsive(t: Floats) -> Floats:
     """Taps."""
     s = t % 0.25
-    return np.asarray(np.minimum(s / 0.001, 1.0) * np.exp(-s / 0.015))
+    return raised(s / EDGE) * np.exp(-s / 0.015)
 
 
 def rapturous(t: Floats) -> Floats:

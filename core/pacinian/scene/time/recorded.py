@@ -14,7 +14,7 @@ from msgspec.structs import force_setattr
 from pacinian.checks import number, numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.time.wav import read
-from pacinian.scene.time.waves import between
+from pacinian.scene.time.waves import EDGE, between, between_edges
 
 if TYPE_CHECKING:
     from pacinian.types import Floats, Singles
@@ -40,7 +40,8 @@ class Wave(
     """A recorded wave: of a WAV file (8 to 32 bits, or float; the mean of its channels), or given here.
 
     file: its path; in a scene file, from that file's folder. samples: x in -1..1 (more is clipped), at
-    `rate` [Hz]. loop: again and again, else once from t = 0 on, and nothing before and after.
+    `rate` [Hz]. loop: again and again, else once from t = 0 on, and nothing before and after: it comes and
+    goes within 1.5 ms.
 
     mode: "waveform": the radiation pressure follows the wave itself, (1 + x) / 2. It is the default since
     only it keeps the frequencies, and skin tells waves apart by these; silence is a steady half, which
@@ -81,7 +82,8 @@ class Wave(
         values, rate, duration = self._table
         if self.loop:
             return between(values, (t % duration) * rate)
-        within = (t >= 0.0) & (t < duration)
+        edge = min(EDGE, duration / 2.0)
+        within = between_edges(t, duration - edge, edge)
         return within * between(values, np.clip(t, 0.0, duration) * rate)
 
     @functools.cached_property

@@ -13,6 +13,7 @@ from pacinian.checks import number
 from pacinian.types import Floats
 
 FASTEST = 100_000.0  # [Hz], more than any device can follow
+EDGE = 1.5e-3  # [s] from low to high or back, at least: less is louder, more is felt as weaker (decision 45)
 SLIP = 1e-9  # [s]; an edge due on a frame must not come one frame late by rounding
 
 
@@ -47,7 +48,11 @@ class Sine(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
 
 class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="square"):
-    """High for `duty` of each period, then low; frequency [Hz]. Raises ArgumentError."""
+    """High for `duty` of each period, then low; frequency [Hz]; starts at low.
+
+    Up and down it goes by half a cosine within 1.5 ms, or as long as high and low last, for steps are heard.
+    Raises ArgumentError.
+    """
 
     frequency: float
     low: float = 0.0
@@ -61,13 +66,22 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
-        return np.where((self.frequency * (t + SLIP)) % 1.0 < self.duty, self.high, self.low)
+        return self._at(t, min(EDGE * self.frequency, self.duty, 1.0 - self.duty))
+
+    def switched(self, t: Floats) -> Floats:
+        """The same with steps, for devices that are on or off."""
+        return self._at(t, 0.0)
+
+    def _at(self, t: Floats, edge: float) -> Floats:
+        place = (self.frequency * (t + SLIP)) % 1.0  # in the period
+        return self.low + (self.high - self.low) * between_edges(place, self.duty, edge)
 
 
 class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="pulse"):
     """High for `width` [s] from `start` [s] on, and again every `period` [s], or only once; else low.
 
-    rise: how long it takes up, and again down, within the width [s]: half a cosine. Raises ArgumentError.
+    rise: how long it takes up, and again down, within the width [s], by half a cosine. Less than 1.5 ms is made up to
+    that, as far as the width and the rest of the period allow, for steps are heard. Raises ArgumentError.
     """
 
     width: float
@@ -88,18 +102,15 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
-        s = t - self.start + SLIP
+        s, falls, edge = t - self.start + SLIP, self.width - self.rise, EDGE
         if self.period is not None:
-            s = s % self.period
-        if not self.rise:
-            return np.where((s >= 0.0) & (s < self.width), self.high, self.low)
-        up = np.clip(np.minimum(s, self.width - s), 0.0, self.rise) / self.rise
-        half = (self.high - self.low) / 2.0
-        return np.asarray(self.low + half * (1.0 - np.cos(np.pi * up)))
+            s, edge = s % self.period, min(EDGE, self.period - falls)
+        edge = max(self.rise, min(edge, falls))
+        return self.low + (self.high - self.low) * between_edges(s, falls, edge)
 
 
 class Function(Struct, frozen=True):
-    """Any function of times [s], (K,) -> (K,); what leaves 0..1 is clipped, NaN is 0."""
+    """Any function of times [s], (K,) -> (K,); what leaves 0..1 is clipped, NaN is 0. Its steps are heard."""
 
     function: Callable[[Floats], Floats]
 
@@ -107,6 +118,19 @@ class Function(Struct, frozen=True):
         """The factor at times t [s], same shape."""
         value = np.broadcast_to(np.asarray(self.function(t), dtype=np.float64), t.shape)
         return np.clip(np.nan_to_num(value, nan=0.0), 0.0, 1.0)
+
+
+def raised(share: Floats) -> Floats:
+    """From 0 to 1 by half a cosine, at shares of the way; less than 0 is 0, more than 1 is 1."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.clip(share, 0.0, 1.0)))
+
+
+def between_edges(place: Floats, falls: float, edge: float) -> Floats:
+    """0 before 0, 1 until `falls`, then 0; up and down within `edge` after that, if it is not 0."""
+    if not edge > 0.0:
+        return np.asarray((place >= 0.0) & (place < falls), dtype=np.float64)
+    up, down = (np.clip(place - after, 0.0, edge) / edge for after in (0.0, falls))
+    return raised(up) - raised(down)
 
 
 def frequency(wave: Any, name: str, *, above: bool = False) -> None:
