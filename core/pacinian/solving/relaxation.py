@@ -125,6 +125,7 @@ def _step(
     right = np.concatenate([rise[:, None], E], axis=1) / d
     inner = np.eye(len(C)) + C * (F.T @ (F / d))
     right -= F @ np.linalg.solve(inner, C * (F.T @ right)) / d
-    da: Floats = np.linalg.solve(np.abs(X) ** 2 - E.T @ right[:, 1:], along + E.T @ right[:, 0])
-    db: Floats = right[:, 0] + right[:, 1:] @ da
+    da = np.linalg.solve(np.abs(X) ** 2 - E.T @ right[:, 1:], along + E.T @ right[:, 0])
+    db = np.asarray(right[:, 0] + right[:, 1:] @ da, np.float64)
+    da = np.asarray(da, np.float64)
     return da, db, math.sqrt(max(float(along @ da + rise @ db), 0.0))

@@ -167,7 +167,9 @@ class Polish:
     def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
         """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
         room, endless = self.room, self.budget.endless
-        steps = steps if endless or self._affords() else 0  # what these multipliers make, and no step
+        steps = (
+            steps if endless or self._affords() else 0
+        )  # what these multipliers make, and no step
         chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
         room.found[3:5] = FRESH
         for _ in range(0, max(1, steps), chunk):
