@@ -26,6 +26,8 @@ from pacinian.solving.nulls import Preparation
 from pacinian.solving.problem import Budget, Limits, Targets, numbered
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import carried, settle
+from pacinian.solving.relaxation import MOST as MOST_POINTS
+from pacinian.solving.relaxation import least_error
 from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
@@ -163,11 +165,12 @@ class Session:
         self.last = self._base = self._solved_with = None
         self.propagator.forget()
 
-    def certify(self, gains: ArrayLike) -> Solution:
+    def certify(self, gains: ArrayLike, *, over_phases: bool = False) -> Solution:
         """The evidence of the last solution, for `gains`, (N,), as emitted: rounded by a device, say.
 
         Everything is computed anew in double precision: pressures, residual, objective, the bound from
-        the multipliers, violations of limits. Raises ArgumentError.
+        the multipliers, violations of limits. over_phases: also `Solution.least_error`, which takes seconds; for at
+        most 16 points and `scale="exact"`. Raises ArgumentError.
         """
         last, with_ = self.last, self._solved_with
         if last is None or with_ is None:
@@ -176,12 +179,20 @@ class Session:
         g = np.asarray(gains)
         if g.shape != (N,) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
             raise ArgumentError("gains", f"must be {N} finite numbers")
+        if over_phases and (len(last.sound_pressure) > MOST_POINTS or last.targets.scale == "max"):
+            raise ArgumentError(
+                "over_phases", f'is for at most {MOST_POINTS} points and scale="exact"'
+            )
         g = g.astype(np.complex128)
         points, facing = self.propagator.points, self.propagator.facing
         B = matrix(self.array, points, self.medium)
         if facing is not None:
             B *= facing.weights(points, self.array.positions)
         p: Complexes = B @ g
+        least = math.nan
+        if over_phases and limits.gain is not None and last.targets.norm:
+            counts = ~last.targets.beside
+            least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
         nulls = self.propagator.nulls
         if nulls is not None:
             nulls.leave_out(B, points)  # as those multipliers are of
@@ -209,10 +220,12 @@ class Session:
                 late=last.status is Status.deadline,
                 scaled=last.status is Status.scaled,
                 limited=last.status is Status.limited,
+                unproven=last.status is Status.approximate,
             ),
             bound=proven,
             objective=objective,
             violations=broken,
+            least_error=least,
         )
         return self.felt(certified)
 
@@ -361,6 +374,7 @@ class Session:
             status = judge(
                 propagator, targets, miss,
                 broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
+                unproven=result.unproven,
             )  # fmt: skip
         return Solution(
             out, targets, p, status, plain(result.solver or solver.name), result.iterations,

@@ -18,6 +18,7 @@ class Result(NamedTuple):
     iterations: how many. limited: transducers are held at their limit. late: stopped by the budget.
     bound, objective, multipliers, mu: as in `Solution`. quiet_weight: in both, of the points beside regions
     (`Targets.beside`). note: free text. solver: the name of the solver that it was passed on to.
+    unproven: with `scale="max"`, that it may be weaker than what it should be, the strongest for its phases.
     """
 
     iterations: int = 0
@@ -30,6 +31,7 @@ class Result(NamedTuple):
     quiet_weight: float = 1.0
     note: str = ""
     solver: str = ""
+    unproven: bool = False
 
 
 class Solver(ABC):

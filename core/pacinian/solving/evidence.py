@@ -95,6 +95,7 @@ def judge(
     late: bool,
     scaled: bool,
     limited: bool,
+    unproven: bool = False,
 ) -> Status:
     """How it ended, by what pressures `missed`, and by what the solver and the limits did."""
     if not targets.norm:
@@ -104,6 +105,8 @@ def judge(
     if targets.scale == "max":
         if late:
             return Status.deadline
+        if unproven:
+            return Status.approximate
         scaled = False
     if miss <= (TOLERANCE if targets.regions is None else EVEN):
         return Status.ok

@@ -313,3 +313,7 @@ class Budget:
     def spent(self) -> bool:
         """Whether the time is up."""
         return self.due < math.inf and self.clock() >= self.due
+
+    def affords(self, seconds: float) -> bool:
+        """Whether so long a step would still be in time."""
+        return self.due == math.inf or self.clock() + seconds <= self.due

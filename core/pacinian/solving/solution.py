@@ -29,7 +29,8 @@ class Status(Enum):
     silent = "nothing is asked: all gains are zero"
     approximate = (
         "not all targets are met, with no limit reached: "
-        "the points are closer than the array can resolve, or the solver is approximate"
+        "the points are closer than the array can resolve, or the solver is approximate; "
+        "or as strong as possible was asked, and it may be weaker"
     )
     limited = (
         "transducers are at their limit: these are the nearest pressures that it allows; "
@@ -73,7 +74,8 @@ class Solution:
     `Session.certify`. gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
     late: whether the time was up before the solver was done. asked_phases: what the solver was given [rad], (M,),
     where there are regions: to go on from. quiet_weight: of the points beside regions (`Targets.beside`), where others
-    have 1, in bound and objective.
+    have 1, in bound and objective. least_error: no gains within the gain limit have a lower `error`, whatever the
+    phases; from `Session.certify`, where that is asked for, else NaN.
     note: what the solver has to say, such as why `auto` chose it.
     """
 
@@ -95,6 +97,7 @@ class Solution:
     late: bool = False
     asked_phases: Floats | None = None
     quiet_weight: float = 1.0
+    least_error: float = math.nan
 
     @property
     def asked(self) -> Complexes:
@@ -160,6 +163,8 @@ class Solution:
         }
         if not math.isnan(self.gap):
             rows["proof"] = f"objective {self.objective:.4g} Pa², optimum at least {self.bound:.4g}"
+        if not math.isnan(self.least_error):
+            rows["error of any gains and phases"] = f"at least {100.0 * self.least_error:.2g} %"
         for number, felt in enumerate(self.felt):
             rows[f"felt of region {number}"] = str(felt)
         rows |= {f"broken: {name}": f"by {by:.2%}" for name, by in self.violations.items()}

@@ -145,7 +145,7 @@ def test_two_plugins_of_one_name_are_an_error(write: Any) -> None:
 
 
 def test_an_option_that_does_not_exist_is_refused_with_those_that_do() -> None:
-    with pytest.raises(pc.ArgumentError, match=r"`stepz`.*mu, mu_regions, rounds"):
+    with pytest.raises(pc.ArgumentError, match=r"`stepz`.*mu, mu_regions, rounds, starts"):
         pc.solver("lagrange", stepz=3)
 
 

@@ -252,9 +252,17 @@ def test_the_step_of_the_gains_solves_its_equations(M: int, seed: int) -> None:
 def test_full_drive_makes_amplitudes_proportional(seed: int) -> None:
     B, _, p = problem(4, 200, seed)
     y, h, made = p.copy(), np.empty((3, 200), f4), np.empty((2, 4))
-    multiple = equalise(B, p, 200, y, h, made, np.zeros((2, 4, passes.TILE), f4))
+    found = np.zeros(1)
+    tile = np.zeros((2, 4, passes.TILE), f4)
+    taken = equalise(B, p, 200, y, h, made, tile, found)
+    assert taken == -200 or 0 < taken < 200
     a = np.hypot(*made)
-    np.testing.assert_allclose(a, multiple * np.abs(p), rtol=5e-3)
+    np.testing.assert_allclose(a, found[0] * np.abs(p), rtol=5e-3)
+    if taken > 0:  # as many as that, and no more, were needed
+        y[:] = p
+        assert equalise(B, p, taken, y, h, made, tile, found) == taken
+        y[:] = p
+        assert equalise(B, p, taken - 1, y, h, made, tile, found) == 1 - taken
     np.testing.assert_allclose(np.hypot(h[0], h[1]), 1.0, atol=1e-5)
 
 

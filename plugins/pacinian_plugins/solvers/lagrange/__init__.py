@@ -12,7 +12,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import integer, number
 from pacinian.solving import kernels
-from pacinian.solving.evidence import violations
+from pacinian.solving.evidence import TOLERANCE, missed, violations
 from pacinian.solving.keep import keep
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
@@ -24,7 +24,10 @@ from pacinian_plugins.solvers.lagrange.small import begin, within
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from pacinian.types import Floats
+
 AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as held
+NEARLY = 0.98  # of full drive: where the strongest takes less, its proportions are hard to make
 WHOLE = 1.0 + 1e-6  # of the power limit: this much is rounding
 
 
@@ -34,7 +37,8 @@ class Lagrange(pc.Solver):
 
     mu: regularisation, relative to trace(B B^H) / M. mu_regions: the same where there are regions, whose
     samples lie closer than the array resolves. rounds: how often free phases are chosen anew where
-    more than the gain limit keeps targets from being met.
+    more than the gain limit keeps targets from being met. starts: how many other phases are gone on with where
+    up to 16 points cannot be met, or are to be as strong as possible; none in a loop, where phases go on from the last.
 
     Under the gain limit alone phases and gains are found together (`polish`); the other limits are then
     looked at, and where one is broken, or there are more samples than transducers, convex problems are
@@ -51,12 +55,14 @@ class Lagrange(pc.Solver):
     mu: Annotated[float, Meta(gt=0.0, le=1.0)] = 1e-6
     mu_regions: Annotated[float, Meta(gt=0.0, le=1.0)] = 5e-3
     rounds: Annotated[int, Meta(ge=1, le=100)] = 20
+    starts: Annotated[int, Meta(ge=1, le=64)] = 16
 
     def __post_init__(self) -> None:
         for name in ("mu", "mu_regions"):
             value = number(name, getattr(self, name), low=0.0, high=1.0, above=True)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "rounds", integer("rounds", self.rounds, low=1))
+        object.__setattr__(self, "starts", integer("starts", self.starts, low=0))
 
     def solve(
         self,
@@ -78,16 +84,18 @@ class Lagrange(pc.Solver):
             strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
             return self._constrained(propagator, targets, limits, budget, out, mu)
-        result = self._polished(propagator, targets, limits, warm, budget, out, mu)
-        if budget.spent or not self._broken(propagator, targets, limits, out):
+        result, done = self._polished(propagator, targets, limits, warm, budget, out, mu)
+        broken = self._broken(propagator, targets, limits, out)
+        if budget.spent or (done and not broken):
             return result
         first = out.copy()
-        second = self._constrained(propagator, targets, limits, budget, out, mu)
+        made = propagator.apply(out).astype(np.complex128)
+        phases = None if broken else np.asarray(np.angle(made), np.float64)
+        second = self._constrained(propagator, targets, limits, budget, out, mu, phases)
         if strongest and not limits.asked:
             for g in (first, out):
                 keep(g, limits, targets.scale)  # as strong as they may be
-            weaker = np.linalg.norm(propagator.apply(out)) < np.linalg.norm(propagator.apply(first))
-            if weaker:
+            if _strength(propagator, targets, out) < _strength(propagator, targets, first):
                 out[:] = first
                 return result
         return second
@@ -120,8 +128,12 @@ class Lagrange(pc.Solver):
     def _polished(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains, mu: float,
-    ) -> pc.Result:  # fmt: skip
-        """Write the gains that only their own limit keeps from meeting the targets."""
+    ) -> tuple[pc.Result, bool]:  # fmt: skip
+        """Write the gains that only their own limit keeps from meeting the targets.
+
+        And whether nothing stronger is to be looked for, where that is asked: it is where full drive misses the
+        proportions, and in a loop where they are missed.
+        """
         M, N = len(targets.amplitudes), len(out)
         key = Room, M, N
         room = take(key, lambda: Room.of(M, N))
@@ -130,6 +142,7 @@ class Lagrange(pc.Solver):
         polish = Polish(
             propagator.single, propagator.gram, room.p, room.free, mu, room, budget,
             unit / max(share, 1.0), out if single else np.empty(N, np.complex64),
+            starts=self.starts if warm is None else 0,
         )  # fmt: skip
         strongest = targets.scale == "max" and room.free.all()
         end = polish.strongest() if strongest else polish.run()
@@ -138,19 +151,20 @@ class Lagrange(pc.Solver):
             fine = polish.refined(propagator.B)
             out[:] = polish.unit * fine.h
             bound, objective = fine.bound, fine.objective
-        proven = (unit / share) ** 2 if share >= 1.0 else math.nan
+        # of the strongest nothing is proven: those are of the multiple found, not of the targets
+        proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
         result = pc.Result(
             iterations=end.steps,
             limited=end.held > 0 and limits.gain is not None,
             late=end.late,
             bound=bound * proven,
             objective=objective * proven,
-            multipliers=room.y * (unit / share),
+            multipliers=None if strongest else room.y * (unit / share),
             mu=mu,
             note=held(end.held, N),
         )
         give(key, room, M * N)
-        return result
+        return result, not strongest or end.share > (NEARLY if warm is None else 0.0)
 
     def _begin(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
@@ -180,9 +194,9 @@ class Lagrange(pc.Solver):
 
     def _constrained(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        budget: pc.Budget, out: pc.Gains, mu: float,
+        budget: pc.Budget, out: pc.Gains, mu: float, phases: Floats | None = None,
     ) -> pc.Result:  # fmt: skip
-        """Write the gains that all limits together allow."""
+        """Write the gains that all limits allow; free phases of the strongest are turned from `phases`, (M,)."""
         from pacinian_plugins.solvers.lagrange.constrained import Constrained  # more to compile
 
         problem = Constrained.of(propagator, targets, limits, budget, mu)
@@ -190,7 +204,7 @@ class Lagrange(pc.Solver):
         if exact:
             found = problem.nearest(self.rounds)
         else:
-            found = problem.strongest() if targets.regions is None else problem.evenly()
+            found = problem.strongest(phases) if targets.regions is None else problem.evenly()
         answer = found.answer
         out[:] = problem.unit * answer.h
         at_limit = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0
@@ -203,7 +217,14 @@ class Lagrange(pc.Solver):
             objective=problem.unit**2 * found.objective if exact else math.nan,
             mu=mu,
             note=held(at_limit, len(out)),
+            unproven=found.unproven,
         )
+
+
+def _strength(propagator: pc.Propagator, targets: pc.Targets, out: pc.Gains) -> tuple[bool, float]:
+    """Whether gains keep the proportions, and how strong they are: what is stronger compares as larger."""
+    p = propagator.apply(out)
+    return missed(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
 def held(count: int, N: int) -> str:

@@ -12,7 +12,9 @@ from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose
 from pacinian.solving.propagator import gram
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, strongest
+from pacinian_plugins.solvers.lagrange.convex.products import mean_square
 from pacinian_plugins.solvers.lagrange.evenly import climb
+from pacinian_plugins.solvers.lagrange.turn import turn
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
 MET = 1e-4  # relative error at which free phases need not be chosen anew
 ROUGH = 1e-3  # relative gap that will do on the way to the strongest even distribution
+PROVEN = 0.01  # relative gap up to which the strongest for its phases counts as found
 GAIN = 0.02  # a round of new phases that lowers the error by less is the last
 
 
@@ -31,6 +34,7 @@ class Found(NamedTuple):
     error: float  # ||p - made|| / ||p||, free phases being as made
     bound: float = math.nan  # for the phases made
     objective: float = math.nan
+    unproven: bool = False  # with strength asked for: a stronger one may exist for the phases
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,37 +95,35 @@ class Constrained:
         assert best is not None  # rounds >= 1
         return best
 
-    def strongest(self) -> Found:
-        """The largest multiple of the targets that the limits allow.
+    def strongest(self, phases: Floats | None = None) -> Found:
+        """The largest multiple of the targets that the limits allow, in phases turned to from `phases`, (M,) [rad].
 
         Where none of these proportions can be made: the nearest to them, of any strength.
         """
-        p = choose(self.propagator, self.targets, None) / self.unit
-        quiet, power, limited = self._quiet, self._power, self.limits.gain is not None
+        targets, quiet, power = self.targets, self._quiet, self._power
+        p = choose(self.propagator, targets, None) if phases is None else targets.complex(phases)
+        p = p / self.unit
+        limited = self.limits.gain is not None
+
+        def solve(c: Complexes, start: Complexes | None) -> Answer:
+            return strongest(
+                self.A, c, gram=self.gram, quiet=quiet, gain=limited, power=power, start=start,
+                budget=self.budget,
+            )  # fmt: skip
+
+        unproven = False
         if self.reduced is None:
-            answer = strongest(
-                self.A,
-                p,
-                gram=self.gram,
-                quiet=quiet,
-                gain=limited,
-                power=power,
-                budget=self.budget,
-            )
+            answer = turn(solve, p, targets.free, self.budget)
             if answer.strength > 0.0:
-                return self._found(answer)
+                return self._found(answer)._replace(unproven=answer.gap > PROVEN)
+            most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
+            unproven = most > PROVEN  # over what one transducer makes
         some = None if quiet is None else np.zeros_like(quiet)  # of any strength
-        return self._found(
-            least_squares(
-                self.A,
-                self._down(p),
-                mu=self.mu,
-                gram=self.gram,
-                quiet=some,
-                gain=False,
-                budget=self.budget,
-            )
-        )
+        nearest = least_squares(
+            self.A, self._down(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,
+            budget=self.budget,
+        )  # fmt: skip
+        return self._found(nearest)._replace(unproven=unproven)
 
     def evenly(self) -> Found:
         """The largest multiple of a region's targets that the limits allow evenly: `evenly.climb`."""

@@ -9,6 +9,7 @@ of the dual (see `convex.dual`), r real. Steps go on in this order for as long a
 3. Where that stalls, full drive: weighted Gerchberg-Saxton steps find other phases that more pressure
    can be made with (`equalise`); then 2 again.
 4. Where the array cannot do it: Newton steps on the gains to the nearest pressures (`nearest`).
+5. And 3 and 4 from other phases, where the caller gives time for it.
 """
 
 from __future__ import annotations
@@ -24,11 +25,14 @@ from pacinian_plugins.solvers.lagrange.attempt import attempt, certify, deliver
 from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
 from pacinian_plugins.solvers.lagrange.equalise import equalise
 from pacinian_plugins.solvers.lagrange.nearest import nearest
+from pacinian_plugins.solvers.lagrange.room import in_time
 from pacinian_plugins.solvers.lagrange.sweeps import evaluate
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import pacinian as pc
-    from pacinian.types import Complexes, Flags, Gains
+    from pacinian.types import Complexes, Flags, Floats, Gains
     from pacinian_plugins.solvers.lagrange.room import Room
 
 FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
@@ -37,11 +41,11 @@ MET = 1e-4  # relative error that will do in any case
 NEARLY = 1e-3  # and where steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
 ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
-FEW_SAMPLES, OTHERS, GOLDEN = (
-    8,
-    2,
+FEW_SAMPLES, LOOKS, GOLDEN = (
+    16,
+    3,
     0.6180339887,
-)  # up to so many, so many more starts, phases apart by
+)  # samples up to which other starts are tried, looks at full drive for each, phases apart by
 FAR = 0.2  # relative error from which a start is not worth going on from
 SOFT, FEW = (
     (1e-1, 3e-2, 1e-2, 3e-3, 1e-3),
@@ -64,11 +68,16 @@ class Polished(NamedTuple):
     held: int  # transducers at their limit
     bound: float  # [Pa^2] for unit limits
     objective: float
+    share: float = 0.0  # of full drive that the strongest took
 
 
 @dataclass(eq=False)
 class Polish:
-    """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come."""
+    """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come.
+
+    starts: how many other phases may be started from, where those at hand do not do. late: whether the time was up
+    before the first start had come to its end; that of the others is extra.
+    """
 
     B: Complexes
     G: Complexes
@@ -79,14 +88,22 @@ class Polish:
     budget: pc.Budget
     unit: float
     out: Gains
+    starts: int = 0
     steps: int = 0
+    late: bool = False
 
     def run(self) -> Polished:
         """Write gains, from the multipliers in `room.y`."""
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
+            late = self.late or self.budget.spent
+            if error > MET and not late and self._others:
+                error = self._elsewhere(error)
             self._prove()
+            self.late = late
+        else:
+            self.late |= self.budget.spent
         return self._done(error)
 
     def _prove(self) -> None:
@@ -98,15 +115,16 @@ class Polish:
     def _done(self, error: float) -> Polished:
         """What has been found, with its proof."""
         bound, objective, held = self.room.found[5:].tolist()
-        return Polished(error, self.steps, self.budget.spent, int(held), bound, objective)
+        return Polished(error, self.steps, self.late, int(held), bound, objective)
 
     def strongest(self) -> Polished:
         """Write gains for the largest multiple of the targets, all of free phase.
 
-        It stands in p then. Full drive shows about where it is; Newton steps on shares of that find it.
+        It stands in p then. Full drive shows about where it is, and from which phases it is the most; Newton steps
+        on shares of that find it.
         """
         room, p = self.room, self.p.copy()
-        top = self._equalise(MOST_EQUAL)
+        top = self._full()
         start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
         best: Polished | None = None
         y = start
@@ -119,30 +137,56 @@ class Polish:
             if error > IN_PROPORTION:
                 strong = share
                 continue
-            weak, best, y = share, self._done(error), room.y.copy()
+            weak, best, y = share, self._done(error)._replace(share=share), room.y.copy()
             np.copyto(room.spare, room.h)
+        self.late |= self.budget.spent
         if best is None:  # none keeps proportions: what the last came to, or full drive
             self._prove()
             return self._done(error)
         np.copyto(room.h, room.spare)
         deliver(room.h, self.unit, self.out)
         room.y[:] = y
-        return best._replace(steps=self.steps, late=self.budget.spent)
+        return best._replace(steps=self.steps, late=self.late)
+
+    def _full(self) -> float:
+        """Full drive from the phases, of those at hand and of others, from which the weakest sample gets the most.
+
+        Returns the multiple of the targets that it comes nearest to.
+        """
+        room, size = self.room, np.abs(self.p)
+        top = self._equalise(MOST_EQUAL)
+        y, most = room.y.copy(), float((np.hypot(*room.made) / size).min())
+        looks = self._looks(lambda made: float((made / size).min()), self._others)
+        found, k = max(looks, default=(0.0, 0))
+        if found <= most:
+            room.y[:] = y
+            return top
+        room.y[:] = self._phases(k)
+        return self._equalise(MOST_EQUAL)
 
     def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
         """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
         room, endless = self.room, self.budget.endless
+        steps = (
+            steps if endless or self._affords() else 0
+        )  # what these multipliers make, and no step
         chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
         room.found[3:5] = FRESH
-        for _ in range(0, steps, chunk):
+        for _ in range(0, max(1, steps), chunk):
             taken = attempt(
-                self.B, self.G, self.p, self.free, mu or self.mu, chunk, ENOUGH, room.y, room.h, room.made,
-                room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
+                self.B, self.G, self.p, self.free, mu or self.mu, min(chunk, steps), ENOUGH, room.y, room.h,
+                room.made, room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
             )  # fmt: skip
             self.steps += abs(taken)
             if taken >= 0 or room.found[4] > 1.0 or self.budget.spent:
                 return float(room.found[0]), taken >= 0
         return float(room.found[0]), False
+
+    def _affords(self) -> bool:
+        """Whether a Newton step would come in time; the answer is late where it would not."""
+        fits = in_time(self.budget, len(self.p) * self.B.size)
+        self.late |= not fits
+        return fits
 
     def _harder(self, error: float) -> float:
         """What to do where Newton steps stall at `error`; the best gains stay, and their residual as y."""
@@ -166,32 +210,66 @@ class Polish:
             second = self._nearest(ROUGH)
             np.copyto(room.other, room.h)
         np.copyto(room.h, room.spare if first <= second else room.other)
-        if len(self.p) <= FEW_SAMPLES and self.free.all():
-            self._elsewhere(min(first, second))
         error = self._nearest(FINISHED) if work <= LARGE else min(first, second)
         self._residual()
         return error
 
-    def _elsewhere(self, error: float) -> None:
-        """Look where other phases lead, for few samples; the best gains of all stay, `error` being those at hand."""
-        room, m = self.room, np.arange(len(self.p))
+    @property
+    def _others(self) -> int:
+        """How many other phases may be started from: of few samples, all of free phase."""
+        M = len(self.p)
+        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.free.all() else 0
+
+    def _elsewhere(self, error: float) -> float:
+        """Look where other phases lead; the best gains of all stay, `error` being those at hand. Returns theirs.
+
+        Most are left after full drive: those that come nearest there are gone on with.
+        """
+        room, best = self.room, error
         np.copyto(room.spare, room.h)
-        for k in range(OTHERS):
-            if self.budget.spent:
+        asked = np.abs(self.p)
+        looks = sorted(
+            self._looks(lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._others)
+        )
+        for _, k in looks[: self.starts]:
+            if self.budget.spent or best <= MET:
                 break
-            room.y[:] = np.abs(self.p) * np.exp(2j * np.pi * GOLDEN * (k + 1) * m * (m + k + 1))
+            room.y[:] = self._phases(k)
             self._equalise(EQUAL)
             found = self._nearest(ROUGH)
-            if found < error:
-                error = found
+            if found < best:
+                best = found
                 np.copyto(room.spare, room.h)
         np.copyto(room.h, room.spare)
+        if best < error:
+            best = self._nearest(FINISHED)
+        self._residual()
+        return best
+
+    def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
+        """What full drive makes from each of `count` other phases, (M,), is worth: with the number of the phases."""
+        looks = list[tuple[float, int]]()
+        for k in range(count):
+            if self.budget.spent:
+                break
+            self.room.y[:] = self._phases(k)
+            self._equalise(EQUAL)
+            looks.append((worth(np.hypot(self.room.made[0], self.room.made[1])), k))
+        return looks
+
+    def _phases(self, k: int) -> Complexes:
+        """Targets, (M,), in phases of which each k has others, far apart; the first are those of `weighted-gs`."""
+        m = np.arange(len(self.p))
+        turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
+        return np.asarray(np.abs(self.p) * np.exp(2j * np.pi * turns), np.complex128)
 
     def _softened(self, error: float) -> float:
         """Newton steps with more regularisation than asked, less and less of it while that helps.
 
         The best gains are in `room.spare`, with `error` to start from; returns their error.
         """
+        if not self._affords():
+            return error
         room, G, last = self.room, self.G, 1.0
         power = float(np.trace(G).real) / len(G)
         diagonal = np.arange(len(G))
@@ -223,15 +301,16 @@ class Polish:
 
         Returns the multiple of the targets that full drive comes nearest to.
         """
-        room, multiple = self.room, 0.0
-        chunk = steps if self.budget.endless else max(1, QUICK // (8 * self.B.size))
+        room = self.room
+        chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
         for _ in range(0, steps, chunk):
-            multiple = float(
-                equalise(self.B, self.p, min(chunk, steps), room.y, room.h, room.made, room.tile)
+            taken = equalise(
+                self.B, self.p, chunk, room.y, room.h, room.made, room.tile, room.found
             )
-            self.steps += chunk
-            if self.budget.spent:
+            self.steps += abs(taken)
+            if taken >= 0 or self.budget.spent:
                 break
+        multiple = float(room.found[0])
         reached = room.h[2][room.h[2] > 0.0]
         room.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
         return multiple
@@ -241,10 +320,11 @@ class Polish:
         room = self.room
         room.found[1], room.found[4] = 0.0, 0.0
         gather(self.B, room.h, room.made, room.tile)
+        most = LAST if self._affords() else 0
         chunk = LAST if self.budget.endless else max(1, QUICK // (8 * len(self.p) * self.B.size))
-        for _ in range(0, LAST, chunk):
+        for _ in range(0, max(1, most), chunk):
             steps = nearest(
-                self.B, self.p, self.free, self.mu, chunk, ENOUGH,
+                self.B, self.p, self.free, self.mu, min(chunk, most), ENOUGH,
                 room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
                 finished,
             )  # fmt: skip

@@ -10,8 +10,13 @@ import numpy as np
 from pacinian.solving.passes import TILE
 
 if TYPE_CHECKING:
+    import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats, Indices, Singles
 
+PACE, LONG = (
+    5e9,
+    1e-3,
+)  # M M N of a Newton step in a second, about; what is shorter need not be foreseen [s]
 SMALL = 16  # samples up to which `small.begin` solves for the start
 
 
@@ -56,3 +61,8 @@ class Room:
             np.zeros(TILE, np.int64),
             np.zeros(8),
         )
+
+
+def in_time(budget: pc.Budget, work: int) -> bool:
+    """Whether a Newton step of so much `work`, M M N, is short, or would come in time: else it is not to be begun."""
+    return work <= LONG * PACE or budget.affords(work / PACE)

@@ -10,6 +10,7 @@ import numpy as np
 from pacinian_plugins.solvers.lagrange.convex import discs, products
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 from pacinian_plugins.solvers.lagrange.convex.smoothing import Smoothing
+from pacinian_plugins.solvers.lagrange.room import in_time
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -61,6 +62,7 @@ def climb(
 ) -> Answer:
     """The answer from `state` on, to a relative gap of `tolerance`, with at most `steps` steps."""
     c, scale = dual.along, products.mean_square(newton.gram)
+    work = dual.A.shape[0] * dual.A.size
     best: Trial | None = None
     bound, smooth, idle = -math.inf, Smoothing(), 0
     late = impossible = False
@@ -75,7 +77,7 @@ def climb(
             break
         if c is not None and -bound <= FAINT * tolerance:
             break  # no gains make these proportions
-        if budget.spent:
+        if budget.spent or not in_time(budget, work):
             late = True
             break
         if best.excess > 0.0 and c is None and dual.impossible(point.y, scale):

@@ -63,11 +63,11 @@ def least_squares(
     rows = Rows.of(p, exact, quiet)
     dual = Dual.of(A, rows, mu, gain, power)
     newton = Newton.of(A, gram, mu)
-    answer = climb(newton, dual, begin(dual, gram, start), budget, tolerance, steps)
+    answer = climb(newton, dual, begin(dual, gram, start, budget), budget, tolerance, steps)
     if answer.kept or answer.late or soft.all():
         return answer
     near = replace(dual, rows=rows.relaxed())
-    second = climb(newton, near, begin(near, gram, start), budget, tolerance, steps)
+    second = climb(newton, near, begin(near, gram, start, budget), budget, tolerance, steps)
     violation = rows.violation(rows.p - second.made)
     return second._replace(
         violation=violation, kept=False, impossible=answer.impossible,

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import lapack
 
+import pacinian as pc
 from pacinian_plugins.solvers.lagrange.convex import discs, products
 from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
+from pacinian_plugins.solvers.lagrange.room import in_time
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual, Point
 
+ENDLESS = pc.Budget()
 RIDGE = 1e-13  # of the rows' mean square and mu
 SHARE = (
     0.25  # of transducers at their limit from which other starts than the plain one are looked at
@@ -22,8 +25,10 @@ MORE = (1e1, 1e2, 1e3, 1e4, 1e5)  # times mu
 PLAIN = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0)  # mu where there is none, times the rows' mean square
 
 
-def begin(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
-    """The best of y, (R,), if given, and of the answers if nothing had a limit, for several mu."""
+def begin(
+    dual: Dual, gram: Complexes, y: Complexes | None = None, budget: pc.Budget = ENDLESS
+) -> State:
+    """The best of y, (R,), if given, and of the answers if nothing had a limit, for several mu while there is time."""
     none = np.zeros(len(gram), np.bool_)
     best, mu = dual.at(unlimited(dual, gram, dual.mu, none)), dual.mu
     promise = np.inf
@@ -36,6 +41,8 @@ def begin(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
     if y is None and (best.nu > 0.0 or _held(dual, best) > SHARE or loud.any()):
         for near in (none, loud) if loud.any() else (none,):
             for more in MORE:
+                if not in_time(budget, len(gram) ** 3):
+                    break
                 point = dual.at(unlimited(dual, gram, more * dual.mu, near))
                 if point.value > best.value:
                     best, mu = point, more * dual.mu
@@ -45,13 +52,19 @@ def begin(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
     return State(best, made, g, best.r, promise=promise)
 
 
-def begin_strongest(dual: Dual, gram: Complexes, y: Complexes | None = None) -> State:
+def begin_strongest(
+    dual: Dual, gram: Complexes, y: Complexes | None = None, budget: pc.Budget = ENDLESS
+) -> State:
     """The same where the strength is asked for: Re(y^H c) = 1."""
     assert dual.along is not None
     none, scale = np.zeros(len(gram), np.bool_), products.mean_square(gram) or 1.0
-    points = [dual.at(unlimited(dual, gram, mu * scale, none)) for mu in PLAIN]
+    points: list[Point] = []
     if y is not None and (whole := float(np.vdot(dual.along, y).real)) > 0.0:
         points.append(dual.at(y / whole))
+    for mu in PLAIN:
+        if points and not in_time(budget, len(gram) ** 3):
+            break
+        points.append(dual.at(unlimited(dual, gram, mu * scale, none)))
     best = max(points, key=lambda point: point.value)
     g = np.empty_like(best.h)
     discs.clip(best.x, dual.weight, float(np.abs(best.x).mean()), dual.limit, g)

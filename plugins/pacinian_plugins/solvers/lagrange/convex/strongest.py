@@ -53,8 +53,9 @@ def strongest(
     rows = replace(rows, p=np.zeros_like(along))
     dual = replace(Dual.of(A, rows, TINY, gain, power), along=along)
     newton = Newton.of(A, gram, products.mean_square(gram))
-    state = begin_strongest(dual, gram, start)
-    answer = climb(newton, dual, state, budget or pc.Budget(), tolerance, steps)
+    budget = budget or pc.Budget()
+    state = begin_strongest(dual, gram, start, budget)
+    answer = climb(newton, dual, state, budget, tolerance, steps)
     return answer._replace(
         y=answer.y / size, objective=answer.objective / size, bound=answer.bound / size,
         strength=answer.strength / size,

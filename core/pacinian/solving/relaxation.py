@@ -1,0 +1,131 @@
+"""The error that no gains are below, whatever the phases: a semidefinite relaxation, and its proof.
+
+Where phases are free, ||t - |B g||| is the least of ||D u - B g|| over u, |u_m| = 1, D = diag(t): a quadratic form of
+z = (u, g). Its Lagrange dual under |u_m|^2 = 1 and |g_n|^2 <= 1 is that of the relaxation of z z^H to any matrix >= 0:
+
+    maximise  sum a - sum b   subject to  K = [D^2 - diag(a), -D B; -B^H D, B^H B + diag(b)] >= 0,  b >= 0.
+
+For b > 0 K >= 0 says S = D P^-1 D >= diag(a) with P = I + B diag(1/b) B^H: matrices of M rows only. Newton steps with
+the barriers tau (log det K + log b) go there. What is proven needs none of this: any a and any b > 0 prove a bound.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Floats
+
+MOST = 16  # points: M^2 columns and steps of some 10 ms
+STEPS, SHORTEST = 150, 1e-6
+CENTRED, LOWER = 0.25, 8.0  # length of a Newton step from which barriers are lowered, by so much
+CLOSE, NONE = 1e-2, 1e-6  # what barriers may cost, of the bound; squared error that counts as none
+BEGIN = 0.2  # b to start from, over the root of what B is worth to M points
+
+
+def least_error(B: Complexes, t: Floats) -> float:
+    """A number that ||t - |B g||| / ||t|| is not below, for any g with |g_n| <= 1.
+
+    B: (M, N), complex128, for gains in units of the limit. t: (M,), not all 0.
+    """
+    size = float(np.linalg.norm(t))
+    B, t = B[:, B.any(axis=0)] / size, t / size
+    M, N = B.shape
+    if not N:
+        return 1.0
+    b = np.full(N, BEGIN * float(np.linalg.norm(B)) / math.sqrt(N))
+    tau = float(b[0]) / 2.0
+    a = np.full(M, float(np.linalg.eigvalsh(_schur(B, t, b)[0])[0]) - tau)
+    value = _barrier(B, t, a, b, tau)
+    for _ in range(STEPS):
+        da, db, length = _step(B, t, a, b, tau)
+        share = 1.0
+        while share > SHORTEST:
+            new = a + share * da, b * np.exp(share * db)
+            if (higher := _barrier(B, t, *new, tau)) >= value:
+                (a, b), value = new, higher
+                break
+            share /= 2.0
+        if length <= CENTRED or share <= SHORTEST:
+            if tau * (M + 2 * N) <= CLOSE * max(float(a.sum() - b.sum()), NONE):
+                break
+            tau /= LOWER
+            value = _barrier(B, t, a, b, tau)
+    return math.sqrt(max(proven(B, t, a, b), 0.0))
+
+
+def proven(B: Complexes, t: Floats, a: Floats, b: Floats) -> float:
+    """What ||t - |B g|||^2 is not below for any |g_n| <= 1, by multipliers a, (M,), and b > 0, (N,).
+
+    Rounding is taken off. For any Y S >= D Y + Y^H D - Y^H P Y, in which an error of Y counts by its square; that is
+    summed in extended precision where the machine has it. By as much as diag(a) exceeds it, a is lowered.
+    """
+    M, N = B.shape
+    wide = B.astype(np.clongdouble)
+    P = np.eye(M) + (wide / b) @ wide.conj().T
+    Y = np.linalg.solve(P.astype(np.complex128), np.diag(t).astype(np.complex128))
+    DY = t[:, None] * Y.astype(np.clongdouble)
+    least = DY + DY.conj().T - Y.conj().T @ (P @ Y.astype(np.clongdouble))
+    H = least.astype(np.complex128) - np.diag(a)
+    sizes = np.abs(Y).T @ ((np.eye(M) + (np.abs(B) / b) @ np.abs(B).T) @ np.abs(Y))
+    rounding = 4.0 * (N + 3 * M) * float(np.finfo(np.longdouble).eps) * float(sizes.sum())
+    eps = 8.0 * (M + N) * float(np.finfo(np.float64).eps)
+    rounding += eps * (1.0 + float(np.abs(H).sum()))
+    short = max(rounding - float(np.linalg.eigvalsh(H)[0]), 0.0)
+    total = float(a.sum()) - float(b.sum()) - M * short
+    return float(total - eps * (np.abs(a).sum() + b.sum()))
+
+
+def _schur(B: Complexes, t: Floats, b: Floats) -> tuple[Complexes, Complexes, Complexes]:
+    """S, P^-1 D and P, (M, M)."""
+    P: Complexes = np.eye(len(t)) + (B / b) @ B.conj().T
+    W: Complexes = np.linalg.solve(P, np.diag(t).astype(np.complex128))
+    S: Complexes = t[:, None] * W
+    return (S + S.conj().T) / 2.0, W, P
+
+
+def _barrier(B: Complexes, t: Floats, a: Floats, b: Floats, tau: float) -> float:
+    """(sum a - sum b) / tau + log det K + sum log b; minus infinity where K is not above 0."""
+    S, _, P = _schur(B, t, b)
+    try:
+        inside, outside = (np.linalg.cholesky(A).diagonal().real for A in (S - np.diag(a), P))
+    except np.linalg.LinAlgError:
+        return -math.inf
+    logs = float(np.log(inside).sum() + np.log(outside).sum() + np.log(b).sum())
+    return float(a.sum() - b.sum()) / tau + 2.0 * logs
+
+
+def _step(
+    B: Complexes, t: Floats, a: Floats, b: Floats, tau: float
+) -> tuple[Floats, Floats, float]:
+    """Newton's step for `_barrier` in a and log b, and its length in the norm of the Hessian.
+
+    K^-1 = [X, .; ., diag(1/b) - A R A^H], A = diag(1/b) B^H. The Hessian of log det K is, negative, the squared sizes
+    of its elements: for b a diagonal and M^2 columns F, so that no N x N system is solved.
+    """
+    M = len(t)
+    S, W, P = _schur(B, t, b)
+    X = np.linalg.inv(S - np.diag(a))
+    R = np.linalg.inv(P) - W @ X @ W.conj().T
+    weight, vectors = np.linalg.eigh((R + R.conj().T) / 2.0)
+    A = B.conj().T / np.sqrt(b)[:, None]  # in log b: scaled by the root of b
+    Z = A @ vectors
+    i, j = np.triu_indices(M)
+    pairs, apart = Z[:, i] * Z[:, j].conj(), i != j
+    F = np.concatenate([pairs.real, pairs.imag[:, apart]], axis=1)
+    C = weight[i] * weight[j] * np.where(apart, 2.0, 1.0)
+    C = np.concatenate([C, C[apart]])[:, None]
+    own = 1.0 - (np.abs(Z) ** 2) @ weight  # b_n (K^-1)_nn
+    along, rise = 1.0 / tau - X.diagonal().real, own + 1.0 - b / tau
+    d = (2.0 * own + np.maximum(-rise, 0.0))[:, None]  # what log b adds, where that is not below 0
+    E = np.abs(A @ (W @ X)) ** 2  # (N, M)
+    right = np.concatenate([rise[:, None], E], axis=1) / d
+    inner = np.eye(len(C)) + C * (F.T @ (F / d))
+    right -= F @ np.linalg.solve(inner, C * (F.T @ right)) / d
+    da = np.linalg.solve(np.abs(X) ** 2 - E.T @ right[:, 1:], along + E.T @ right[:, 0])
+    db = np.asarray(right[:, 0] + right[:, 1:] @ da, np.float64)
+    da = np.asarray(da, np.float64)
+    return da, db, math.sqrt(max(float(along @ da + rise @ db), 0.0))

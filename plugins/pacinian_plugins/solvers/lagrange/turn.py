@@ -1,0 +1,58 @@
+"""Free phases of the strongest: turned, from where they are, for as long as that makes it stronger."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import optimize
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pacinian as pc
+    from pacinian.types import Complexes, Flags, Floats
+    from pacinian_plugins.solvers.lagrange.convex import Answer
+
+TRIALS, CLOSE = 30, 1e-5  # strengths looked at, at most; relative gain of one step that is the last
+
+
+def turn(
+    solve: Callable[[Complexes, Complexes | None], Answer], c: Complexes, free: Flags,
+    budget: pc.Budget,
+) -> Answer:  # fmt: skip
+    """The strongest multiple of c, (M,), over phases that can be turned to from those of c, where they are `free`.
+
+    solve: the strongest for given phases, from multipliers, (R,). Its strength s is the least of what gains within
+    the limits give a multiplier y with Re(y^H c) = 1, so d log s / d phi_m = -Re(y_m^* j c_m): L-BFGS steps follow.
+    """
+    M = len(c)
+    best = solve(c, None)
+    if not (best.strength > 0.0 and free.any()):
+        return best
+    latest = best
+
+    def weakness(angles: Floats) -> tuple[float, Floats]:
+        nonlocal best, latest
+        turned = c.copy()
+        turned[free] *= np.exp(1j * angles)
+        latest = solve(turned, latest.y)
+        if not latest.strength > 0.0:
+            return math.inf, np.zeros(len(angles))
+        if latest.kept and latest.strength > best.strength:
+            best = latest
+        y = latest.y[:M] / float(np.vdot(latest.y[:M], turned).real)
+        slope = np.asarray((y.conj() * 1j * turned).real[free], np.float64)
+        return -math.log(latest.strength), slope
+
+    def look(intermediate_result: optimize.OptimizeResult) -> None:
+        del intermediate_result
+        if budget.spent:
+            raise StopIteration
+
+    optimize.minimize(
+        weakness, np.zeros(int(free.sum())), method="L-BFGS-B", jac=True, callback=look,
+        options={"maxfun": TRIALS, "ftol": CLOSE},
+    )  # fmt: skip
+    return best
