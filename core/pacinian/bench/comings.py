@@ -138,7 +138,7 @@ def gains(array: Array, scene: Callable[[float], Scene], rows: int, ticks: int =
             if len(made) == count:  # the last frame again
                 made.append(np.repeat(made[-1][-1:], rows, axis=0))
     for fault in renderer.report.faults:
-        raise fault.error
+        raise fault.error or pc.PacinianError(fault.message)
     return np.concatenate(made)
 
 

@@ -55,7 +55,7 @@ class Lagrange(pc.Solver):
     mu: Annotated[float, Meta(gt=0.0, le=1.0)] = 1e-6
     mu_regions: Annotated[float, Meta(gt=0.0, le=1.0)] = 5e-3
     rounds: Annotated[int, Meta(ge=1, le=100)] = 20
-    starts: Annotated[int, Meta(ge=1, le=64)] = 16
+    starts: Annotated[int, Meta(ge=0, le=64)] = 16
 
     def __post_init__(self) -> None:
         for name in ("mu", "mu_regions"):
