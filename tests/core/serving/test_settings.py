@@ -32,7 +32,8 @@ def test_the_example_says_what_the_defaults_are() -> None:
     told, usual = load(EXAMPLE), Settings()
     assert told.workspace is not None
     assert len(told.safety.zones) == 1
-    told = replace(told, workspace=None, safety=replace(told.safety, zones=()))
+    assert told.medium.make() == usual.medium.make()
+    told = replace(told, medium=usual.medium, workspace=None, safety=replace(told.safety, zones=()))
     assert told == usual
 
 
