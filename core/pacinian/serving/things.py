@@ -151,7 +151,9 @@ def made(name: str, item: Object, seen: float, most: float) -> bytes:
         raise
     except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
         raise WireError(f"{type(error).__name__}: {error}", f"$.objects[{name}]") from error
-    if pressure > most:
+    if (
+        pressure > most and not scene.focal
+    ):  # that of a force depends on where it is: the renderer holds it to `most`
         raise too_strong(name, item, pressure, most)
     packed = msgspec.msgpack.encode(scene)
     if len(packed) > LARGEST:

@@ -81,6 +81,7 @@ class Greedy(pc.Solver):
 
     name: ClassVar[str] = "greedy"
     linear: ClassVar[bool] = True
+    even: ClassVar[float] = np.inf
 
     levels: int = 16
     passes: int = 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -65,6 +66,7 @@ class WeightedGs(pc.Solver):
 
     name: ClassVar[str] = "weighted-gs"
     linear: ClassVar[bool] = True
+    even: ClassVar[float] = math.inf
 
     steps: int = 100
     exponent: float = 0.5
