@@ -129,8 +129,8 @@ def server(error: str, output: str, version: str) -> Finding:
 def air(told: str) -> Finding:
     """The air that a server computes with."""
     fix = (
-        "measure the air at the array; if it is another, `pacinian serve --temperature`: 5 degrees of error cost nine "
-        "units half of the pressure of a focus"
+        "measure the air at the array; if it is another, `pacinian serve --temperature`: 10 degrees of error cost nine "
+        "units a third to a half of the pressure at a focus, and move it by 6 mm"
     )
     return Finding("air", "ok", f"the server computes with {told}", fix)
 
