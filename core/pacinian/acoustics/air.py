@@ -22,8 +22,8 @@ POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 class Air:
     """Air at rest, with its attenuation a(r) = r^-n exp(-beta r).
 
-    temperature: [degC], 22 unless given: measure it at the array. 10 degrees of error cost nine units 31 % of the pressure at
-        a focus, and move it by 6 mm (docs/concepts.md). None, "not known", where only a speed of sound is given.
+    temperature: [degC], 22 unless given: measure it at the array. 10 degrees of error cost nine units 31 % of the
+        pressure at a focus, and move it by 6 mm (docs/concepts.md). None, not known, where only a speed is given.
     humidity: relative, 0..1. ambient_pressure: [Pa].
     speed_of_sound: [m/s]. density: [kg/m^3]. Each is computed from these three, as of an ideal gas, unless given.
     attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), a power n, or
