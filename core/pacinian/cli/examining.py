@@ -48,8 +48,7 @@ def examine(connection: str | None = None) -> list[Finding]:
     found.append(_safely("connection file", lambda: file(connection)))
     if found[-1].level == "ok" and not found[-1].fix:
         found.append(_safely("server", lambda: server(connection)))
-        if found[-1].level != "problem":
-            found.append(_safely("air", lambda: air(connection)))
+        found.append(_safely("air", lambda: air(connection)))
     return found
 
 
@@ -215,5 +214,8 @@ def air(given: str | None) -> Finding:
     from pacinian.cli.status import describe_air
     from pacinian.client.client import Client
 
-    with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
-        return findings.air(describe_air(client.capabilities().sound))
+    try:
+        with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
+            return findings.air(describe_air(client.capabilities().sound))
+    except PacinianError:  # which is a finding already
+        return findings.air("no server tells")

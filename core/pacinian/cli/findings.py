@@ -132,7 +132,7 @@ def air(told: str) -> Finding:
         "measure the air at the array; if it is another, `pacinian serve --temperature`: 10 degrees of error cost nine "
         "units a third to a half of the pressure at a focus, and move it by 6 mm"
     )
-    return Finding("air", "ok", f"the server computes with {told}", fix)
+    return Finding("air", "ok", f"computed with: {told}", fix)
 
 
 def memory(folder: str, writable: bool, free: int, needed: int) -> Finding:

@@ -174,7 +174,7 @@ def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
     from pacinian.serving.publishing import sound
 
     for medium, said in (
-        (Air(temperature=26.0), "26 °C, 347.6 m/s"),
+        (Air(temperature=26.0), "26 °C, 347.7 m/s"),
         (Air(speed_of_sound=340.0), "340.0 m/s"),
         (Air(), "22 °C, 345.1 m/s"),
     ):
