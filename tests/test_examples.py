@@ -22,6 +22,7 @@ SAYS = {
     "texture": "by the ridge",
     "hand_session": " 0 differ",
     "custom_solver": "superposition",
+    "temperature": "degrees wrong",
     "own_array": "at the focus",
     "array_study": "sunflower",
 }

@@ -15,6 +15,7 @@ from .acoustics.pressure import sound_pressure as sound_pressure
 from .acoustics.pressure import sound_pressure_level as sound_pressure_level
 from .acoustics.propagation import field as field
 from .acoustics.propagation import matrix as matrix
+from .acoustics.resolution import focal_area as focal_area
 from .acoustics.resolution import resolution as resolution
 from .acoustics.transducer import IDEAL as IDEAL
 from .acoustics.transducer import T4010A1 as T4010A1

@@ -13,6 +13,8 @@ GAS = 8.314462618  # [J/(mol K)]
 DRY_AIR = 0.0289647  # [kg/mol]
 WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
+ROOM = 22.0  # [degC], the middle of the 19 to 25 that rooms with people have (EN 16798-1)
+HUMIDITY = 0.5  # relative, likewise
 POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 
 
@@ -20,18 +22,18 @@ POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 class Air:
     """Air at rest, with its attenuation a(r) = r^-n exp(-beta r).
 
-    temperature: [degC]; given, it sets the speed of sound and the density (ideal gas).
+    temperature: [degC], 22 unless given: measure it at the array. 10 degrees of error cost nine units 31 % of the
+        pressure at a focus, and move it by 6 mm (docs/concepts.md). None, not known, where only a speed is given.
     humidity: relative, 0..1. ambient_pressure: [Pa].
-    speed_of_sound: [m/s], 340 by default. density: [kg/m^3], 1.2 by default.
+    speed_of_sound: [m/s]. density: [kg/m^3]. Each is computed from these three, as of an ideal gas, unless given.
     attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), a power n, or
-        "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency, with 20 degC and
-        50 % relative humidity where `temperature` and `humidity` are not given).
+        "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency).
     absorption: beta [1/m], given instead of computed.
     Raises ArgumentError.
     """
 
     temperature: float | None = None
-    humidity: float = 0.5
+    humidity: float = HUMIDITY
     ambient_pressure: float = ATMOSPHERE
     speed_of_sound: float = 0.0
     density: float = 0.0
@@ -45,10 +47,11 @@ class Air:
         set_(
             "ambient_pressure", number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7)
         )
-        c, rho = 340.0, 1.2  # [m/s], [kg/m^3]
         if self.temperature is not None:
             set_("temperature", number("temperature", self.temperature, low=-80.0, high=100.0))
-            c, rho = _ideal_gas(self.temperature, self.humidity, self.ambient_pressure)
+        elif not self.speed_of_sound:
+            set_("temperature", ROOM)
+        c, rho = _ideal_gas(self._celsius, self.humidity, self.ambient_pressure)
         if self.speed_of_sound:
             c = number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
         set_("speed_of_sound", c)
@@ -80,9 +83,12 @@ class Air:
             return self.absorption
         if self.attenuation != "absorbing":
             return 0.0
-        temperature = 20.0 if self.temperature is None else self.temperature
-        decibels = iso_9613_1(frequency, temperature, self.humidity, self.ambient_pressure)
+        decibels = iso_9613_1(frequency, self._celsius, self.humidity, self.ambient_pressure)
         return decibels * math.log(10.0) / 20.0
+
+    @property
+    def _celsius(self) -> float:
+        return ROOM if self.temperature is None else self.temperature
 
     @property
     def singular(self) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from pacinian import gallery
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
+from pacinian.errors import PacinianError
 from pacinian.plugins.registry import backend
 from pacinian.rendering.audible import audible, envelope
 from pacinian.rendering.renderer import Renderer
@@ -138,7 +139,7 @@ def gains(array: Array, scene: Callable[[float], Scene], rows: int, ticks: int =
             if len(made) == count:  # the last frame again
                 made.append(np.repeat(made[-1][-1:], rows, axis=0))
     for fault in renderer.report.faults:
-        raise fault.error or pc.PacinianError(fault.message)
+        raise fault.error or PacinianError(fault.message)
     return np.concatenate(made)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.checks import integer, number
 from pacinian.errors import ArgumentError
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 FREQUENCY, SPEED, PRESSURE = 40_000.0, 340.0, 4.386  # [Hz], [m/s], [Pa m]
+AIR = Air(speed_of_sound=SPEED, density=1.2)
 WAVENUMBER = 2.0 * math.pi * FREQUENCY / SPEED  # [rad/m]
 SIDE, DISTANCE = 0.2, 0.2  # of the square, and from the array's centre plane [m]
 STEP, FRAMES = 1e-3, 6  # [m]; a warm solve's points go round a hexagon of this side

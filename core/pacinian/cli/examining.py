@@ -48,6 +48,7 @@ def examine(connection: str | None = None) -> list[Finding]:
     found.append(_safely("connection file", lambda: file(connection)))
     if found[-1].level == "ok" and not found[-1].fix:
         found.append(_safely("server", lambda: server(connection)))
+        found.append(_safely("air", lambda: air(connection)))
     return found
 
 
@@ -206,3 +207,15 @@ def server(given: str | None) -> Finding:
             return findings.server("", client.status().output, client.server)
     except PacinianError as error:
         return findings.server(str(error), "", "")
+
+
+def air(given: str | None) -> Finding:
+    """The air that the server of the connection file computes with."""
+    from pacinian.cli.status import describe_air
+    from pacinian.client.client import Client
+
+    try:
+        with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
+            return findings.air(describe_air(client.capabilities().sound))
+    except PacinianError:  # which is a finding already
+        return findings.air("no server tells")

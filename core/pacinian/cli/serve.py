@@ -36,6 +36,12 @@ VIEWER = "starlette", "uvicorn", "websockets"
 @click.option(
     "--log-format", type=click.Choice(["console", "json"]), default=None, help="On standard error."
 )
+@click.option(
+    "--temperature",
+    type=float,
+    default=None,
+    help="Of the air at the array [degC], 22 unless told: measure it. Instead of the file's.",
+)
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
 @click.option("--view", is_flag=True, help="Open the viewer beside it: see `pacinian view`.")
 def serve(config: Path | None, view: bool, **given: Any) -> None:
@@ -135,6 +141,10 @@ def _with(settings: Settings, given: dict[str, Any]) -> Settings:
     }
     if "metrics" in chosen:
         chosen["metrics"] = Metrics(chosen["metrics"])
+    if "temperature" in chosen:  # a speed that a file gives would go before it
+        medium = replace(settings.medium, speed_of_sound=0.0, density=0.0)
+        chosen["medium"] = replace(medium, temperature=chosen.pop("temperature"))
+        chosen["medium"].make()
     if "keys" in chosen:
         chosen["security"] = Security(chosen.pop("keys"))
     return replace(settings, log=log, network=replace(settings.network, **sockets), **chosen)

@@ -12,6 +12,7 @@ from pacinian.cli.connecting import CONNECTION
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from pacinian.wire.replies import Sound
     from pacinian.wire.state import State
 
 BULK = {  # type and width of rows
@@ -36,15 +37,32 @@ def status(connection: str | None, as_json: bool) -> None:
     from pacinian.client.client import Client
 
     with Client(connection, name="pacinian status") as client:
-        state = client.status()
+        state, sound = client.status(), client.capabilities().sound
     if as_json:
-        click.echo(json.dumps(plain(state)))
+        click.echo(json.dumps({**plain(state), **air(sound)}))
     else:
         from rich.console import Console
 
-        Console().print(table(state))
+        made = table(state)
+        made.add_row("air", describe_air(sound))
+        Console().print(made)
     if state.output == "faulted":
         raise SystemExit(1)
+
+
+def air(sound: Sound | None) -> dict[str, float | None]:
+    """Temperature [degC] and speed of sound [m/s] that the server computes with; empty for one that does not tell."""
+    if sound is None:
+        return {}
+    return {"temperature": sound.temperature, "speed_of_sound": sound.speed_of_sound}
+
+
+def describe_air(sound: Sound | None) -> str:
+    """The same for people."""
+    if sound is None:
+        return "not told"
+    told = "" if sound.temperature is None else f"{sound.temperature:g} °C, "
+    return f"{told}{sound.speed_of_sound:.1f} m/s"
 
 
 def plain(state: State) -> dict[str, Any]:

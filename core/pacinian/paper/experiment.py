@@ -21,7 +21,7 @@ HALF = 0.2  # half the side of a region [m]
 COUNT = 41  # samples along a side: every 10 mm
 DISTANCE = 0.2  # height of the regions' centre [m]
 CUT = 1e-10  # singular values below this share of the largest count as zero
-MEDIUM = pc.Air(attenuation="none")
+MEDIUM = pc.Air(speed_of_sound=340.0, density=1.2, attenuation="none")
 CASES = ("1a", "1b", "2a", "2b")
 PATTERNS = ("ring", "disc", "cross", "square")
 

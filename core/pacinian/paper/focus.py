@@ -14,7 +14,7 @@ from pacinian.acoustics.array import UNIT
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MEDIUM = pc.Air()
+MEDIUM = pc.Air(speed_of_sound=340.0, density=1.2)
 KIND = pc.T4010A1
 FIRST_ZERO = 1.22  # of a circular aperture's pattern, in lambda z / diameter
 STEP = 1e-4  # [m], of a profile

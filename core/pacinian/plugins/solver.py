@@ -49,6 +49,9 @@ class Solver(ABC):
     linear: ClassVar[bool] = False
     """Whether targets c times as strong have gains c times as strong while no limit is reached: the
     session then need not ask again."""
+    even: ClassVar[float] = 0.0
+    """Up to how many points it drives all transducers alike, as the strongest focus needs; of more, each in proportion
+    to how well it is heard there, as the least power needs. A point's force is spread over a focus of that width."""
     surrounds: ClassVar[bool] = False
     """Whether the points beside a region (`Targets.beside`) count so little that a loop may add some around each
     region, to keep sound from what lies there."""

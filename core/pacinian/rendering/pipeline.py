@@ -59,6 +59,7 @@ class Pipeline:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
         sampler.prepare(session.array, session.medium)
+        sampler.peak = peak
         times, gap = rows(capability, period)
         cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget, peak)
         self.player = Player(session, times, gap, smoothing, stages.report.skipped, cycle)
@@ -172,6 +173,7 @@ class Pipeline:
         alone = joins(self.limits)
         self.sampler.bands = 1 if alone else self.player.cycle.allowed
         self.sampler.surround = self.session.solver.surrounds and not alone
+        self.sampler.even = 0.0 if alone else self.session.solver.even
         if self.turns.samples:
             if self._changed:  # also where it has come back since
                 self.sampler.changed()

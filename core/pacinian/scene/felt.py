@@ -26,8 +26,8 @@ MANY = 1_000_000
 class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What all objects have.
 
-    radiation_pressure: [Pa], or force: [N] over the whole of it; with a hand, the most that it presses
-    with. envelope: over time, or a preset's name. technique: how its samples are presented in time.
+    radiation_pressure: [Pa], or force: [N] over the whole of it, or of a point's focus; with a hand, the most that it
+    presses with. envelope: over time, or a preset's name. technique: how its samples are presented in time.
     material: from depth to pressure. motion: since it was seen at its pose. priority: higher ones get
     samples first. name: what it is called in messages; a later object of the same name replaces it.
     """
@@ -40,6 +40,11 @@ class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     motion: Motion | None = None
     priority: int = 0
     name: str = ""
+
+    @property
+    def focal(self) -> bool:
+        """Whether its force is that of a focus, so that the pressure depends on the array: see `Sampler`."""
+        return False
 
     def load(self) -> Iterator[str]:
         """Read its files, if it has any: tells of each field before it is looked at. Raises ArgumentError."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across: a focus is about that wide
+SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across: a focus where no array is known
 WAVELENGTH = 0.0085  # [m]
 THICKNESS = 0.02  # [m]
 CROWD = 100_000  # particles of one object
@@ -35,9 +35,9 @@ ORIGIN = np.zeros(3)
 class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
     """A point that presses: a focus.
 
-    position: [m]. area: what it presses on [m^2], a disc one wavelength across unless given; with a hand
-    it is felt where the skin is within that disc's radius, and inside of the hand. More: `Felt`. Raises
-    ArgumentError.
+    position: [m]. force: [N] over the main lobe of the focus, whose area is the array's (`pacinian.focal_area`). area:
+    a disc [m^2], one wavelength across unless given; with a hand the point is felt where the skin is within that disc's
+    radius, and inside of the hand. More: `Felt`. Raises ArgumentError.
     """
 
     position: Vector
@@ -50,8 +50,13 @@ class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]."""
+        """Radiation pressure at full envelope [Pa]; of a force, as far as no array is known."""
         return self._pressure(self.area)
+
+    @property
+    def focal(self) -> bool:
+        """Whether it is given a force."""
+        return self.force is not None
 
     @property
     def radius(self) -> float:
@@ -116,7 +121,7 @@ class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", ta
     """Many points that press, each by itself: rain, sparks, smoke.
 
     positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
-    radiation_pressure: of each [Pa], or force: of each [N]. More: `Felt`. Raises ArgumentError.
+    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `Felt`. Raises ArgumentError.
     """
 
     positions: tuple[Vector, ...]
@@ -137,8 +142,13 @@ class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", ta
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]."""
+        """Radiation pressure at full envelope [Pa]; of a force, as far as no array is known."""
         return self._pressure(math.pi * self.radius**2)
+
+    @property
+    def focal(self) -> bool:
+        """Whether each is given a force."""
+        return self.force is not None
 
     @cached_property
     def reach(self) -> float:

@@ -256,6 +256,7 @@ def sound(array: Array, medium: Air) -> Sound:
         density=medium.density,
         power=medium.power,
         absorption=medium.beta(kind.frequency),
+        temperature=medium.temperature,
     )
 
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
 
+WIDEST = 1e-3  # [m^2]: a force is refused if even a focus so large were too strong; the renderer limits the rest
 HEAVY = 1 << 11  # [bytes] of bulk; what has more takes long to convert: above 0.1 ms
 AT_ONCE = 16  # objects that are converted one after another while commands wait
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
@@ -146,7 +147,7 @@ def made(name: str, item: Object, seen: float, most: float) -> bytes:
     """An object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
     try:
         scene = to_scene(name, item, time=seen)
-        pressure = scene.pressure
+        pressure = (scene.force or 0.0) / WIDEST if scene.focal else scene.pressure
     except WireError:
         raise
     except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on

@@ -110,6 +110,7 @@ def _array(recording: Recording) -> ArrayTold:
             density=medium.density,
             power=medium.power,
             absorption=medium.beta(kind["frequency"]),
+            temperature=medium.temperature,
         )
     return ArrayTold(
         server=f"recording {recording.path.name}",

@@ -26,6 +26,7 @@ SOUND = replies.Sound(
     density=1.2,
     power=1.0,
     absorption=0.125,
+    temperature=22.0,
 )
 SIMULATED = replies.Plugin(name="simulated")
 

@@ -119,7 +119,8 @@ class Sound(Struct, frozen=True, kw_only=True):
     pressure: P0, of one transducer at full drive, 1 m before it [Pa]. directivity: D, "omni" or "t4010a1"; empty: not
     known. response: s, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty: none
     does. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. speed_of_sound: [m/s].
-    density: [kg/m^3]. power: n. absorption: of the amplitude [1/m].
+    density: [kg/m^3]. power: n. absorption: of the amplitude [1/m]. temperature: of the air, as the server
+    was told or else assumes [degC]; nil where it was told only a speed of sound.
     """
 
     pressure: float
@@ -130,6 +131,7 @@ class Sound(Struct, frozen=True, kw_only=True):
     density: float
     power: float
     absorption: float
+    temperature: float | None = None
 
 
 class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):

@@ -21,11 +21,27 @@ TABLE = {
 }
 
 
-def test_air_is_340_metres_a_second_and_1_2_kilograms_a_cubic_metre_by_default() -> None:
+def test_air_is_that_of_a_room_by_default() -> None:
     air = pc.Air()
-    assert (air.speed_of_sound, air.density) == (340.0, 1.2)
-    assert air.wavelength(40e3) == pytest.approx(8.5e-3)
-    assert air.wavenumber(40e3) == pytest.approx(2 * math.pi / 8.5e-3)
+    assert air == pc.Air(temperature=22.0, humidity=0.5)
+    # Cramer, JASA 93 (1993), for the speed; CIPM-2007 for the density
+    assert air.speed_of_sound == pytest.approx(345.2, abs=0.3)
+    assert air.density == pytest.approx(1.1905, abs=1e-3)
+    assert air.wavelength(40e3) == pytest.approx(air.speed_of_sound / 40e3)
+    assert air.wavenumber(40e3) == pytest.approx(2 * math.pi * 40e3 / air.speed_of_sound)
+
+
+def test_speed_and_density_are_of_one_and_the_same_air() -> None:
+    """Adiabatic: rho c^2 is gamma times the ambient pressure, 1.40 for dry air, a little less with vapour."""
+    for air in (pc.Air(), pc.Air(temperature=5.0), pc.Air(temperature=35.0, ambient_pressure=8e4)):
+        assert 1.39 < air.density * air.speed_of_sound**2 / air.ambient_pressure < 1.401
+
+
+def test_where_only_a_speed_is_given_the_temperature_is_not_known() -> None:
+    air = pc.Air(speed_of_sound=340.0)
+    assert air.temperature is None
+    assert air.density == pc.Air().density
+    assert pc.Air(density=1.0).temperature == pc.Air().temperature
 
 
 @pytest.mark.parametrize(
@@ -74,7 +90,7 @@ def test_absorption_is_that_of_the_standard_s_table(temperature: int, humidity: 
 
 def test_absorption_is_1_32_decibels_a_metre_at_40_kilohertz() -> None:
     assert iso_9613_1(40e3, 20.0, 0.5) == pytest.approx(1.32, abs=5e-3)
-    beta = pc.Air(attenuation="absorbing").beta(40e3)
+    beta = pc.Air(attenuation="absorbing", temperature=20.0).beta(40e3)
     assert 20 * math.log10(math.exp(beta)) == pytest.approx(1.32, abs=5e-3)
 
 

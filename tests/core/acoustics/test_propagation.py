@@ -13,7 +13,8 @@ import pacinian as pc
 from pacinian.acoustics import propagation
 from pacinian.acoustics.propagation import Wave
 
-K = 2 * math.pi * 40e3 / 340.0  # [rad/m]
+WAVELENGTH = pc.Air().wavelength(40e3)  # [m]
+K = 2 * math.pi / WAVELENGTH  # [rad/m]
 PISTON = pc.Piston(0.0045, K)
 MEDIA = {
     "spherical": pc.Air(),
@@ -146,7 +147,11 @@ def test_the_matrix_is_its_definition_in_thirty_digits(kind: pc.Transducer, medi
 
 
 def test_one_wavelength_away_an_ideal_transducer_makes_its_pressure_over_the_distance() -> None:
-    B = pc.matrix(pc.Array([[0, 0, 0]]), [[0, 0, 8.5e-3], [0, 8.5e-3 * 1.25, 0], [-0.5, 0, 0]])
+    points, air = (
+        [[0, 0, 8.5e-3], [0, 8.5e-3 * 1.25, 0], [-0.5, 0, 0]],
+        pc.Air(speed_of_sound=340.0),
+    )
+    B = pc.matrix(pc.Array([[0, 0, 0]]), points, air)
     # 1 / 8.5 mm in phase; a quarter turn late; 58.8235 wavelengths
     np.testing.assert_allclose(
         B[:, 0], [1 / 8.5e-3, -1j / 8.5e-3 / 1.25, 2 * np.exp(-2j * np.pi / 8.5e-3 / 2)], rtol=1e-12

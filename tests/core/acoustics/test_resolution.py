@@ -8,6 +8,7 @@ import pytest
 import pacinian as pc
 from pacinian.acoustics.resolution import resolution
 
+AIR = pc.Air(speed_of_sound=340.0)
 WAVELENGTH = 340.0 / 40e3
 
 
@@ -37,17 +38,17 @@ def test_directions_that_spread_evenly_make_a_sinc() -> None:
     for s in (0.1, 0.3, 0.7):
         sine = np.linspace(-s, s, 2001)
         arc = 0.2 * np.stack([sine, np.zeros(2001), 1 - np.sqrt(1 - sine**2)], -1)
-        found = resolution(pc.Array(arc), [[0.0, 0.0, 0.2]])[0]
+        found = resolution(pc.Array(arc), [[0.0, 0.0, 0.2]], AIR)[0]
         assert found == pytest.approx(WAVELENGTH / (2 * s), rel=1e-3)
 
 
 def test_moving_and_turning_everything_changes_nothing() -> None:
     pose = pc.Pose.turned("y", 50.0, (0.5, -0.3, 0.2))
     array, q = pc.autd(2, 1), np.array([[0.0, 0.0, 0.2], [0.1, 0.05, 0.3]])
-    here = resolution(array, q)
-    np.testing.assert_allclose(resolution(array.moved(pose), pose.points(q)), here, rtol=1e-4)
+    here = resolution(array, q, AIR)
+    np.testing.assert_allclose(resolution(array.moved(pose), pose.points(q), AIR), here, rtol=1e-4)
     louder = array.driven_by(pc.Transducer(pressure=1e3, directivity=pc.t4010a1))
-    np.testing.assert_allclose(resolution(louder, q), here, rtol=1e-6)
+    np.testing.assert_allclose(resolution(louder, q, AIR), here, rtol=1e-6)
     warm = pc.Air(speed_of_sound=380.0)
     np.testing.assert_allclose(resolution(array, q, warm), here * 380.0 / 340.0, rtol=1e-6)
 

@@ -26,6 +26,7 @@ OK, WARNING, PROBLEM = "ok", "warning", "problem"
         (findings.libraries({"zmq": None, "numpy": "2"}), PROBLEM, "missing: zmq.*pip install"),
         (findings.extras({}), OK, "all"),
         (findings.extras({"plot": "matplotlib"}), OK, r"matplotlib.*pacinian\[plot\]"),
+        (findings.air("22 °C, 345.1 m/s"), OK, "22 °C.*pacinian serve --temperature"),
         (findings.curve(True, "4.3.5"), OK, "with CURVE"),
         (findings.curve(False, "4.3.5"), WARNING, "without CURVE.*pyzmq"),
         (findings.cache({"/a": False, "/b": True}), OK, "/b"),

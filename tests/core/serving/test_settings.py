@@ -8,6 +8,7 @@ import msgspec
 import pytest
 from click.testing import CliRunner
 
+from pacinian.acoustics.air import Air
 from pacinian.cli.serve import _with, serve
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.serving.child import Told
@@ -32,7 +33,8 @@ def test_the_example_says_what_the_defaults_are() -> None:
     told, usual = load(EXAMPLE), Settings()
     assert told.workspace is not None
     assert len(told.safety.zones) == 1
-    told = replace(told, workspace=None, safety=replace(told.safety, zones=()))
+    assert told.medium.make() == usual.medium.make()
+    told = replace(told, medium=usual.medium, workspace=None, safety=replace(told.safety, zones=()))
     assert told == usual
 
 
@@ -156,3 +158,31 @@ def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
     from pacinian.rendering.cycle import MOST_FRAMES
 
     assert Settings().cycle == MOST_FRAMES
+
+
+def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: Path) -> None:
+    path = written(tmp_path, "[medium]\nspeed_of_sound = 340.0\ndensity = 1.2\nhumidity = 0.3")
+    made = _with(load(path), {"temperature": 26.0, "quiet": False}).medium.make()
+    assert made == Air(temperature=26.0, humidity=0.3)
+    with pytest.raises(ArgumentError, match="temperature"):
+        _with(Settings(), {"temperature": 300.0})
+
+
+def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
+    from pacinian.acoustics.array import autd
+    from pacinian.cli.status import air, describe_air
+    from pacinian.serving.publishing import sound
+
+    for medium, said in (
+        (Air(temperature=26.0), "26 °C, 347.7 m/s"),
+        (Air(speed_of_sound=340.0), "340.0 m/s"),
+        (Air(), "22 °C, 345.1 m/s"),
+    ):
+        told = sound(autd(), medium)
+        assert describe_air(told) == said
+        assert air(told) == {
+            "temperature": medium.temperature,
+            "speed_of_sound": medium.speed_of_sound,
+        }
+    assert describe_air(None) == "not told"
+    assert air(None) == {}

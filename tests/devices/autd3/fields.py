@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 HEIGHT, HALF = 0.2, 0.04  # [m], of the plane that is looked at, and half of its side
+AIR = pc.Air(speed_of_sound=340.0)  # the emulator's, as it is asked
 SHARE = 0.3  # of what one focus could be, that all points together ask
 PLACES = np.array([[(k % 4 - 1.5) * 0.02, (k // 4 - 1.5) * 0.02, HEIGHT] for k in range(16)])
 POINTS = {"1 point": np.array([[0.0, 0.0, HEIGHT]]), "16 points": PLACES}  # [m]
@@ -58,10 +59,10 @@ def compared(grid: str, points: str, source: str, resolution: float = 1e-3) -> C
     """Solve, send, and have the emulator evaluate its field. resolution: of the plane [m]."""
     array, q = pc.autd(*GRIDS[grid], SOURCES[source]), POINTS[points]
     focus = (
-        np.abs(pc.matrix(array, q)).sum(axis=1).min()
+        np.abs(pc.matrix(array, q, AIR)).sum(axis=1).min()
     )  # [Pa] of the weakest alone, at full drive
     asked = np.full(len(q), SHARE * focus / np.sqrt(len(q)))
-    solution = pc.solve(array, q, asked)
+    solution = pc.solve(array, q, asked, medium=AIR)
     it = Emulated(array)
     can = it.backend.capability
     frame = Quantiser(can, 1, len(array)).frame(
@@ -75,9 +76,9 @@ def compared(grid: str, points: str, source: str, resolution: float = 1e-3) -> C
     return Compared(
         places,
         theirs,
-        np.abs(pc.field(array, frame.gains(can)[0], places)),
-        np.abs(pc.field(array, solution.gains, places)),
+        np.abs(pc.field(array, frame.gains(can)[0], places, AIR)),
+        np.abs(pc.field(array, solution.gains, places, AIR)),
         at_points,
-        np.abs(pc.field(array, solution.gains, q)),
+        np.abs(pc.field(array, solution.gains, q, AIR)),
         asked,
     )

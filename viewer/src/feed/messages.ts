@@ -20,9 +20,14 @@ export interface Plugin {
   summary: string;
 }
 
-/** How transducers sound. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. */
+/**
+ * How transducers sound. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. speed_of_sound: [m/s].
+ * temperature: of the air [degC], as the server was told or else assumes.
+ */
 export interface Sound {
   sizes: Bytes;
+  speed_of_sound: number;
+  temperature?: number | null;
 }
 
 /** The array and what there is to select. */

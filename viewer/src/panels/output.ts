@@ -1,6 +1,6 @@
 /** How the output is, who owns it, and what ends or begins sound. */
 
-import type { Output, Session, State, ToServer } from "../feed/messages";
+import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./words";
@@ -14,6 +14,11 @@ const WHY: Record<Output, string> = {
 };
 const OFTEN = 4; // times a lease that the page says it is alive
 const CONTROLS = "button, input, select, textarea, summary, a, [role=switch]";
+
+/** The air that the field is computed for. */
+function air({ speed_of_sound: speed, temperature }: Sound): string {
+  return `${typeof temperature === "number" ? `${digits(temperature)} °C, ` : ""}${digits(speed)} m/s`;
+}
 
 export class OutputPanel {
   private session: Session | undefined;
@@ -31,6 +36,7 @@ export class OutputPanel {
     store.on("hello", ({ recording }) => {
       for (const id of ["arm", "disarm", "reset", "stop"]) button(id).hidden = Boolean(recording);
     });
+    store.on("array", ({ sound }) => say(element("air"), sound ? air(sound) : "–"));
     store.on("session", (session) => this.agree(session));
     store.on("state", (state) => {
       if (state.output !== element("output").dataset["output"]) this.show(state);

@@ -9,8 +9,8 @@ import numpy as np
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.pressure import sound_pressure
+from pacinian.bench.problems import AIR
 from pacinian.bench.regions.run import FREE, OURS
-from pacinian.bench.regions.shapes import AIR
 from pacinian.bench.skin import felt_on_skin
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.hands.hand import Hand
@@ -93,7 +93,7 @@ def measure_contacts(array: Array) -> Iterator[Contact]:
 
 def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
     """What the device plays in turn, (K, N); samples; saturation."""
-    with Renderer(array, scene, clock=ManualClock()) as renderer:
+    with Renderer(array, scene, medium=AIR, clock=ManualClock()) as renderer:
         for k in range(TICKS):
             renderer.tick(k * PERIOD)
         assert renderer.samples is not None

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.acoustics.array import autd
-from pacinian.bench.regions.shapes import AIR, HEIGHT
+from pacinian.bench.problems import AIR
+from pacinian.bench.regions.shapes import HEIGHT
 from pacinian.session import Session
 
 if TYPE_CHECKING:

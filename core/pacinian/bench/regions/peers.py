@@ -9,10 +9,9 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.transducer import Transducer
-from pacinian.bench.problems import PRESSURE, WAVENUMBER
+from pacinian.bench.problems import AIR, PRESSURE, WAVENUMBER
 from pacinian.bench.process import WorkerError
 from pacinian.bench.regions.run import OURS, SPACINGS, Made
-from pacinian.bench.regions.shapes import AIR
 
 if TYPE_CHECKING:
     from pacinian.bench.process import Worker

@@ -11,8 +11,9 @@ import numpy as np
 
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.propagation import matrix
+from pacinian.bench.problems import AIR
 from pacinian.bench.regions.score import evaluate_pressure, score
-from pacinian.bench.regions.shapes import AIR, SHAPES
+from pacinian.bench.regions.shapes import SHAPES
 from pacinian.session import Session
 from pacinian.solving.solution import AT_LIMIT
 

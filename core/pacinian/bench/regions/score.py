@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field
-from pacinian.bench.regions.shapes import AIR
+from pacinian.bench.problems import AIR
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.pose import Pose
+from pacinian.bench.problems import AIR
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     Inside = Callable[[Floats, Floats], Flags]
     Factor = Callable[[Floats, Floats], Floats]
 
-AIR = Air()
 HEIGHT = 0.2  # [m] above the array
 STEP = 0.001  # [m] between the places where pressure is measured
 FINE = 0.00025  # [m] between the points of a picture

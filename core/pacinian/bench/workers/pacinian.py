@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.transducer import Transducer
+from pacinian.bench.problems import AIR
 from pacinian.plugins.registry import installed
 from pacinian.session import Session, solve
 from pacinian.solving.propagator import Propagator
@@ -48,7 +48,7 @@ def cold(name: str) -> Callable[[dict[str, Any]], Task]:
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
         q = frames[0]
-        return lambda: solve(array, q, t, solver=name).gains, lambda gains: (gains, q)
+        return lambda: solve(array, q, t, solver=name, medium=AIR).gains, lambda gains: (gains, q)
 
     return prepare
 
@@ -58,7 +58,7 @@ def warm(name: str) -> Callable[[dict[str, Any]], Task]:
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
-        return updated(Session(array, solver=name), [(q, t) for q in frames])
+        return updated(Session(array, AIR, name), [(q, t) for q in frames])
 
     return prepare
 
@@ -69,7 +69,7 @@ def one_moved(name: str) -> Callable[[dict[str, Any]], Task]:
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
         path = [np.concatenate([q[:1], frames[0][1:]]) for q in frames]
-        return updated(Session(array, solver=name), [(q, t) for q in path])
+        return updated(Session(array, AIR, name), [(q, t) for q in path])
 
     return prepare
 
@@ -79,7 +79,7 @@ def rescaled(name: str) -> Callable[[dict[str, Any]], Task]:
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
-        return updated(Session(array, solver=name), [(frames[0], 0.5 * t), (frames[0], 0.4 * t)])
+        return updated(Session(array, AIR, name), [(frames[0], 0.5 * t), (frames[0], 0.4 * t)])
 
     return prepare
 
@@ -98,7 +98,7 @@ def updated(session: Session, path: list[tuple[Any, Any]]) -> Task:
 def roofline(problem: dict[str, Any]) -> Task:
     """What nearly every solver must do: B, its Gram matrix, B^H z and B g, by our own kernels."""
     array, frames, t = given(problem)
-    propagator, path = Propagator(array, Air()), itertools.cycle(frames)
+    propagator, path = Propagator(array, AIR), itertools.cycle(frames)
     z = t.astype(np.complex64)
 
     def once() -> None:

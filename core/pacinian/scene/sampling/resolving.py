@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.resolution import resolution
+from pacinian.acoustics.resolution import focal_area, resolution
 from pacinian.checks import FAR
 from pacinian.errors import PointOnTransducer
 
@@ -59,6 +59,17 @@ class Resolving:
             steps = math.log(finest / self.wavelength) / math.log(COARSER)
             kept = self._spacings[x, y, z] = self.wavelength * COARSER ** round(steps)
         return kept
+
+    def focal_areas(self, positions: Floats, normals: Floats, *, even: bool) -> Floats:
+        """As `focal_area`, (M,) [m^2]; NaN where there is no focus: on a transducer, or before a single one."""
+        areas, q = np.full(len(positions), np.nan), positions
+        kept = np.arange(len(q))
+        try:
+            areas[:] = focal_area(self.array, q, normals, self.medium, even=even)
+        except PointOnTransducer as error:
+            kept = np.delete(kept, list(error.indices))
+            areas[kept] = focal_area(self.array, q[kept], normals[kept], self.medium, even=even)
+        return np.where(np.isfinite(areas), areas, np.nan)
 
     def seen(self, positions: Floats, normals: Floats) -> Floats:
         """How well skin at points, (M, 3) [m], is seen: the mean of cos^2 of the incidence, (M,)."""

@@ -28,6 +28,7 @@ from pacinian.scene.sampling.sources import (
     Source,
     Spots,
     Whole,
+    apart,
     contact,
     dense,
 )
@@ -70,7 +71,11 @@ class Sampler:
     ones, and where a hand touches them 0.2 to 0.3 times that, the smaller the contact is.
     ramp: [s] in which a pressure comes up or goes; 0 for at once.
     perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
-    time is short; not beside regions, which would have holes. Raises ArgumentError.
+    time is short; not beside regions, which would have holes.
+
+    Points and particles that are given a force press with it over the focus that the array makes where they are felt
+    (`pacinian.focal_area`). Before `prepare`, and where no focus can be (on a transducer, or before a single one), a
+    focus counts as the object's own disc. Raises ArgumentError.
     """
 
     def __init__(
@@ -89,6 +94,10 @@ class Sampler:
         self.perception = bool(perception)
         self.bands = 1
         """So many at most that sound in turn, each within the budget; the loop sets it."""
+        self.even = 1.0
+        """Up to how many samples at a time the solver drives all transducers alike: `Solver.even`; the loop sets it."""
+        self.peak = math.inf
+        """The most pressure that a force may ask for [Pa]; the loop sets it."""
         self.surround = False
         """Whether silent samples surround what touches skin; the loop sets it, by what its solver can do."""
         self.skipped: Counter[str] = Counter()
@@ -121,7 +130,7 @@ class Sampler:
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """Samples of `scene` at time t [s]; the same object as before where nothing has changed."""
-        asked = scene, self.allowed, self.spacing, self.bands, self.surround
+        asked = scene, self.allowed, self.spacing, self.bands, self.surround, self.even
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
             self._asked = asked
@@ -154,6 +163,7 @@ class Sampler:
         )
         if len(parts) > 1:
             parts = [self._merged([source.item for source, _ in sources], parts)]
+        parts = [self._focal(parts[0])]
         if self.surround and skin and solid and self._resolving is not None:
             touching, centre = [hand for hand, _ in hands], self._resolving.centre
             resolved = min(self._resolving.spacing(hand.centre) for hand in touching)
@@ -162,6 +172,32 @@ class Sampler:
         if skin:
             self.skipped["samples too faint to feel"] += sum(s.faint for s, _ in sources)
         return parts[0] if len(hands) < 2 else replace(parts[0], capsules=capsules)
+
+    def _focal(self, samples: Samples) -> Samples:
+        """With the pressure of what is given the force of a focus: over the area that the focus has there."""
+        if self._resolving is None:
+            return samples
+        items = [samples.items[i] for i in samples.objects.tolist()]
+        which = np.flatnonzero([item.focal for item in items])
+        if not len(which):
+            return samples
+        single = np.array([apart(items[i]) for i in which])
+        together = len(items) - sum(map(apart, items))
+        P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
+        for even in (True, False):
+            rows = which[(np.where(single, 1, together) <= self.even) == even]
+            if not len(rows):
+                continue
+            found = self._resolving.focal_areas(
+                samples.positions[rows], samples.normals[rows], even=even
+            )
+            found = np.where(np.isnan(found), area[rows], found)
+            P[rows] *= area[rows] / found
+            most[rows] *= area[rows] / found
+            area[rows] = found
+        self.skipped["forces beyond the most pressure"] += int((P[which] > self.peak).sum())
+        P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
+        return replace(samples, radiation_pressure=P, most=most, area=area)
 
     def _touching(self, scene: Scene, t: float) -> list[tuple[Touchable, float]]:
         """The hands that are there, each with the share of its pressures."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -67,6 +68,7 @@ class WeightedGs(pc.Solver):
 
     name: ClassVar[str] = "weighted-gs"
     linear: ClassVar[bool] = True
+    even: ClassVar[float] = math.inf
 
     steps: Annotated[int, Meta(ge=1, le=1000)] = 100
     exponent: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.5

@@ -499,7 +499,7 @@ namespace Pacinian.Wire
     /// <summary>What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).</summary>
     public sealed class Sound : IMessage
     {
-        private static readonly byte[][] Keys = Utf8.Of("pressure", "directivity", "response", "sizes", "speed_of_sound", "density", "power", "absorption");
+        private static readonly byte[][] Keys = Utf8.Of("pressure", "directivity", "response", "sizes", "speed_of_sound", "density", "power", "absorption", "temperature");
 
         /// <summary>P0, of one transducer at full drive, 1 m before it [Pa].</summary>
         public double Pressure;
@@ -525,10 +525,13 @@ namespace Pacinian.Wire
         /// <summary>Of the amplitude [1/m].</summary>
         public double Absorption;
 
+        /// <summary>Of the air, as the server was told or else assumes [degC]; nil where it was told only a speed of sound. null: not given.</summary>
+        public double? Temperature;
+
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(8);
+            w.Map(9);
             w.Word(Keys[0]);
             w.Real(Pressure);
             w.Word(Keys[1]);
@@ -545,13 +548,15 @@ namespace Pacinian.Wire
             w.Real(Power);
             w.Word(Keys[7]);
             w.Real(Absorption);
+            w.Word(Keys[8]);
+            w.Real(Temperature);
         }
 
         /// <inheritdoc/>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0xFF;
+            ulong missing = 0x1FF;
             if (!r.Map(out count))
             {
                 return false;
@@ -588,6 +593,7 @@ namespace Pacinian.Wire
                 case 5: return r.Real(ref Density);
                 case 6: return r.Real(ref Power);
                 case 7: return r.Real(ref Absorption);
+                case 8: return r.Real(ref Temperature);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -601,6 +607,10 @@ namespace Pacinian.Wire
             if ((missing & 0x8) != 0)
             {
                 Sizes.Clear();
+            }
+            if ((missing & 0x100) != 0)
+            {
+                Temperature = null;
             }
         }
     }

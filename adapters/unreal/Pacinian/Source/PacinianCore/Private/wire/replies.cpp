@@ -227,6 +227,8 @@ bool Sound::read(Reader& in, std::uint32_t left) {
       seen |= 1ull << 6, good = in.get(power);
     else if (key == "absorption")
       seen |= 1ull << 7, good = in.get(absorption);
+    else if (key == "temperature")
+      seen |= 1ull << 8, good = in.maybe(temperature, [&](double& item) { return in.get(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -239,11 +241,12 @@ bool Sound::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 5)) return in.missing("density");
   if (!(seen & 1ull << 6)) return in.missing("power");
   if (!(seen & 1ull << 7)) return in.missing("absorption");
+  if (!(seen & 1ull << 8)) temperature.reset();
   return true;
 }
 
 void Sound::write(Writer& out) const {
-  out.map(8);
+  out.map(9);
   out.field("pressure", pressure);
   out.field("directivity", directivity);
   out.field("response", response);
@@ -252,6 +255,7 @@ void Sound::write(Writer& out) const {
   out.field("density", density);
   out.field("power", power);
   out.field("absorption", absorption);
+  out.field("temperature", temperature);
 }
 
 bool Abilities::read(Reader& in, std::uint32_t left) {

@@ -137,6 +137,9 @@ struct Sound {
   double power = 0.0;
   /// of the amplitude [1/m]
   double absorption = 0.0;
+  /// of the air, as the server was told or else assumes [degC]; nil where it was told only a speed
+  /// of sound
+  std::optional<double> temperature;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
