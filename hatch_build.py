@@ -1,4 +1,7 @@
-"""Builds the viewer's page from viewer/ into the package, with npm; without it the rest is installed all the same."""
+"""What is built before the package is: the kernels, and the viewer's page.
+
+The page is built from viewer/ with npm; without it the rest is installed all the same.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,15 @@ import importlib.util
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from hatchling.builders.config import BuilderConfig
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+sys.path.insert(0, str(Path(__file__).parent))
+import native_build
 
 SOURCES, PAGE = Path("viewer"), Path("core/pacinian/viewing/page")
 STAMP = "sources.sha256"  # in the page: of what it was built from
@@ -31,16 +38,22 @@ class Tools(NamedTuple):
     path: str
 
 
-class PageHook(BuildHookInterface[BuilderConfig]):
-    """The page is built when its sources are others than those it was built from."""
+class Hook(BuildHookInterface[BuilderConfig]):
+    """Builds what is of other sources than it was built from."""
 
     def dependencies(self) -> list[str]:
-        """Node.js, where it is needed and there is none."""
-        return [NODE] if stale(Path(self.root)) and tools() is None else []
+        """A compiler and Node.js, where they are needed and there is none."""
+        node = [NODE] if stale(Path(self.root)) and tools() is None else []
+        return [*native_build.dependencies(), *node]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Before each build."""
-        del version
+        """Before each build. Raises NativeError."""
+        if self.target_name == "wheel":
+            modules = native_build.build(Path(self.root))
+            build_data["artifacts"] += [
+                f"/{file.relative_to(self.root).as_posix()}" for file in modules
+            ]
+            build_data.update(pure_python=False, infer_tag=True)
         try:
             made = build(Path(self.root))
         except (OSError, subprocess.SubprocessError) as error:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from .kernels import compile_stale
+from . import native
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,11 +34,11 @@ settings.register_profile("random", deadline=None, database=None, print_blob=Tru
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Draw random examples in the deep tests, the same ones each time in all others; compile kernels once."""
+    """Draw random examples in the deep tests, the same ones each time in all others; build kernels once."""
     if not config.getoption("--hypothesis-profile"):
         settings.load_profile("random" if is_deep(config) else "fixed")
     if config.option.numprocesses and not config.option.collectonly:  # not in workers
-        compile_stale()
+        native.build()
 
 
 def is_deep(config: pytest.Config) -> bool:

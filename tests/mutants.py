@@ -39,7 +39,6 @@ LEFT_OUT = re.compile(
     "|(?<!_Is)(?<!_IsNot)_Is(Not)?$|_Is(Not)?_(?!Is)"
 )
 TEST = re.compile(r"tests/\S+\.py::\w+")
-KERNEL = re.compile(r"^\s*@compiled\(", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -152,7 +151,6 @@ class Tree:
         changed = mutant.apply(source)
         lines = (text.splitlines(keepends=True) for text in (source, changed))
         diff = "".join(difflib.unified_diff(*lines, mutant.path, mutant.path, n=0))
-        caches = self._forget_kernels(path) if KERNEL.search(source) else []
         path.write_text(changed, "utf-8")
         try:
             passed, said = self.test(mutant.area, test) if test else (True, "")
@@ -161,30 +159,7 @@ class Tree:
         finally:
             path.write_text(source, "utf-8")
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-            for folder, kept in caches:
-                shutil.rmtree(folder)
-                kept.rename(folder)
         return {**asdict(mutant), "noticed": not passed, "diff": diff, "said": "" if passed else said}  # fmt: skip
-
-    def _forget_kernels(self, changed: Path) -> list[tuple[Path, Path]]:
-        """Forget what was compiled from a module and from those that import it; returns what to put back."""
-        paths = (p for root in ("core", "plugins") for p in (self.root / root).rglob("*.py"))
-        kernels = {p: text for p in paths if KERNEL.search(text := p.read_text("utf-8"))}
-        reached, new = set[Path](), {changed}
-        while new:
-            reached |= new
-            names = re.compile("|".join(rf"import.*\b{p.stem}\b|\b{p.stem} import" for p in new))
-            new = {p for p, text in kernels.items() if names.search(text)} - reached
-        caches = []
-        for folder in {p.parent / "__pycache__" for p in reached}:
-            if folder.exists():
-                kept = folder.with_name("__kept__")
-                shutil.copytree(folder, kept)
-                caches.append((folder, kept))
-                for path in reached:
-                    for file in folder.glob(f"{path.stem}.*.nb?"):
-                        file.unlink()
-        return caches
 
 
 def tell(*words: object) -> None:

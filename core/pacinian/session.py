@@ -15,9 +15,10 @@ from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.checks import FAR, kind, near, numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, plain
+from pacinian.native import solving as kernels
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
-from pacinian.solving import evidence, kernels
+from pacinian.solving import evidence
 from pacinian.solving.blas import one_thread
 from pacinian.solving.evidence import TOLERANCE, judge, missed, reached, violations
 from pacinian.solving.felt import Places

@@ -106,7 +106,7 @@ class _Steps:
         self.room, self.out = Room.of(len(q), len(array)), np.empty(len(array), np.complex64)
 
     def _attempt(self, steps: int) -> None:
-        from pacinian_plugins.solvers.lagrange.attempt import attempt
+        from pacinian_plugins.native.lagrange import attempt
 
         room = self.room
         room.y[:] = self.y

@@ -24,7 +24,7 @@ LIMIT = 300.0  # [s]
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """As small a project as has a page: its description, its hook, the page's sources, a package."""
-    for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "hatch_build.py", "native_build.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tmp_path / name)
     shutil.copytree(
         ROOT / "viewer", tmp_path / "viewer", ignore=shutil.ignore_patterns("node_modules")

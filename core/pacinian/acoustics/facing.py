@@ -101,7 +101,7 @@ class Facing:
     def weigh(self, points: Floats, wave: Wave, rows: Indices, out: Complexes) -> None:
         """Multiply rows of B in place by their weights. points: (K, 3) for `rows`, (K,). out: (M, N)."""
         if out.dtype == np.complex64:
-            from pacinian.acoustics.facing_kernels import weigh
+            from pacinian.native.acoustics import weigh
 
             q = np.ascontiguousarray(points)
             n, c, boxes = self.normals, self.capsules, _boxes(wave)
@@ -165,7 +165,7 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
     """How deep the ways w + s d, 0 <= s <= 1, go into the capsule along e from the origin [m]; negative outside.
 
     The most of r + t grows less the distance of t e, 0 <= t <= 1, for w (M, 1, 3), d (M, N, 3): (M, N). As for
-    `tapered.from_axis`, with e less its part along the way; where the way would be deepest before it begins, or
+    `from_axis` of tapered.hpp, with e less its part along the way; where the way would be deepest before it begins, or
     after it ends, its end is deepest.
     """
     ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e

@@ -82,7 +82,7 @@ class Wave:
         """
         rows = np.arange(len(points)) if rows is None else rows
         if out.dtype == np.complex64:
-            from pacinian.acoustics import kernels
+            from pacinian.native import acoustics as kernels
 
             touches = np.empty(len(points), dtype=np.float32)
             q = (points - self.origin).astype(np.float32, order="C")
@@ -183,7 +183,7 @@ def field(
 
 
 def _single(wave: Wave, g: Complexes, points: Floats) -> Gains:
-    from pacinian.acoustics import kernels
+    from pacinian.native import acoustics as kernels
 
     q = np.ascontiguousarray(points - wave.origin, dtype=np.float32)
     g = g if wave.response is None else g * wave.response

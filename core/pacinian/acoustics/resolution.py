@@ -84,7 +84,7 @@ def _spread(
     array: Array, q: Floats, n: Floats, medium: Air, *, even: bool = False
 ) -> tuple[Floats, Floats]:
     """Mean, (M, 3), and covariance, (M, 3, 3), of the unit vectors from points q, (M, 3), to the transducers."""
-    from pacinian.acoustics.spread_kernel import spread
+    from pacinian.native.acoustics import spread
 
     B = np.empty((len(q), len(array)), dtype=np.complex64)
     Wave.prepare(array, medium).matrix(q, B)

@@ -17,12 +17,11 @@ from pacinian.errors import PacinianError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-START = 300.0  # [s] to start, and to compile what there is to compile
+START = 300.0  # [s] to start, and to compile what peers compile
 THREADS = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
     "MKL_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
     "RAYON_NUM_THREADS",
 )
 HERE = Path(__file__).parent

@@ -90,7 +90,7 @@ def growth(found: Sequence[Growth]) -> Table:
 
 def sounds(found: Sequence[Sound]) -> Table:
     """What can be heard."""
-    head = ["", "focus: off", "aligned", "on", "ear: off", "aligned", "on"]
+    head = ["", "focus: off", "aligned", "on", "ears: off", "aligned", "on"]
     lines = [[one.what, *(f"{dB:.0f}" for dB in one.focus + one.ear)] for one in found]
     return plain_table(
         "Audible energy of |p|^2 over its mean square [dB(A)], by smooth output", head, lines

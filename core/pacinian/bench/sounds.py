@@ -27,13 +27,15 @@ if TYPE_CHECKING:
 TICKS, WARM = 600, 100  # at 1 kHz; the first are not listened to
 ROWS = 2  # frames a tick
 FOCUS = np.array([[0.0, 0.0, gallery.HEIGHT]])  # [m]
-EAR = np.array([[0.3, 0.2, 0.35]])  # [m], half a metre away
+AROUND = np.arange(12) * math.tau / 12
+EARS = np.stack([0.36 * np.cos(AROUND), 0.36 * np.sin(AROUND), np.full(12, 0.35)], axis=1)
+"""All round, half a metre away [m], (12, 3): at any one of them sound may be extinguished."""
 STILL = Point(position=(0.0, 0.0, gallery.HEIGHT), radiation_pressure=20.0, name="still")
 
 
 @dataclass(frozen=True)
 class Sound:
-    """Audible energy over mean square of |p|^2 [dB(A)], at the place of a focus that stays and at an ear.
+    """Audible energy over mean square of |p|^2 [dB(A)], at the place of a focus that stays and at ears all round.
 
     Each without smooth output, with the phase aligned only, and with all of it: limits and ramps too.
     """
@@ -80,7 +82,8 @@ def measure(array: Array) -> list[Sound]:
     made: list[Sound] = []
     for what, scene in CASES.items():
         found = np.array([_heard(array, scene, ramp, smoothing) for ramp, smoothing in WAYS])
-        (a, b, c), (d, e, f) = found.T.round(1).tolist()
+        ear = 10.0 * np.log10((10.0 ** (found[:, 1:] / 10.0)).mean(axis=1))
+        (a, b, c), (d, e, f) = found[:, 0].round(1).tolist(), ear.round(1).tolist()
         made.append(Sound(what, (a, b, c), (d, e, f)))
     return made
 
@@ -99,5 +102,5 @@ def _heard(
             renderer.tick(k * renderer.period)
             if k >= WARM:
                 frames.append(renderer.sent.gains(device.capability))
-    e, rate = envelope(np.concatenate(frames), 1000.0 * ROWS, array, np.concatenate([FOCUS, EAR]))
+    e, rate = envelope(np.concatenate(frames), 1000.0 * ROWS, array, np.concatenate([FOCUS, EARS]))
     return audible(e, rate, weighted=True)

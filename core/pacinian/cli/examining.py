@@ -34,7 +34,7 @@ def examine(connection: str | None = None) -> list[Finding]:
         "libraries": libraries,
         "extras": extras,
         "ZeroMQ": curve,
-        "compiled kernels": cache,
+        "kernels": kernels,
         "processor": processor,
         "plug-ins": plugins,
         "loopback": port,
@@ -101,30 +101,17 @@ def curve() -> Finding:
     return findings.curve(zmq.has("curve"), zmq.zmq_version())
 
 
-def cache() -> Finding:
-    """Where Numba keeps what it compiled: a folder that is set, beside the source, or the user's."""
-    import platformdirs
+def kernels() -> Finding:
+    """The variant of the kernels that runs."""
+    from pacinian import native
 
-    import pacinian
-
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    beside = [Path(pacinian.__path__[0]), Path(platformdirs.user_cache_dir())]
-    return findings.cache({str(p): _writable(p) for p in ([Path(given)] if given else beside)})
-
-
-def _writable(path: Path) -> bool:
-    """Whether it, or else the first of its parents that is there, can be written."""
-    there = next(p for p in (path, *path.absolute().parents) if p.exists())
-    return os.access(there, os.W_OK)
+    return findings.kernels(native.VARIANT, native.load(native.__name__, "_plain").level())
 
 
 def processor() -> Finding:
-    """Cores and vector instructions."""
-    from llvmlite.binding import get_host_cpu_features  # type: ignore[import-untyped]
-
+    """Cores."""
     affinity = getattr(os, "sched_getaffinity", None)
-    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
-    return findings.processor(cores, dict(get_host_cpu_features()))
+    return findings.processor(len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
 def plugins() -> Finding:

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
 
 OLDEST = 3, 11
 JITTER = 0.001  # [s] that a sleep may take too long, in 99 of 100
-FEATURES = "avx512f", "avx2", "neon", "asimd"
+VARIANTS = {"v4": "AVX-512", "v3": "AVX2", "plain": "all processors of its kind"}
+X86 = 1  # the least level of an x86-64
 RIGHTS = (
     "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
@@ -64,25 +65,21 @@ def curve(has: bool, version: str) -> Finding:
     return Finding("ZeroMQ", "warning", told, fix)
 
 
-def cache(folders: Mapping[str, bool]) -> Finding:
-    """Where compiled kernels may be kept: folder to whether it can be written."""
-    found = next((folder for folder, writable in folders.items() if writable), None)
-    if found:
-        return Finding("compiled kernels", "ok", f"kept in {found}")
-    fix = "set NUMBA_CACHE_DIR to a folder that you can write"
-    told = "cannot be kept: every start takes a minute longer"
-    return Finding("compiled kernels", "warning", told, fix)
+def kernels(variant: str, level: int) -> Finding:
+    """The compiled kernels. variant: that runs. level: of x86-64 that the processor has, 0 of another one."""
+    told = f"compiled for {VARIANTS[variant]}"
+    if variant == "plain" and level >= X86:
+        fix = "use a processor with AVX2, as those since 2015 have"
+        return Finding("kernels", "warning", f"{told}: expect several times longer ticks", fix)
+    return Finding("kernels", "ok", told)
 
 
-def processor(cores: int, features: Mapping[str, bool]) -> Finding:
-    """Cores that this process may use, and vector instructions."""
-    has = next((name for name in FEATURES if features.get(name)), "")
-    told = f"{cores} cores, {has or 'no vector instructions known'}"
+def processor(cores: int) -> Finding:
+    """Cores that this process may use."""
+    told = f"{cores} cores"
     if cores < 2:
         fix = "give it two cores or more: the loop and the device's guard need one each"
         return Finding("processor", "warning", told, fix)
-    if not has:
-        return Finding("processor", "warning", told, "expect several times longer ticks")
     return Finding("processor", "ok", told)
 
 

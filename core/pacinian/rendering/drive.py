@@ -68,24 +68,24 @@ class Quantiser:
 
     def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
         """What the device makes of gains (N,); the array is reused."""
-        from pacinian.rendering import levels
+        from pacinian.native import rendering as kernels
 
         phase, amplitude = self._look
         self._round(gains, ceiling, down, phase, amplitude)
-        levels.dequantise(phase, amplitude, self._unit, self._size, self._made)
+        kernels.dequantise(phase, amplitude, self._unit, self._size, self._made)
         return self._made
 
     def _round(
         self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels
     ) -> None:
-        from pacinian.rendering import levels
+        from pacinian.native import rendering as kernels
 
         can, threshold = self.capability, self._none if down else self._dither
         top, highest = len(self._size) - 1, can.highest(ceiling)
         if self._inverse is None:
-            levels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)
+            kernels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)
         else:
-            levels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
+            kernels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
 
 
 def inverse(size: Singles) -> tuple[Singles, Singles, Levels]:

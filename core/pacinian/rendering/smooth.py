@@ -48,7 +48,7 @@ class Smoother:
     """
 
     def __init__(self, settings: Smoothing, columns: int) -> None:
-        from pacinian.rendering import smooth_kernels
+        from pacinian.native import rendering as kernels
 
         kind("settings", settings, Smoothing)
         self.settings = settings
@@ -57,7 +57,7 @@ class Smoother:
         self.settled = False
         """Whether that row is what was asked: with the same gains, nothing is left to do."""
         self._loudest = np.zeros(1, dtype=np.float32)
-        self._follow = smooth_kernels.follow
+        self._follow = kernels.follow
 
     def follow(
         self, gains: Gains, seconds: float, out: Gains, span: int = 1, growth: float = 1.0
@@ -74,10 +74,10 @@ class Smoother:
         if gains.shape not in ((K, N), (1, N)) or len(self.gains) != N or not K:
             raise ArgumentError("gains", f"must have shape {out.shape}, not {gains.shape}")
         rate = self.settings.rate
-        step = np.float32(math.inf if rate is None else rate * seconds)
+        step = math.inf if rate is None else rate * seconds
         align, settled = self.settings.align, self.settled
         self.settled = self._follow(
-            gains, step, span, np.float32(growth), align, settled, self._loudest, self.gains, out
+            gains, step, span, growth, align, settled, self._loudest, self.gains, out
         )
 
     def rest(self) -> None:

@@ -15,7 +15,7 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.errors import ServerError
-from pacinian.serving import child, kernels, memory, priority
+from pacinian.serving import child, memory, priority
 from pacinian.serving.control import Control
 from pacinian.serving.doors import Doors, cannot_bind
 from pacinian.serving.locking import Lock, Locked
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Network, Settings
     from pacinian.serving.supervise import Process
 
-EXTENSION = 30_000_000  # [us] in which systemd hears of a start that goes on
 RESERVE = 16  # files that are kept for processes that are started again
 
 
@@ -61,7 +60,6 @@ def serve(
         secrets = fresh(settings)
         _check_ports(settings)
         folder = stack.enter_context(memory.folder())
-        stack.enter_context(kernels.kept(folder / "kernels", settings.log, ending, _working))
         capacities = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
         files = {
             name: stack.enter_context(memory.Latest.create(folder / name, capacity))
@@ -221,11 +219,6 @@ def _signals(ending: threading.Event) -> Generator[None]:
     finally:
         for name, handler in before.items():
             signal.signal(name, handler)
-
-
-def _working() -> None:
-    """Tell systemd that the start takes longer, but goes on."""
-    notify(f"EXTEND_TIMEOUT_USEC={EXTENSION}")
 
 
 def notify(state: str) -> None:

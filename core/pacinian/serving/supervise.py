@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CHILDREN = "guard", "bus", "render"  # in the order in which they are started
 GUARD, SPARE = "guard", "spare"  # of which there is another, which waits to be called
 ENDED = "render", "bus", "guard"  # the device is silenced last, when nothing can sound any more
-STARTING = 300.0  # [s] until the first sign of life: kernels may be compiled first
+STARTING = 120.0  # [s] until the first sign of life: other processes may have the processors
 FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
 WELL = 10.0  # [s] after which one that lives is trusted again
 PATIENCE = 3.0  # [s] in which one that was asked to end must have ended

@@ -1,4 +1,4 @@
-"""What is slow the first time, done before clients come: kernels compiled, libraries loaded."""
+"""What is slow the first time, done before clients come: libraries loaded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Before the render process is ready: what the first ticks need is compiled and loaded."""
+"""Before the render process is ready: what the first ticks need is loaded."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ import numpy as np
 from pacinian.acoustics.propagation import Wave
 from pacinian.checks import near
 from pacinian.errors import ArgumentError, PointOnTransducer
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets

@@ -151,7 +151,7 @@ class Targets:
 
         Points beside regions do not count. p may also be amplitudes, where no phase is given.
         """
-        from pacinian.solving import kernels
+        from pacinian.native import solving as kernels
 
         made: Complexes = p.astype(np.complex128, copy=False)
         if self.regions is not None:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import itertools
+import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar, cast
 
-import numba
 import numpy as np
 from scipy.linalg import blas
 
 from pacinian.acoustics.propagation import Precision, Wave
 from pacinian.errors import ArgumentError
-from pacinian.solving import kernels, passes
+from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
 from pacinian.solving.rooms import give, take
 from pacinian.types import Complexes, Floats, Gains, Indices
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 A = TypeVar("A", Floats, Complexes)
 
 
+TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
 MANY = 128  # rows from which the Gram matrix is made by all cores
 FEW = 10  # rows of the Gram matrix are made anew one by one up to a share of 1 / FEW
 
@@ -226,7 +227,7 @@ class Propagator:
         if not self._single:
             return np.asarray(self._B @ g, np.complex128)
         p = np.empty(len(self._B), dtype=np.complex128)
-        passes.apply(self.single, np.asarray(g, np.complex64, order="C"), p)
+        kernels.apply(self.single, np.asarray(g, np.complex64, order="C"), p)
         return p
 
     def adjoint(self, y: Complexes) -> Complexes:
@@ -234,7 +235,7 @@ class Propagator:
         if not self._single:
             return np.asarray((y.conj() @ self._B).conj())
         x = np.empty(self._B.shape[1], dtype=np.complex64)
-        passes.adjoint(self.single, np.ascontiguousarray(y, dtype=np.complex128), x)
+        kernels.adjoint(self.single, np.ascontiguousarray(y, dtype=np.complex128), x)
         return x
 
 
@@ -270,11 +271,11 @@ def gram(B: Complexes, out: Complexes | None = None) -> Complexes:
 def _single_gram(B: Gains, out: Complexes) -> None:
     """Write B B^H to `out`; many rows on all cores, each with a share of the columns."""
     M, N = B.shape
-    workers = 1 if M < MANY else min(numba.get_num_threads(), 1 + N // 512)
+    workers = 1 if M < MANY else min(os.cpu_count() or 1, 1 + N // 512)
 
     def part(start: int, stop: int, out: Complexes) -> Complexes:
         key = "columns", M
-        scratch = take(key, lambda: np.empty((2, M + M % 2, kernels.TILE), np.float32))
+        scratch = take(key, lambda: np.empty((2, M + M % 2, TILE), np.float32))
         kernels.gram(B, start, stop, scratch, out)
         give(key, scratch)
         return out

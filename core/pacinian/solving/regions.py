@@ -11,18 +11,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
-from numba import complex64 as c8
-from numba import complex128 as c16
-from numba import int64 as i8
 from scipy.spatial import KDTree
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.compiled import compiled
 from pacinian.checks import kind, numbers
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import beginning
 from pacinian.solving.problem import BESIDE, ISOLATED
@@ -37,17 +32,13 @@ if TYPE_CHECKING:
 
 STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
 NEAR = 3e-3  # [m]: a sample goes on from one that is so near
-SHARED = 0.4  # of the array's radius: from so far around its centre a region's wave comes
-NEAREST, FARTHEST = 0.25, 4.0  # times the region's distance: where its wave converges, beyond it
+NEAREST = 0.25  # times the region's distance: where its wave converges at least, beyond it
 ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
-THICK = 64.0  # times a region's thickness: so far beyond it its wave converges at least
 SOME = 128  # transducers that stand for all
-TINY = 1e-30  # [m] or [m^2]: distances that are divided by are at least this
 ASIDE = 0.1  # of the mean square that full drive makes: mu in the steps that turn a wave aside from quiet zones
 TURNS = 16  # such steps
 LITTLE_SAVED = 0.07  # of what is costly: where the first step saves no more, none is made
 MUCH_SAVED = 0.17  # where it saves as much, steps are whole
-STEEP = 0.9  # cosine of the angle to the x axis, from which a wave along it is tilted along z
 
 
 def joint_phases(
@@ -91,76 +82,10 @@ def _converging(
     f is moved aside, over the array's radius times d'/d.
     """
     phases = np.empty(len(q))
-    converge(
+    kernels.converge(
         q, P, positions[:: -(-len(positions) // SOME)].copy(), centre.copy(), k, least, tilt, phases
     )
     return phases
-
-
-@compiled("f8(f8[:, ::1])")
-def _least(A: Floats) -> float:
-    """The least eigenvalue of a symmetric matrix, (3, 3) (Smith 1961)."""
-    mean = (A[0, 0] + A[1, 1] + A[2, 2]) / 3.0
-    size = 2.0 * (A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2)
-    for i in range(3):
-        size += (A[i, i] - mean) ** 2
-    size = np.sqrt(size / 6.0)
-    if size <= 1e-12 * mean or size == 0.0:
-        return float(mean)
-    a, b, c = (A[0, 0] - mean) / size, (A[1, 1] - mean) / size, (A[2, 2] - mean) / size
-    d, e, f = A[0, 1] / size, A[0, 2] / size, A[1, 2] / size
-    half = (a * b * c + 2.0 * d * e * f - a * f * f - b * e * e - c * d * d) / 2.0
-    turn = np.arccos(min(max(half, -1.0), 1.0)) / 3.0
-    return float(mean + 2.0 * size * np.cos(turn + 2.0 * np.pi / 3.0))
-
-
-@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8, f8[::1])")
-def converge(
-    q: Floats, P: Floats, some: Floats, centre: Floats, k: float, least: float, tilt: float,
-    phases: Floats,
-) -> None:  # fmt: skip
-    """Write the phases [rad] of a region's points, (M,): see `joint_phases`.
-
-    q: (M, 3) [m]. P: radiation pressures, (M,) [Pa]. some: transducers that stand for all, (V, 3) [m], and the centre
-    of all, (3,). k: wavenumber [1/m]. least, tilt: see `_converging`.
-    """
-    M, V = len(q), len(some)
-    total = P.sum()
-    weights = P / total if total > 0.0 else np.full(M, 1.0 / M)
-    middle, A = np.zeros(3), np.zeros((3, 3))
-    for m in range(M):
-        for i in range(3):
-            middle[i] += weights[m] * q[m, i]
-    for m in range(M):
-        for i in range(3):
-            for j in range(3):
-                A[i, j] += weights[m] * (q[m, i] - middle[i]) * (q[m, j] - middle[j])
-    out = middle - centre
-    far = max(np.sqrt((out * out).sum()), TINY)
-    axis = out / far
-    along = 0.0
-    for i in range(3):
-        for j in range(3):
-            along += axis[i] * A[i, j] * axis[j]
-    width = np.sqrt(max(A[0, 0] + A[1, 1] + A[2, 2] - along, 0.0))
-    thickness = np.sqrt(max(_least(A), 0.0))
-    # the transducers count by their power at the middle
-    whole, first, second = 0.0, np.zeros(3), 0.0
-    for v in range(V):
-        r = some[v] - middle
-        power = 1.0 / max((r * r).sum(), TINY)
-        whole += power
-        second += power * (r * r).sum()
-        first += power * r
-    radius = np.sqrt(max(second / whole - (first * first).sum() / (whole * whole), 0.0))
-    shared = SHARED * radius - width
-    ratio = min(max(width / shared, least), 1.0) if shared > 0.0 else 1.0
-    ratio = min(max(ratio, THICK * thickness / far), FARTHEST)
-    focus = middle + ratio * out
-    focus[0 if abs(axis[0]) < STEEP else 2] += tilt * radius * ratio
-    for m in range(M):
-        d = q[m] - focus
-        phases[m] = k * np.sqrt((d * d).sum())
 
 
 def settle(
@@ -205,7 +130,7 @@ def settle(
         z[0] = 1.0
     if count > 1:
         rows = np.empty((count, len(propagator.array)), propagator.dtype)
-        backward(propagator.B, p.astype(np.complex128), group, rows)
+        kernels.stand_for(propagator.B, p.astype(np.complex128), group, rows)
         turns = np.ones(count, np.bool_)
         turns[0] = not fixed
         kernels.gerchberg_saxton(gram(rows), turns, steps, z)
@@ -285,17 +210,3 @@ def _groups(regions: Longs, given: Flags) -> tuple[Longs, int]:
     own = np.where(regions == ISOLATED, regions.max() + 1 + np.arange(len(regions)), regions)
     names, group = np.unique(np.where(given, ISOLATED, own), return_inverse=True)
     return group.astype(np.int64), len(names)
-
-
-def _sealed(number: numba.types.Complex) -> numba.types.Array:
-    return numba.types.Array(number, 2, "C", readonly=True)
-
-
-@compiled(*(numba.void(_sealed(c), c16[::1], i8[::1], c[:, ::1]) for c in (c8, c16)))
-def backward(B: Complexes, p: Complexes, group: Longs, rows: Complexes) -> None:
-    """Write p_g^H B_g for the samples of each group g, (R, N)."""
-    rows[:] = 0.0
-    for m in range(B.shape[0]):
-        to, row, z = rows[group[m]], B[m], np.conj(p[m])
-        for n in range(B.shape[1]):
-            to[n] += z * row[n]

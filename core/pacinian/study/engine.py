@@ -31,9 +31,7 @@ if TYPE_CHECKING:
 PATIENCE = 30.0  # [s] for a scheduler to answer, and for a first worker
 GONE = "the Dask scheduler is gone; what was done is kept"
 AHEAD = 2  # batches for each thread that are sent before they are needed
-ONE = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
+ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 QUIET: dict[str, list[str]] = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Complexes, Floats, Gains
 
-LIMIT = 120.0  # [s] that a call may take: it may have to be compiled
+LIMIT = 120.0  # [s] that a call may take
 SINGLE = 1e-4  # of the strongest pressure, that single precision may be off
 KEPT = 2e-3  # relative, by which a limit may be missed
 ALIKE = 0.99  # of |sum p exp(-j phi)| / sum |p|: a region's phases are those of one wave

@@ -11,7 +11,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import number
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

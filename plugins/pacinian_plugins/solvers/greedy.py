@@ -7,64 +7,22 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from msgspec import Meta
-from numpy import float32 as f4
 
 import pacinian as pc
-from pacinian.acoustics.compiled import compiled
 from pacinian.checks import integer
+from pacinian_plugins.native.greedy import choose
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pacinian.types import Complexes, Floats, Indices, Singles
+    from pacinian.types import Complexes, Floats, Singles
 
 BLOCK = 2_000_000  # pressures tried between two looks at the clock: some milliseconds
 AIM = 0.7  # targets over what a focus reaches at the drive that all transducers are given
 LOUD = 0.9  # the same for scale="max", at full drive
 FAR = 10.0  # the same, at most: single precision must see what one transducer changes
 
-HUGE = f4(3e38)
 AT_LIMIT = 1.0 - 1e-6
-
-
-@compiled("i8(f4[:, :, ::1], f4[::1], i8[::1], f4[:, ::1], f4[:, ::1], f4[:, ::1])")
-def choose(B: Singles, t: Singles, order: Indices, E: Singles, h: Singles, p: Singles) -> int:
-    """Give each transducer of `order` the best of E, keeping p = B h; return how many have changed.
-
-    The best has the least sum_m (|p_m + B_mn E_l| - t_m)^2, p being what the others make; the first of equals.
-    B: (N, 2, M), E: (2, L), h: (2, N), p: (2, M): real and imaginary parts. t: (M,).
-    """
-    M, changed = len(t), 0
-    pr, pi = p[0], p[1]
-    for n in order:
-        br, bi = B[n, 0], B[n, 1]
-        er, ei = h[0, n], h[1, n]
-        size = f4(0.0)
-        for m in range(M):
-            pr[m] -= br[m] * er - bi[m] * ei
-            pi[m] -= br[m] * ei + bi[m] * er
-            size += br[m] * br[m] + bi[m] * bi[m]
-        if size == f4(0.0):  # it reaches no point
-            continue
-        least, best = HUGE, 0
-        for l in range(E.shape[1]):  # noqa: E741
-            er, ei = E[0, l], E[1, l]
-            cost = f4(0.0)
-            for m in range(M):
-                re = pr[m] + br[m] * er - bi[m] * ei
-                im = pi[m] + br[m] * ei + bi[m] * er
-                miss = np.sqrt(re * re + im * im) - t[m]
-                cost += miss * miss
-            if cost < least:
-                least, best = cost, l
-        er, ei = E[0, best], E[1, best]
-        if er != h[0, n] or ei != h[1, n]:
-            changed += 1
-        h[0, n], h[1, n] = er, ei
-        for m in range(M):
-            pr[m] += br[m] * er - bi[m] * ei
-            pi[m] += br[m] * ei + bi[m] * er
-    return changed
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer
-from pacinian.solving.kernels import gerchberg_saxton, peak, restrain
+from pacinian.native.solving import gerchberg_saxton, peak, restrain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.bench.evaluate import eight_bit, score
-from pacinian.bench.problems import Problem, matrix
+from pacinian.bench.problems import AIR, Problem, matrix
 
 PROBLEM = Problem.make(1, 5, 0.2, 0)
 B = matrix(PROBLEM.positions, PROBLEM.points)
@@ -61,7 +61,8 @@ def test_silence_has_no_error() -> None:
 
 def test_a_known_solver_is_judged_as_it_judges_itself() -> None:
     array = pc.Array(PROBLEM.positions, transducer=pc.Transducer(pressure=4.386))
-    solution = pc.solve(array, PROBLEM.points, PROBLEM.targets, solver="pseudo-inverse")
+    points, targets = PROBLEM.points, PROBLEM.targets
+    solution = pc.solve(array, points, targets, solver="pseudo-inverse", medium=AIR)
     found = score(*ASK, solution.gains)
     assert found.error == pytest.approx(solution.shape_error, abs=1e-4)
     assert found.error < 1e-4

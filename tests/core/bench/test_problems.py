@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.bench.problems import Problem, matrix, problems
+from pacinian.bench.problems import AIR, Problem, matrix, problems
 
 
 @pytest.mark.parametrize(("units", "N"), [(1, 249), (4, 996), (9, 2241)])
@@ -46,7 +46,7 @@ def test_its_b_is_that_of_pacinian_and_of_mpmath() -> None:
     problem = Problem.make(4, 6, 0.5, 0)
     B = matrix(problem.positions, problem.points)
     array = pc.Array(problem.positions, transducer=pc.Transducer(pressure=4.386))
-    np.testing.assert_allclose(B, pc.matrix(array, problem.points), rtol=1e-12)
+    np.testing.assert_allclose(B, pc.matrix(array, problem.points, AIR), rtol=1e-12)
     with mp.workdps(40):
         for m, n in ((0, 0), (5, 995), (3, 500)):
             d = [

@@ -189,7 +189,7 @@ def test_reading_one_loads_no_compiler() -> None:
         "import sys, pacinian as pc\n"
         f"d = pc.DeviceDescription.load({str(EXAMPLES[0])!r})\n"
         "d.array(), d.wiring\n"
-        "print(sorted({'numba', 'scipy', 'matplotlib'} & set(sys.modules)))"
+        "print(sorted({'pacinian.native', 'scipy', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering import levels
+from pacinian.native import rendering as levels
 from pacinian.rendering.drive import SURE, Quantiser, inverse, thresholds
 
 TURN_ERROR = 6e-6  # [turns] of the kernel's arc tangent

@@ -73,7 +73,7 @@ class Server:
         self.device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         self.tell("device", self.device)
         self.threads: list[Callable[[], None]] = []
-        solvers = Solvers(made(solver), ARRAY, AIR, self.threads.append)
+        solvers = Solvers(made(solver), ARRAY, AIR, thread=self.threads.append)
         self.loader = Loader(lambda _: None)
         self.loop = Loop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
         self.number = 0

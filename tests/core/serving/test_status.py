@@ -100,7 +100,9 @@ class Status(RuleBasedStateMachine):
         self.started = 0.0  # [s], the guard
         self.renewals = self.sequence = self.reset = 0
         self.halted, self.results = "", dict[str, str]()
-        supervisor: Any = SimpleNamespace(restarts={}, alive=self.alive, check=self.check)
+        supervisor: Any = SimpleNamespace(
+            restarts={}, ended=False, alive=self.alive, check=self.check
+        )
         memory: Any = self.memory
         doors: Any = Doors()
         self.control = Control(SETTINGS, doors, memory, supervisor, self.clock.now)
@@ -119,7 +121,8 @@ class Status(RuleBasedStateMachine):
     def alive(self, name: str, beat: float) -> bool:
         return name != "guard" or (self.guarded and beat >= self.started)
 
-    def check(self, beats: dict[str, float]) -> list[tuple[str, str]]:
+    def check(self, beats: dict[str, float], sound: bool = False) -> list[tuple[str, str]]:
+        del beats, sound
         deaths, self.deaths = [(name, "was killed") for name in self.deaths], []
         return deaths
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 from pacinian.solving.phases import gerchberg_saxton
 from pacinian.solving.problem import Targets
 

@@ -83,7 +83,7 @@ def solve(array, points, P, **options):
 
 
 @pytest.mark.parametrize(
-    ("array", "P", "most"), [(ONE, 0.5, 1.45), (NINE, 1.5, 1.15)], ids=["one unit", "nine"]
+    ("array", "P", "most"), [(ONE, 0.5, 1.46), (NINE, 1.5, 1.15)], ids=["one unit", "nine"]
 )
 @pytest.mark.parametrize("shape", SHAPES)
 def test_pressure_is_even_between_the_samples_and_little_beside(shape, array, P, most):

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving import passes
-from pacinian.solving.kernels import choose
+from pacinian.native import solving as passes
+from pacinian.native.solving import choose
 from pacinian.solving.phases import beginning
-from pacinian_plugins.solvers.lagrange import double, small, sweeps, tangent
-from pacinian_plugins.solvers.lagrange.equalise import equalise
+from pacinian_plugins.native import lagrange as kernels
+from pacinian_plugins.solvers.lagrange import double
 from pacinian_plugins.solvers.lagrange.polish import Polish
 from pacinian_plugins.solvers.lagrange.room import Room
 
@@ -65,7 +65,7 @@ def test_what_multipliers_make(size: tuple[int, int], seed: int, share: float) -
     mu = share * float(np.median(np.abs(wide.conj().T @ y)))
     h, made = np.empty((3, N), f4), np.empty((2, M))
     tile = np.zeros((2, M + -M % 4, passes.TILE), f4)
-    cost = sweeps.evaluate(B, planes(y, M + -M % 4), f4(mu), h, made, tile)
+    cost = kernels.evaluate(B, planes(y, M + -M % 4), f4(mu), h, made, tile)
     if mu == 0.0:
         x = wide.conj().T @ y
         np.testing.assert_allclose(h[0] + 1j * h[1], x / np.abs(x), atol=1e-3)
@@ -87,15 +87,15 @@ def test_the_curvature_is_what_finite_differences_give(
     mu = share * float(np.median(np.abs(wide.conj().T @ y)))
     h, made = np.empty((3, N), f4), np.empty((2, M))
     tile = np.zeros((2, M + -M % 4, passes.TILE), f4)
-    sweeps.evaluate(B, planes(y, M + -M % 4), f4(mu), h, made, tile)
+    kernels.evaluate(B, planes(y, M + -M % 4), f4(mu), h, made, tile)
     u = np.exp(1j * np.random.default_rng(seed).uniform(0, 6, M))
     A, V = np.zeros((M + 4, M + 4)), np.zeros((M + 4, 2 * passes.TILE), f4)
     sample, which = np.arange(M), np.empty(passes.TILE, np.int64)
     if few:
         sealed = G.copy()
         sealed.flags.writeable = False
-        small.turned(sealed, sample, planes(u), 1.0 / mu, A)
-    sweeps.curvature(B, sample, planes(u), h, f4(mu), few, A, V, which)
+        kernels.turned(sealed, sample, planes(u), 1.0 / mu, A)
+    kernels.curvature(B, sample, planes(u), h, f4(mu), few, A, V, which)
     eps = 1e-6 * np.abs(y).max()
     exact = np.empty((M, M))
     for j in range(M):
@@ -116,16 +116,16 @@ def test_the_signed_factor_solves(K: int, negative: int, seed: int) -> None:
     A[positive:, positive:] = -A[positive:, positive:] - np.eye(K - positive)
     b = rng.normal(size=K)
     L, x = A.copy(), b.copy()
-    assert small.factor(L, K, positive) == 0
-    small.substitute(L, K, positive, x)
+    assert kernels.factor(L, K, positive) == 0
+    kernels.substitute(L, K, positive, x)
     np.testing.assert_allclose(A @ x, b, atol=1e-8)
 
 
 def test_a_pivot_without_meaning_leaves_its_unknown_at_0() -> None:
     A = np.ones((3, 3)) + np.diag([1.0, 0.0, 0.0])
     b = np.ones(3)
-    assert small.factor(A, 3, 3) == 1
-    small.substitute(A, 3, 3, b)
+    assert kernels.factor(A, 3, 3) == 1
+    kernels.substitute(A, 3, 3, b)
     assert np.isfinite(b).all()
     assert abs(b[2]) < 1e-9
 
@@ -142,12 +142,12 @@ def test_the_start_in_one_kernel_is_that_of_lapack(M: int, seed: int) -> None:
     made, y, free = np.empty(M, complex), np.empty(M, complex), np.empty(M, bool)
     first, steps = beginning(M, None)
     found = np.zeros(8)
-    small.begin(
+    kernels.begin(
         G, t, phi, first, steps, mu, 1e-6, 0.5, 40, made, free, y, np.empty((M, M), complex), found
     )
     plain, flags = np.empty(M, complex), np.empty(M, bool)
     norm = choose(G, t, phi, first, steps, plain, flags)
-    share = small.within(norm / 0.5, 1e-6, mu, 40)
+    share = kernels.within(norm / 0.5, 1e-6, mu, 40)
     np.testing.assert_array_equal(free, flags)
     np.testing.assert_allclose(made, plain * share / 0.5)
     np.testing.assert_allclose(
@@ -218,13 +218,13 @@ def test_the_step_of_the_gains_solves_its_equations(M: int, seed: int) -> None:
     y = rng.normal(size=M) + 1j * rng.normal(size=M)
     x = planes(B.conj().T @ y)
     held, D = np.empty(N, bool), np.empty(N, f4)
-    tangent.movable(h, f4(0.1), 0.3, x, held, D)
+    kernels.movable(h, f4(0.1), 0.3, x, held, D)
     u = np.exp(1j * rng.uniform(0, 6, M))
     bend = rng.uniform(-0.02, 1.0, M)
     rows = M + -M % 4
     K = 2 * M
     d = np.empty((2, N), f4)
-    tangent.step(
+    kernels.step(
         B, planes(u, rows), bend, h, held, D, x, d, np.empty((2, M)), np.zeros((K + 4, K + 4)),
         np.zeros((2, rows, passes.TILE), f4), np.zeros((K + 4, 2 * passes.TILE), f4),
         np.zeros((2, rows), f4),
@@ -254,15 +254,15 @@ def test_full_drive_makes_amplitudes_proportional(seed: int) -> None:
     y, h, made = p.copy(), np.empty((3, 200), f4), np.empty((2, 4))
     found = np.zeros(1)
     tile = np.zeros((2, 4, passes.TILE), f4)
-    taken = equalise(B, p, 200, y, h, made, tile, found)
+    taken = kernels.equalise(B, p, 200, y, h, made, tile, found)
     assert taken == -200 or 0 < taken < 200
     a = np.hypot(*made)
     np.testing.assert_allclose(a, found[0] * np.abs(p), rtol=5e-3)
     if taken > 0:  # as many as that, and no more, were needed
         y[:] = p
-        assert equalise(B, p, taken, y, h, made, tile, found) == taken
+        assert kernels.equalise(B, p, taken, y, h, made, tile, found) == taken
         y[:] = p
-        assert equalise(B, p, taken - 1, y, h, made, tile, found) == 1 - taken
+        assert kernels.equalise(B, p, taken - 1, y, h, made, tile, found) == 1 - taken
     np.testing.assert_allclose(np.hypot(h[0], h[1]), 1.0, atol=1e-5)
 
 

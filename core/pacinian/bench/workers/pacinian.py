@@ -23,7 +23,7 @@ Task = tuple["Callable[[], Any]", "Callable[[Any], Any]"]
 
 def versions() -> dict[str, str]:
     """Of the libraries that matter."""
-    return {name: version(name) for name in ("pacinian", "numpy", "scipy", "numba")}
+    return {name: version(name) for name in ("pacinian", "numpy", "scipy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Task]]:

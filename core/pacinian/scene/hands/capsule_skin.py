@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.compiled import compiled
 from pacinian.errors import ArgumentError
+from pacinian.native import scene as kernels
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 ON = 1e-10  # [m]; nearer to a surface than this is on it
 TINY = 1e-12  # [m]; what is shorter has no direction
-STRAIGHT = 1e-18  # squared sine of an angle
 
 
 class CapsuleSkin(Skin):
@@ -70,7 +69,7 @@ class CapsuleSkin(Skin):
         placed = Placed(
             np.empty((K, 3)), np.empty((K, 3)), np.empty(K), shapes, flesh.bounds(shapes)
         )
-        _place(
+        kernels.place_on_capsules(
             hand.joints.copy(), -1.0 if hand.side == "left" else 1.0, shapes, PARENTS,
             self.axes, self.length, self.radii, self.bone, self.along, self.axial, self.sides, self.area,
             placed.points, placed.normals, placed.area,
@@ -144,7 +143,7 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
     size = np.linalg.norm(sides, axis=1, keepdims=True)
     sides = np.where(size > 0.0, sides / np.maximum(size, TINY), x)
     tilted, share = np.empty(len(along)), np.empty(len(along))
-    _tilt(axial.copy(), along, radii[0], radii[1], length, tilted, share)
+    kernels.tilt(axial.copy(), along, radii[0], radii[1], length, tilted, share)
     normals = tilted[:, None] * z + np.sqrt(1.0 - tilted * tilted)[:, None] * sides
     r = radii[0] + along * (radii[1] - radii[0])
     points = a + along[:, None] * (b - a) + r[:, None] * normals
@@ -176,122 +175,3 @@ def _back(shapes: Floats, c: int, around: _Around) -> Flags:
         free = flesh.distance_to_skin(shapes[~moves & (every != c)], around.points) > -ON
         back |= hidden & free & (around.along == end)
     return np.asarray(back & (around.axial != 0.0), dtype=np.bool_)
-
-
-@compiled("UniTuple(f8, 2)(f8, f8, f8, f8, f8)")
-def _tilted(
-    axial: float, along: float, first: float, last: float, length: float
-) -> tuple[float, float]:
-    """The axial part of a normal where a capsule tapers, and what the area there is proportional to [m^2].
-
-    axial, along: as for `_Around`. first, last: radii [m]. A cap grows or shrinks as far as the mantle leans; equal
-    parts of its axis are of equal area (Archimedes), so that its points stay evenly spread.
-    """
-    lean = first - last
-    lean = lean / length if abs(lean) < length else np.sign(lean)
-    if axial == 0.0:
-        return lean, (first + along * (last - first)) * length * (1.0 - lean * lean)
-    if along == 0.0:
-        return -1.0 + (1.0 + axial) * (1.0 + lean), first * first * (1.0 + lean)
-    return 1.0 - (1.0 - axial) * (1.0 - lean), last * last * (1.0 - lean)
-
-
-@compiled("void(f8[::1], f8[::1], f8, f8, f8, f8[::1], f8[::1])")
-def _tilt(
-    axial: Floats, along: Floats, first: float, last: float, length: float,
-    tilted: Floats, area: Floats,
-) -> None:  # fmt: skip
-    """Write `_tilted` of many points, (N,)."""
-    for k in range(axial.size):
-        tilted[k], area[k] = _tilted(axial[k], along[k], first, last, length)
-
-
-@compiled("void(f8[:, ::1], f8, f8[:, ::1])")
-def _palm(joints: Floats, mirror: float, out: Floats) -> None:
-    """Write the palm's frame, its axes as columns."""
-    x, y = joints[22] - joints[7], joints[12] - joints[1]
-    x[0] *= mirror
-    y[0] *= mirror
-    y /= max(np.sqrt(np.sum(y * y)), TINY)
-    x -= np.sum(x * y) * y
-    x /= max(np.sqrt(np.sum(x * x)), TINY)
-    out[:, 0], out[:, 1], out[:, 2] = x, y, np.cross(x, y)
-    if np.sum(out * out) < 2.5:
-        out[:] = np.eye(3)
-
-
-@compiled("void(f8[:, ::1], f8[::1], f8[::1], f8[:, ::1])")
-def _turn(parent: Floats, rest: Floats, now: Floats, out: Floats) -> None:
-    """Write the frame `parent` turned by the smallest rotation that takes `rest`, in it, to `now`."""
-    out[:] = parent
-    size = np.sqrt(np.sum(now * now))
-    if size < TINY:
-        return
-    d = np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            d[i] += parent[j, i] * now[j] / size
-    v = np.cross(rest, d)
-    cosine, square = np.sum(rest * d), np.sum(v * v)
-    R = np.zeros((3, 3))
-    if cosine > 0.0 or square > STRAIGHT:
-        half = 1.0 / (1.0 + cosine) if cosine > 0.0 else (1.0 - cosine) / square
-        R[0, 1], R[1, 0], R[0, 2], R[2, 0], R[1, 2], R[2, 1] = -v[2], v[2], v[1], -v[1], -v[0], v[0]
-    else:  # half a turn about an axis across
-        v[:] = 0.0
-        v[np.argmin(np.abs(rest))] = 1.0
-        v -= np.sum(v * rest) * rest
-        half, cosine = 2.0 / np.sum(v * v), np.float64(-1.0)
-    for i in range(3):
-        R[i, i] += cosine
-        for j in range(3):
-            R[i, j] += half * v[i] * v[j]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = parent[i, 0] * R[0, j] + parent[i, 1] * R[1, j] + parent[i, 2] * R[2, j]
-
-
-@compiled(
-    "void(f8[:, ::1], f8, f8[:, ::1], i8[::1], f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1],"
-    " f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1])"
-)
-def _place(
-    joints: Floats, mirror: float, capsules: Floats, parents: Indices,
-    axes: Floats, length: Floats, radii: Floats,
-    bone: Indices, along: Floats, axial: Floats, sides: Floats, area: Floats,
-    at: Floats, facing: Floats, stands: Floats,
-) -> None:  # fmt: skip
-    """Write where the points of a capsule skin are: `at`, `facing`, and the area each `stands` for."""
-    C = capsules.shape[0]
-    palm, frames, across = np.empty((3, 3)), np.empty((C, 3, 3)), np.empty((C, 3))
-    now, ahead = np.empty(C), np.empty((C, 3))
-    _palm(joints, mirror, palm)
-    for c in range(C):
-        parent = palm if parents[c] < 0 else frames[parents[c]]
-        u = across[c]
-        u[0] = mirror * (capsules[c, 3] - capsules[c, 0])
-        u[1] = capsules[c, 4] - capsules[c, 1]
-        u[2] = capsules[c, 5] - capsules[c, 2]
-        _turn(parent, axes[c], u, frames[c])
-        now[c] = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
-        for i in range(3):
-            ahead[c, i] = np.sum(frames[c, i] * axes[c])
-    for k in range(bone.size):
-        c, s = bone[k], along[k]
-        F, u = frames[c], ahead[c]
-        first, last, long = capsules[c, 6], capsules[c, 7], float(now[c])
-        lean, share = _tilted(axial[k], s, first, last, long)
-        _, rest = _tilted(axial[k], s, radii[c, 0], radii[c, 1], float(length[c]))
-        if long <= abs(first - last) > 0.0:  # one sphere holds the other
-            s = 0.0 if first > last else 1.0
-        aside = np.sqrt(max(1.0 - lean * lean, 0.0))
-        x, y, z = aside * sides[k, 0], aside * sides[k, 1], aside * sides[k, 2]
-        nx = mirror * (lean * u[0] + F[0, 0] * x + F[0, 1] * y + F[0, 2] * z)
-        ny = lean * u[1] + F[1, 0] * x + F[1, 1] * y + F[1, 2] * z
-        nz = lean * u[2] + F[2, 0] * x + F[2, 1] * y + F[2, 2] * z
-        r = first + s * (last - first)
-        at[k, 0] = capsules[c, 0] + s * (capsules[c, 3] - capsules[c, 0]) + r * nx
-        at[k, 1] = capsules[c, 1] + s * (capsules[c, 4] - capsules[c, 1]) + r * ny
-        at[k, 2] = capsules[c, 2] + s * (capsules[c, 5] - capsules[c, 2]) + r * nz
-        facing[k, 0], facing[k, 1], facing[k, 2] = nx, ny, nz
-        stands[k] = area[k] * share / rest

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.compiled import compiled
+from pacinian.native import scene as kernels
 
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
@@ -20,7 +20,6 @@ SPACINGS = FINEST * np.sqrt(2.0) ** np.arange(9)
 """Of the levels, fine to coarse, (9,) [m]."""
 GRAIN = 0.9e-3  # [m] between the points that those of a skin are chosen from
 SHARERS = 3  # nodes that a point is shared among
-FAR = 1e150  # its square is a number
 
 
 class Surface(NamedTuple):
@@ -51,7 +50,7 @@ def spread(surface: Surface, spacing: float = FINEST) -> tuple[Indices, Floats, 
     N = len(surface.points)
     order, apart = np.empty(N, dtype=np.intp), np.empty(N)
     nearest = np.zeros(N, dtype=np.intp)
-    K = _spread(*surface, spacing, order, apart, nearest)
+    K = kernels.spread(*surface, spacing, order, apart, nearest)
     return order[:K].copy(), apart[:K].copy(), nearest
 
 
@@ -71,83 +70,5 @@ def share(surface: Surface, nodes: int) -> Share:
     """
     K = len(surface.points)
     out = Share(np.zeros((K, SHARERS), dtype=np.intp), np.zeros((K, SHARERS)))
-    _share(*surface, nodes, *out)
+    kernels.share(*surface, nodes, *out)
     return out
-
-
-@compiled("f8(f8[:, ::1], f8[:, ::1], i8[::1], i8, i8)")
-def _cosine(points: Floats, normals: Floats, fingers: Indices, i: int, j: int) -> float:
-    """Between the normals of two points on the same side, else 0."""
-    if fingers[i] != fingers[j] and fingers[i] and fingers[j]:
-        return 0.0
-    dot = (
-        normals[i, 0] * normals[j, 0]
-        + normals[i, 1] * normals[j, 1]
-        + normals[i, 2] * normals[j, 2]
-    )
-    return dot if dot > 0.0 else 0.0
-
-
-@compiled("i8(f8[:, ::1], f8[:, ::1], i8[::1], f8, i8[::1], f8[::1], i8[::1])")
-def _spread(
-    points: Floats, normals: Floats, fingers: Indices, spacing: float,
-    order: Indices, apart: Floats, nearest: Indices,
-) -> int:  # fmt: skip
-    N = points.shape[0]
-    square = np.full(N, FAR)
-    chosen, K = 0, 0
-    while K < N and square[chosen] >= spacing * spacing:
-        order[K], apart[K] = chosen, np.sqrt(square[chosen])
-        best, following = -1.0, 0
-        for i in range(N):
-            dx = points[i, 0] - points[chosen, 0]
-            dy = points[i, 1] - points[chosen, 1]
-            dz = points[i, 2] - points[chosen, 2]
-            away = dx * dx + dy * dy + dz * dz
-            if away < square[i] and _cosine(points, normals, fingers, i, chosen) > 0.0:
-                square[i], nearest[i] = away, K
-            if square[i] > best:
-                best, following = square[i], i
-        chosen = following
-        K += 1
-    return K
-
-
-@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], i8, i8[:, ::1], f8[:, ::1])")
-def _share(
-    points: Floats, normals: Floats, fingers: Indices, nodes: int,
-    indices: Indices, weights: Floats,
-) -> None:  # fmt: skip
-    best, which = np.empty(SHARERS + 1), np.empty(SHARERS + 1, dtype=np.int64)
-    for k in range(points.shape[0]):
-        if k < nodes:
-            indices[k], weights[k, 0] = k, 1.0
-            continue
-        best[:] = FAR
-        for n in range(nodes):
-            dx = points[k, 0] - points[n, 0]
-            dy = points[k, 1] - points[n, 1]
-            dz = points[k, 2] - points[n, 2]
-            square, i = dx * dx + dy * dy + dz * dz, SHARERS
-            if best[i] * best[i] <= square:  # D is no less
-                continue
-            cosine = _cosine(points, normals, fingers, k, n)
-            if cosine <= 0.0:
-                continue
-            D = np.sqrt(square / cosine)
-            if best[i] <= D:
-                continue
-            while i > 0 and best[i - 1] > D:
-                best[i], which[i] = best[i - 1], which[i - 1]
-                i -= 1
-            best[i], which[i] = D, n
-        indices[k] = which[0]
-        beyond = (1.0 - 1e-6) / best[SHARERS]
-        total = 0.0
-        for i in range(SHARERS):
-            if best[i] < FAR:
-                indices[k, i] = which[i]
-                weights[k, i] = (1.0 / best[i] - beyond) ** 2
-                total += weights[k, i]
-        for i in range(SHARERS):
-            weights[k, i] /= total

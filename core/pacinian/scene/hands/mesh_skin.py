@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.compiled import compiled
 from pacinian.checks import count
 from pacinian.errors import ArgumentError
+from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
 from pacinian.scene.hands.levels import GRAIN, Surface, gathered, spread
 from pacinian.scene.hands.skin import Placed, Skin
@@ -69,7 +69,7 @@ class MeshSkin(Skin):
         placed = Placed(
             np.empty((K, 3)), np.empty((K, 3)), np.empty(K), np.empty((0, 8)), np.zeros((C, 4))
         )
-        _place(
+        kernels.place_on_mesh(
             V.copy(), F[self.face], self.coordinates, self.outward, self.doubled[self.face],
             self.area, self.bone, placed.points, placed.normals, placed.area, placed.bounds,
         )  # fmt: skip
@@ -95,36 +95,3 @@ def _mesh(hand: Hand) -> tuple[Floats, Indices]:
     if hand.vertices is None or hand.faces is None:
         raise ArgumentError("hand", "must have vertices and faces")
     return hand.vertices, hand.faces
-
-
-@compiled(
-    "void(f8[:, ::1], i8[:, ::1], f8[:, ::1], f8, f8[::1], f8[::1], i8[::1],"
-    " f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1])"
-)
-def _place(
-    vertices: Floats, corners: Indices, coordinates: Floats, outward: float, doubled: Floats,
-    area: Floats, patch: Indices, at: Floats, facing: Floats, stands: Floats, bounds: Floats,
-) -> None:  # fmt: skip
-    """Write where the points of a mesh skin are: `at`, `facing`, the area each `stands` for, `bounds`."""
-    K, C = area.size, bounds.shape[0]
-    counts = np.zeros(C)
-    for k in range(K):
-        a, b, c = vertices[corners[k, 0]], vertices[corners[k, 1]], vertices[corners[k, 2]]
-        n = np.cross(b - a, c - a)
-        size = np.sqrt(np.sum(n * n))
-        counts[patch[k]] += 1.0
-        for i in range(3):
-            at[k, i] = (
-                coordinates[k, 0] * a[i] + coordinates[k, 1] * b[i] + coordinates[k, 2] * c[i]
-            )
-            facing[k, i] = outward * n[i] / size if size > 0.0 else 0.0
-            bounds[patch[k], i] += at[k, i]
-        stands[k] = area[k] * size / doubled[k]
-    for p in range(C):
-        for i in range(3):
-            bounds[p, i] /= max(counts[p], 1.0)
-    for k in range(K):
-        p, square = patch[k], 0.0
-        for i in range(3):
-            square += (at[k, i] - bounds[p, i]) ** 2
-        bounds[p, 3] = max(bounds[p, 3], np.sqrt(square))

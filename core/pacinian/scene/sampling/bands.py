@@ -15,6 +15,7 @@ BLEND = 0.15  # of a band's samples, to either side of its edge: there both band
 WIDER = 1.0 + 2.0 * BLEND  # so many times its own samples sound in a band
 SMALL = 32  # samples of a region that is never divided
 STEADY = 0.7  # of the longest side: bands stay across a side that is no shorter
+FADING = 1.1  # of the budget: samples that fade come on top of it, for some ticks, and need no band
 SPARE = 0.9  # of the budget, within which fewer bands must fit before there are fewer
 
 
@@ -41,7 +42,11 @@ class Bands:
         few = len(samples) - many
 
         def fits(count: int, budget: float) -> bool:
-            return few + many * (WIDER / count if count > 1 else 1.0) <= budget
+            return (
+                few + many * (WIDER / count) <= budget
+                if count > 1
+                else few + many <= FADING * budget
+            )
 
         count = next((K for K in range(1, most) if fits(K, budget)), most) if many else 1
         if count < self._count <= most and not fits(count, SPARE * budget):

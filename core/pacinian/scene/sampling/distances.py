@@ -41,7 +41,7 @@ class Distances:
 
         name: of this object for this hand.
         """
-        from pacinian.scene.sampling.contact_kernels import stale
+        from pacinian.native.scene import stale
 
         if not isinstance(item.shape, DEAR):
             return item.distance(local, beyond, deep)

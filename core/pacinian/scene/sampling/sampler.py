@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.checks import FAR, integer, length, number
+from pacinian.native.scene import merge
 from pacinian.scene.objects import Point, Surface, Volume
 from pacinian.scene.sampling.allot import allot
-from pacinian.scene.sampling.broad import merge, near
+from pacinian.scene.sampling.broad import near
 from pacinian.scene.sampling.covers import Covers
 from pacinian.scene.sampling.distances import Distances
 from pacinian.scene.sampling.perception import faintest

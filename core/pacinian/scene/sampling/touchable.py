@@ -26,7 +26,7 @@ class Touchable:
     """
 
     def __init__(self, hand: Hand, skin: Skin | None = None) -> None:
-        from pacinian.scene.sampling import contact_kernels
+        from pacinian.native import scene as kernels
 
         self.hand = hand
         self.skin = skin_of(hand) if skin is None else skin
@@ -35,7 +35,8 @@ class Touchable:
         self.capsules = self.placed.capsules
         self.box = np.empty(6)
         """Its lower and upper corner [m], (6,)."""
-        a, b, c, x, y, z = contact_kernels.box(self.placed.bounds, self.box)
+        kernels.box(self.placed.bounds, self.box)
+        a, b, c, x, y, z = self.box.tolist()
         self.centre: Vector = ((a + x) / 2.0, (b + y) / 2.0, (c + z) / 2.0)
         self.salt = zlib.crc32(hand.name.encode())
         """Tells the keys of what touches this hand from those of another, whatever hands come and go."""
@@ -45,7 +46,7 @@ class Touchable:
 
         corners: of a box, one of which they must face, (V, 3) [m]; none for anything.
         """
-        from pacinian.scene.sampling.contact_kernels import candidates
+        from pacinian.native.scene import candidates
 
         K = len(self.points)
         which, local = np.empty(K, dtype=np.intp), np.empty((K, 3))
@@ -63,7 +64,7 @@ class Touchable:
         d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the law. some:
         transducers that must see them, (V, 3); none for any. Returns indices into `which`, and forces [N].
         """
-        from pacinian.scene.sampling.contact_kernels import press
+        from pacinian.native.scene import press
 
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
         count = press(
@@ -80,7 +81,7 @@ class Touchable:
         inner, outer: how far away the nearest of q is [m]. Returns indices of the nodes, (I,), none inside of another
         finger, and of the nearest of q, (I,).
         """
-        from pacinian.scene.sampling.contact_kernels import around
+        from pacinian.native.scene import around
 
         count = self.skin.counts[self.skin.level(spacing)]
         which, nearest = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
@@ -126,7 +127,7 @@ class Touchable:
         The nodes that get any and are not inside of other flesh, (M,); the force of each [N], in all what
         was given; the area of skin that each stands for [m^2].
         """
-        from pacinian.scene.sampling.contact_kernels import share_out
+        from pacinian.native.scene import share_out
 
         skin, level = self.skin, self.skin.level(spacing)
         count = skin.counts[level]

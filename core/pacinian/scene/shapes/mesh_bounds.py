@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.shapes.mesh_kernels import rough
+from pacinian.native.scene import rough
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.scene.shapes import mesh_kernels
+from pacinian.native import scene as kernels
 from pacinian.scene.shapes.mesh_bounds import Bounds
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class MeshDistance:
         else:
             near = np.arange(len(points))
         squared, face, nearest = self.tree.squared_distance(self.vertices, self.faces, points)
-        mesh_kernels.signed(
+        kernels.sign(
             points, squared, face, nearest,
             self.inward, self.offset, self.normals, self.features, near, d,
         )  # fmt: skip

@@ -6,81 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy import float32 as f4
 
 import pacinian as pc
-from pacinian.acoustics.compiled import compiled
+from pacinian_plugins.native.gs import iterate
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Flags, Floats, Singles
+    from pacinian.types import Complexes, Floats, Singles
 
-TILE = 512  # transducers at a time: their gains stay in the first-level cache
-BLOCK, MANY = 10, 1_000_000  # steps between two looks at the clock; fewer above so many elements
 SMALLEST = 1e-18  # |x|: its square is still a number in single precision
+BLOCK, MANY = 10, 1_000_000  # steps between two looks at the clock; fewer above so many elements
 ROOM, FAR = 10.0, 1000.0  # drive looked at, over what a focus needs; targets, over what it reaches
 AT_LIMIT = 0.999  # share of the limit from which a transducer counts as held
 EVEN = 1e-4  # error at which the weights have done their work
-
-
-@compiled(
-    "f8(f4[:, :, ::1], f8[::1], b1[::1], f8, f8, i8, f8[::1], c16[::1], f4[:, ::1], c16[::1])"
-)
-def iterate(
-    B: Singles, t: Floats, free: Flags, exponent: float, floor: float, steps: int,
-    w: Floats, u: Complexes, h: Singles, p: Complexes,
-) -> float:  # fmt: skip
-    """Back and forth `steps` times; return the floor.
-
-    One step: x = B^H (w t u), h = x / max(|x|, floor), p = B h, then u = p / |p| where `free`, and
-    w <- w (mean of |p| / t : |p| / t)^exponent.
-    B: (2, M, N), h: (2, N), real and imaginary parts. t: (M,), 0 where nothing is asked. w, u, p: (M,).
-    floor: above SMALLEST it is moved so that p comes to the strength of t.
-    """
-    _, M, N = B.shape
-    for _ in range(steps):
-        p[:] = 0.0
-        for first in range(0, N, TILE):
-            count = min(TILE, N - first)
-            re, im = h[0, first : first + count], h[1, first : first + count]
-            re[:], im[:] = f4(0.0), f4(0.0)
-            for m in range(M):
-                z = u[m] * (w[m] * t[m])
-                zr, zi = f4(z.real), f4(z.imag)
-                br, bi = B[0, m, first : first + count], B[1, m, first : first + count]
-                for n in range(count):
-                    re[n] += br[n] * zr + bi[n] * zi
-                    im[n] += br[n] * zi - bi[n] * zr
-            least = f4(floor)
-            for n in range(count):
-                size = max(np.sqrt(re[n] * re[n] + im[n] * im[n]), least)
-                re[n] /= size
-                im[n] /= size
-            for m in range(M):
-                br, bi = B[0, m, first : first + count], B[1, m, first : first + count]
-                pr, pi = f4(0.0), f4(0.0)
-                for n in range(count):
-                    pr += br[n] * re[n] - bi[n] * im[n]
-                    pi += br[n] * im[n] + bi[n] * re[n]
-                p[m] += complex(pr, pi)
-        along, square, ratios, asked = 0.0, 0.0, 0.0, 0
-        for m in range(M):
-            length = abs(p[m])
-            if t[m] > 0.0 and length > 0.0:
-                along += length * t[m]
-                square += length * length
-                ratios += length / t[m]
-                asked += 1
-                if free[m]:
-                    u[m] = p[m] / length
-        if floor > SMALLEST and along > 0.0:
-            floor = max(floor * square / along, SMALLEST)
-        if exponent > 0.0:
-            for m in range(M):
-                length = abs(p[m])
-                if t[m] > 0.0 and length > 0.0:
-                    w[m] *= (ratios / asked * t[m] / length) ** exponent
-            w /= np.max(w)
-    return floor
 
 
 @dataclass(frozen=True, eq=False)

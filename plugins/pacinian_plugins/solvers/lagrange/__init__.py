@@ -11,15 +11,15 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import integer, number
-from pacinian.solving import kernels
+from pacinian.native import solving as kernels
 from pacinian.solving.evidence import TOLERANCE, missed, violations
 from pacinian.solving.keep import keep
 from pacinian.solving.phases import beginning, choose_into
 from pacinian.solving.rooms import give, take
+from pacinian_plugins.native.lagrange import begin, within
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.polish import Polish
 from pacinian_plugins.solvers.lagrange.room import SMALL, Room
-from pacinian_plugins.solvers.lagrange.small import begin, within
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -20,13 +20,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy import linalg
 
-from pacinian.solving.passes import gather
-from pacinian_plugins.solvers.lagrange.attempt import attempt, certify, deliver
+from pacinian.native.solving import gather
+from pacinian_plugins.native.lagrange import (
+    attempt,
+    certify,
+    deliver,
+    equalise,
+    evaluate,
+    nearest,
+)
 from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
-from pacinian_plugins.solvers.lagrange.equalise import equalise
-from pacinian_plugins.solvers.lagrange.nearest import nearest
 from pacinian_plugins.solvers.lagrange.room import in_time
-from pacinian_plugins.solvers.lagrange.sweeps import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -343,7 +347,7 @@ class Polish:
         y = np.zeros((2, room.tile.shape[1]), np.float32)
         y[:, : len(q)] = room.y.real, room.y.imag
         spent = np.empty_like(room.made)
-        room.found[1] = evaluate(self.B, y, np.float32(self.mu), room.other, spent, room.tile)
+        room.found[1] = evaluate(self.B, y, self.mu, room.other, spent, room.tile)
 
     def refined(self, B: Complexes) -> Refined:
         """The answer in double precision, for B in it; the multipliers are in `room.y`."""

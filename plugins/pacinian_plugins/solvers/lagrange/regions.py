@@ -23,15 +23,11 @@ from numpy import float32 as f4
 from scipy.linalg import blas, lapack
 
 import pacinian as pc
-from pacinian.acoustics.compiled import compiled
-from pacinian.solving.passes import TILE, backward, forward, load
 from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import AT_LIMIT
-from pacinian_plugins.solvers.lagrange.attempt import deliver
+from pacinian_plugins.native.lagrange import TILE, bend, deliver, evaluate, within
 from pacinian_plugins.solvers.lagrange.double import newton
 from pacinian_plugins.solvers.lagrange.evenly import climb
-from pacinian_plugins.solvers.lagrange.small import within
-from pacinian_plugins.solvers.lagrange.sweeps import evaluate
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
@@ -44,27 +40,6 @@ STEPS, PASSES = 15, 300  # Newton steps at most; conjugate gradients at most, fo
 LEAST = 4  # of the first, whatever the time: to go on from, where it was too short
 ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
 REFINED = 16  # Newton steps in double precision
-
-
-@compiled("void(c8[:, ::1], f4[:, ::1], f4[:, ::1], f4, f8[:, ::1], f4[:, :, ::1])")
-def bend(B: Gains, d: Singles, h: Singles, mu: np.float32, p: Floats, tile: Singles) -> None:
-    """Write p = B W B^H d, (2, M); arguments as in `sweeps`, W at the gains h."""
-    N = B.shape[1]
-    xr, xi = np.empty(TILE, f4), np.empty(TILE, f4)
-    p[:] = 0.0
-    for first in range(0, N, TILE):
-        count = min(TILE, N - first)
-        load(B, first, count, tile)
-        backward(tile, count, d, xr, xi)
-        hr, hi = h[0, first : first + count], h[1, first : first + count]
-        size = h[2, first : first + count]
-        for n in range(count):
-            held = size[n] > mu
-            weight = f4(1.0) / max(size[n], mu)
-            along = (xi[n] * hr[n] - xr[n] * hi[n]) * weight
-            xr[n] = -along * hi[n] if held else xr[n] * weight
-            xi[n] = along * hr[n] if held else xi[n] * weight
-        forward(tile, count, xr, xi, p)
 
 
 class Space(NamedTuple):
@@ -93,7 +68,7 @@ class Nearly:
     def __init__(self, B: Gains, D: Floats, h: Singles, mu: float) -> None:
         size = h[2, ::SOME]
         # a held gain can turn, but not grow: one of two directions
-        weight = np.where(size > mu, 0.5 / np.maximum(size, f4(mu)), f4(1.0 / mu))
+        weight = np.where(size > mu, 0.5 / np.maximum(size, mu), f4(1.0 / mu))
         some = B[:, ::SOME] * np.sqrt(weight * f4(B.shape[1] / len(size)))
         gram = blas.cherk(1.0, some.T, trans=2)  # its upper triangle, conjugate
         gram.ravel("K")[:: len(gram) + 1] += D.astype(f4)
@@ -165,7 +140,7 @@ class Descent:
     def _look(self, y: Complexes) -> tuple[Complexes, float]:
         """F and the dual's value D at y, which is kept with its gains."""
         space, self.y = self.space, y
-        self.cost = evaluate(self.B, self._planes(y), f4(self.mu), space.h, space.made, space.tile)
+        self.cost = evaluate(self.B, self._planes(y), self.mu, space.h, space.made, space.tile)
         Dy = self.D * y
         value = float(np.vdot(y, self.p).real - np.vdot(y, Dy).real / 2.0) - self.cost
         return self.p - Dy - self._made(), value
@@ -180,7 +155,7 @@ class Descent:
         q = nearly(r)
         square = float(np.vdot(r, q).real)
         for done in range(PASSES):
-            bend(self.B, self._planes(q), space.h, f4(self.mu), space.made, space.tile)
+            bend(self.B, self._planes(q), space.h, self.mu, space.made, space.tile)
             Hq = self.D * q + self._made()
             a = square / float(np.vdot(q, Hq).real)
             d += a * q
@@ -236,7 +211,7 @@ def solve(
     p, y, scale, steps = descent.p, descent.y, unit / max(share, 1.0), descent.steps
     w = 1.0 / np.sqrt(D)  # of rows, so that each error counts by its weight
     if not (strongest or descent.met or budget.spent):
-        from pacinian_plugins.solvers.lagrange.convex import least_squares  # more to compile
+        from pacinian_plugins.solvers.lagrange.convex import least_squares
 
         answer = least_squares(w[:, None] * propagator.B, w * p, mu=mu, start=y / w, budget=budget)
         out[:] = scale * answer.h

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.passes import TILE
+from pacinian.native.solving import TILE
 
 if TYPE_CHECKING:
     import pacinian as pc

@@ -6,15 +6,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pacinian.native.scene import merge
 from pacinian.scene.motion import LATEST
 from pacinian.scene.sampling import broad
 
 bounded = settings(max_examples=100)
 seeds = st.integers(0, 2**31)
-
-
-def test_objects_are_followed_for_as_long_as_their_motions() -> None:
-    assert broad.LATEST == LATEST
 
 
 @given(seed=seeds, count=st.integers(0, 60), boxes=st.integers(0, 4), t=st.floats(-1.0, 2.0))
@@ -57,7 +54,7 @@ def merged(seed: int, count: int, radius: float) -> tuple[Any, ...]:
     pressed, stands = np.empty(count), np.empty(count)
     kept = np.empty(count, dtype=np.bool_)
     radii = np.full(count, radius)
-    gone = broad.merge(points, P, area, source, voice, radii, pressed, stands, kept)
+    gone = merge(points, P, area, source, voice, radii, pressed, stands, kept)
     return points, P, area, source, voice, pressed, stands, kept, gone
 
 
@@ -82,7 +79,7 @@ def test_two_samples_are_merged_where_they_are_near_for_both() -> None:
     points = np.array([[0.0, 0.0, 0.0], [0.003, 0.0, 0.0], [0.006, 0.0, 0.0]])
     one, kept, source = np.ones(3), np.empty(3, np.bool_), np.arange(3)
     radii, voice = np.array([0.002, 0.004, 0.004]), np.zeros(3, np.intp)
-    gone = broad.merge(points, one, one, source, voice, radii, np.empty(3), np.empty(3), kept)
+    gone = merge(points, one, one, source, voice, radii, np.empty(3), np.empty(3), kept)
     assert gone == 1
     assert kept.tolist() == [True, True, False]
 

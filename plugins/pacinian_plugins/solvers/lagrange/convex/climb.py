@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian_plugins.solvers.lagrange.convex import discs, products
+from pacinian_plugins.native import lagrange as kernels
+from pacinian_plugins.solvers.lagrange.convex import products
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 from pacinian_plugins.solvers.lagrange.convex.smoothing import Smoothing
 from pacinian_plugins.solvers.lagrange.room import in_time
@@ -42,9 +43,10 @@ class Trial(NamedTuple):
         if shorter < 1.0:
             h, made, power = shorter * h, shorter * made, shorter * shorter * power
         s = 1.0 if c is None else float(np.vdot(c, made).real) / float(np.vdot(c, c).real)
-        r = np.empty_like(made)
+        r, found = np.empty_like(made), np.empty(2)
         target = rows.p if c is None else c
-        excess, square = discs.judge(target, made, rows.limit, rows.slack, s, r)
+        kernels.judge(target, made, rows.limit, rows.slack, s, r, found)
+        excess, square = found.tolist()
         objective = (square + dual.mu * power) / 2.0 if c is None else -s
         return cls(excess, objective, h, made, r)
 

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian_plugins.solvers.lagrange.convex import discs, products
+from pacinian_plugins.native import lagrange as kernels
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
@@ -74,22 +74,22 @@ class Dual:
     def pull(self, y: Complexes) -> Complexes:
         """A^H y, (N,)."""
         x = np.empty(self.A.shape[1], np.complex128)
-        products.adjoint(self.A, y, x)
+        kernels.adjoint(self.A, y, x)
         return x
 
     def make(self, h: Complexes) -> Complexes:
         """A h, (R,) [Pa]."""
         made = np.empty(self.A.shape[0], np.complex128)
-        products.forward(self.A, h, made)
+        kernels.forward(self.A, h, made)
         return made
 
     def at(self, y: Complexes, x: Complexes | None = None) -> Point:
         """Evaluate at y; x: A^H y if known."""
         x = self.pull(y) if x is None else x
-        nu = discs.lift(x, self.weight, self.limit, self.power) if self.power < math.inf else 0.0
+        nu = kernels.lift(x, self.weight, self.limit, self.power) if self.power < math.inf else 0.0
         h, r = np.empty_like(x), np.empty_like(y)
-        cost = discs.clip(x, self.weight, nu, self.limit, h)
-        cost += discs.clip(y, self.rows.weight, 0.0, self.rows.limit, r)
+        cost = kernels.clip(x, self.weight, nu, self.limit, h)
+        cost += kernels.clip(y, self.rows.weight, 0.0, self.rows.limit, r)
         if nu > 0.0:
             cost += nu * self.power / 2.0
         return Point(y, x, h, r, nu, float(np.vdot(y, self.rows.p).real) - cost)

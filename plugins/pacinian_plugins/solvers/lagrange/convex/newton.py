@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import numpy as np
 from scipy.linalg import blas, lapack
 
-from pacinian_plugins.solvers.lagrange.convex import discs, products
+from pacinian_plugins.native import lagrange as kernels
+from pacinian_plugins.solvers.lagrange.convex import products
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +46,7 @@ class Slopes(NamedTuple):
     def of(cls, x: Complexes, g: Complexes, weight: Floats, extra: float, limit: Floats) -> Slopes:
         """Slopes at x, g being where h was expected to be."""
         radial, tangential = np.empty(len(x)), np.empty(len(x))
-        held = discs.slopes(x, g, weight, extra, limit, radial, tangential)
+        held = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
         return cls(radial, tangential, held)
 
 
@@ -102,8 +103,8 @@ class Newton:
         dx = dual.pull(d)
         g, z = np.empty_like(point.h), np.empty_like(point.r)
         shrink = trust * float(np.vdot(t, d).real) / (weight * square) if square > 0.0 else 0.0
-        discs.expect(point.x, dx, point.h, *ahead[:2], dual.limit, shrink, g)
-        discs.expect(point.y, d, point.r, *aside[:2], rows.limit, 0.0, z)
+        kernels.expect(point.x, dx, point.h, *ahead[:2], dual.limit, shrink, g)
+        kernels.expect(point.y, d, point.r, *aside[:2], rows.limit, 0.0, z)
         promise = float(np.vdot(d, F).real)
         new, length = _search(dual, point, d, dx, promise)
         made = dual.make(new.h) if length > 0.0 else state.made
@@ -116,13 +117,13 @@ class Newton:
         S = np.zeros((2 * R, 2 * R), order="F")
         sign, radial, tangential = 1.0, slopes.radial, slopes.tangential
         if 2 * slopes.held <= min(N + np.count_nonzero(radial), MOSTLY * N):
-            products.real(self.gram, free, S)
+            kernels.real(self.gram, free, S.T)
             if not slopes.held:
                 return S
             sign, radial, tangential = -1.0, free - radial, free - tangential
         syrk = blas.dsyrk if self.fine else blas.ssyrk
         for across, slope in ((False, radial), (True, tangential)):
-            count = products.columns(dual.A, point.x, slope, across, self.room)
+            count = kernels.columns(dual.A, point.x, slope, across, self.room)
             if count:
                 V = self.room[: 2 * R * count].reshape(2 * R, count)
                 S += syrk(sign, V.T, trans=1)
@@ -133,7 +134,7 @@ class Newton:
     ) -> tuple[Complexes, float]:
         """The direction, (R,), and the change of strength; S: upper triangle, (2R, 2R)."""
         ridge = RIDGE[self.room.dtype] * (float(np.abs(np.diagonal(S)).mean()) or 1.0)
-        discs.add_blocks(y, slopes.radial, slopes.tangential, ridge, S)
+        kernels.add_blocks(y, slopes.radial, slopes.tangential, ridge, S.T)
         L = factor(S, ridge, lapack.dpotrf)
         d = _complex(lapack.dpotrs(L, _real(F), lower=0)[0])
         if c is None:

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.linalg import lapack
 
 import pacinian as pc
-from pacinian_plugins.solvers.lagrange.convex import discs, products
+from pacinian_plugins.native import lagrange as kernels
+from pacinian_plugins.solvers.lagrange.convex import products
 from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
 from pacinian_plugins.solvers.lagrange.room import in_time
 
@@ -48,7 +49,7 @@ def begin(
                     best, mu = point, more * dual.mu
         made = dual.make(best.h)
     g = np.empty_like(best.h)
-    discs.clip(best.x, dual.weight, mu - dual.mu, dual.limit, g)
+    kernels.clip(best.x, dual.weight, mu - dual.mu, dual.limit, g)
     return State(best, made, g, best.r, promise=promise)
 
 
@@ -67,7 +68,7 @@ def begin_strongest(
         points.append(dual.at(unlimited(dual, gram, mu * scale, none)))
     best = max(points, key=lambda point: point.value)
     g = np.empty_like(best.h)
-    discs.clip(best.x, dual.weight, float(np.abs(best.x).mean()), dual.limit, g)
+    kernels.clip(best.x, dual.weight, float(np.abs(best.x).mean()), dual.limit, g)
     return State(best, dual.make(best.h), g, best.r)
 
 

@@ -1,0 +1,53 @@
+"""The kernels, compiled from C++ when the package is built: of the variant that this processor can run.
+
+Each group of kernels is a module, `from pacinian.native import acoustics`. The sources lie beside the Python code that
+calls them (`acoustics/kernels.hpp`), their signatures in stubs here. `PACINIAN_VARIANT` names a lower variant, so that
+tests run all of them, and results are the same bits on machines that differ.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from types import ModuleType
+
+VARIANTS = {"_v4": 4, "_v3": 3, "_plain": 0}
+"""By name, best first: the level of x86-64 that each needs (AVX-512; AVX2 and FMA; none)."""
+CHOICE = "PACINIAN_VARIANT"
+
+
+def runnable() -> list[str]:
+    """The names of the variants that this processor can run, the best first. Raises ImportError."""
+    level: int = load(__name__, "_plain").level()
+    return [name for name, needed in VARIANTS.items() if needed <= level]
+
+
+def publish(package: str) -> str:
+    """Make a package's groups of kernels its submodules, of the best variant; return its name. Raises ImportError."""
+    names = [name.lstrip("_") for name in runnable()]
+    chosen = os.environ.get(CHOICE, "") or names[0]
+    if chosen not in names:
+        raise ImportError(f"{CHOICE} must be one of {', '.join(names)}, not {chosen!r}")
+    for group, module in vars(load(package, f"_{chosen}")).items():
+        if isinstance(module, ModuleType):
+            setattr(sys.modules[package], group, module)
+            sys.modules[f"{package}.{group}"] = module
+    return chosen
+
+
+def load(package: str, name: str) -> ModuleType:
+    """One variant of a package's kernels. Raises ImportError."""
+    try:
+        return importlib.import_module(f"{package}.{name}")
+    except ModuleNotFoundError as error:
+        if error.name != f"{package}.{name}":
+            raise
+        raise ImportError(
+            f"the kernels of {package} are not compiled for this Python: install Pacinian again, with "
+            "`python -m pip install .` in its folder"
+        ) from error
+
+
+VARIANT = publish(__name__)
+"""The variant that runs: "v4", "v3" or "plain"."""

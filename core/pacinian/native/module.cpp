@@ -1,0 +1,60 @@
+// The core's kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
+#include "pacinian/acoustics/kernels.hpp"
+#include "pacinian/native/processor.hpp"
+#include "pacinian/scene/hands/levels.hpp"
+#include "pacinian/scene/hands/skin.hpp"
+#include "pacinian/scene/sampling/broad.hpp"
+#include "pacinian/scene/sampling/contact.hpp"
+#include "pacinian/scene/time/tour.hpp"
+#include "pacinian/solving/kernels.hpp"
+#include "pacinian/solving/passes.hpp"
+#include "pacinian/solving/regions.hpp"
+
+namespace pacinian {
+
+namespace solving {
+
+void define_unbounded(nb::module_& m);  // in unbounded.cpp
+
+static void define(nb::module_& m) {
+    define_kernels(m);
+    define_passes(m);
+    define_regions(m);
+    define_unbounded(m);
+}
+
+}  // namespace solving
+
+namespace scene {
+
+void define_unbounded(nb::module_& m);  // in unbounded.cpp
+
+static void define(nb::module_& m) {
+    define_levels(m);
+    define_capsules(m);
+    define_skin(m);
+    define_contact(m);
+    define_broad(m);
+    define_tour(m);
+    define_unbounded(m);
+}
+
+}  // namespace scene
+
+namespace rendering {
+
+void define(nb::module_& m);  // in unbounded.cpp
+
+}  // namespace rendering
+
+}  // namespace pacinian
+
+NB_MODULE(MODULE, m) {
+    using namespace pacinian;
+    start_numpy();
+    m.def("level", &level, "The level of x86-64 that this processor has: 1, 3 or 4; 0 of another processor.");
+    group(m, "acoustics", acoustics::define);
+    group(m, "solving", solving::define);
+    group(m, "scene", scene::define);
+    group(m, "rendering", rendering::define);
+}

@@ -1,0 +1,16 @@
+// Kernels compiled without the assumption that all numbers are finite.
+#define NO_IMPORT_ARRAY
+#include "pacinian/rendering/levels.hpp"
+#include "pacinian/rendering/smooth.hpp"
+#include "pacinian/scene/unbounded.hpp"
+#include "pacinian/solving/unbounded.hpp"
+
+namespace pacinian::rendering {
+
+void define(nb::module_& m);
+void define(nb::module_& m) {
+    define_levels(m);
+    define_smooth(m);
+}
+
+}  // namespace pacinian::rendering

@@ -1,0 +1,121 @@
+// Points spread evenly over a skin, coarse ones among the fine, and what fine ones share with coarse.
+//
+// Two points are on the same side of the skin if their normals are less than 90 degrees apart and they are not on two
+// different fingers. Only points on the same side keep their distance, and only they share.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "pacinian/native/math.hpp"
+
+namespace pacinian::scene {
+
+constexpr f8 ENDLESS = 1e150;  // its square is a number
+constexpr int SHARERS = 3;     // nodes that a point is shared among
+
+// N points of a skin at rest: points (N, 3) [m], normals (N, 3), fingers (N,), 0 for none.
+struct Surface {
+    View<const f8, 2> points, normals;
+    View<const i8, 1> fingers;
+
+    Index size() const {
+        require(points.shape[1] == 3 && normals.shape[0] == points.shape[0] && normals.shape[1] == 3, "surface: no points");
+        require(fingers.size() == points.shape[0], "surface: the shapes differ");
+        return points.shape[0];
+    }
+    f8 squared(Index i, Index j) const {
+        return square(points(i, 0) - points(j, 0)) + square(points(i, 1) - points(j, 1)) + square(points(i, 2) - points(j, 2));
+    }
+    // Between the normals of two points on the same side, else 0.
+    f8 cosine(Index i, Index j) const {
+        if (fingers[i] != fingers[j] && fingers[i] && fingers[j]) return 0.0;
+        const f8 dot = normals(i, 0) * normals(j, 0) + normals(i, 1) * normals(j, 1) + normals(i, 2) * normals(j, 2);
+        return dot > 0.0 ? dot : 0.0;
+    }
+};
+
+inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, f8 spacing,
+                    View<i8, 1> order, View<f8, 1> apart, View<i8, 1> nearest) {
+    const Surface surface{points, normals, fingers};
+    const Index N = surface.size();
+    require(order.size() == N && apart.size() == N && nearest.size() == N, "spread: the shapes differ");
+    std::vector<f8> away(N, ENDLESS);
+    Index chosen = 0, K = 0;
+    while (K < N && away[chosen] >= spacing * spacing) {
+        order[K] = chosen;
+        apart[K] = std::sqrt(away[chosen]);
+        f8 best = -1.0;
+        Index following = 0;
+        for (Index i = 0; i < N; ++i) {
+            const f8 d = surface.squared(i, chosen);
+            if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
+                away[i] = d;
+                nearest[i] = K;
+            }
+            if (away[i] > best) {
+                best = away[i];
+                following = i;
+            }
+        }
+        chosen = following;
+        ++K;
+    }
+    return K;
+}
+
+inline void share(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, i8 nodes,
+                  View<i8, 2> indices, View<f8, 2> weights) {
+    const Surface surface{points, normals, fingers};
+    const Index N = surface.size();
+    require(0 < nodes && nodes <= N && indices.shape[0] == N && weights.shape[0] == N, "share: the shapes differ");
+    require(indices.shape[1] == SHARERS && weights.shape[1] == SHARERS, "share: the shapes differ");
+    for (Index k = 0; k < N; ++k) {
+        if (k < nodes) {
+            std::fill(indices.row(k), indices.row(k) + SHARERS, k);
+            weights(k, 0) = 1.0;
+            continue;
+        }
+        f8 best[SHARERS + 1];
+        i8 which[SHARERS + 1] = {};
+        std::fill(best, best + SHARERS + 1, ENDLESS);
+        for (Index n = 0; n < nodes; ++n) {
+            const f8 squared = surface.squared(k, n);
+            int i = SHARERS;
+            if (best[i] * best[i] <= squared) continue;  // D is no less
+            const f8 cosine = surface.cosine(k, n);
+            if (cosine <= 0.0) continue;
+            const f8 D = std::sqrt(squared / cosine);
+            if (best[i] <= D) continue;
+            for (; i > 0 && best[i - 1] > D; --i) {
+                best[i] = best[i - 1];
+                which[i] = which[i - 1];
+            }
+            best[i] = D;
+            which[i] = n;
+        }
+        std::fill(indices.row(k), indices.row(k) + SHARERS, which[0]);
+        const f8 beyond = (1.0 - 1e-6) / best[SHARERS];
+        f8 total = 0.0;
+        for (int i = 0; i < SHARERS; ++i) {
+            if (best[i] < ENDLESS) {
+                indices(k, i) = which[i];
+                weights(k, i) = square(1.0 / best[i] - beyond);
+                total += weights(k, i);
+            }
+        }
+        for (int i = 0; i < SHARERS; ++i) weights(k, i) /= total;
+    }
+}
+
+inline void define_levels(nb::module_& m) {
+    kernel(m, "spread", &spread,
+           "Choose points one after the other, each the one farthest from those before it: see `levels.spread`.\n\n"
+           "points, normals: (N, 3). fingers: (N,). spacing: [m]. order, apart, nearest: written, (N,). Returns how many.",
+           "points", "normals", "fingers", "spacing", "order", "apart", "nearest");
+    kernel(m, "share", &share,
+           "Share every point among the nearest of the first `nodes`: see `levels.share`.\n\n"
+           "points, normals: (N, 3). fingers: (N,). indices, weights: written, (N, 3); zero before.",
+           "points", "normals", "fingers", "nodes", "indices", "weights");
+}
+
+}  // namespace pacinian::scene

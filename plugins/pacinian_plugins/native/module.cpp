@@ -1,0 +1,31 @@
+// The plug-ins' kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
+#include "pacinian_plugins/solvers/greedy.hpp"
+#include "pacinian_plugins/solvers/gs/alternation.hpp"
+#include "pacinian_plugins/solvers/lagrange/descend.hpp"
+#include "pacinian_plugins/solvers/lagrange/equalise.hpp"
+#include "pacinian_plugins/solvers/lagrange/nearest.hpp"
+
+namespace pacinian::lagrange {
+
+void define_unbounded(nb::module_& m);  // in unbounded.cpp
+
+static void define(nb::module_& m) {
+    m.attr("TILE") = TILE;
+    define_small(m);
+    define_sweeps(m);
+    define_descend(m);
+    define_equalise(m);
+    define_tangent(m);
+    define_nearest(m);
+    define_unbounded(m);
+}
+
+}  // namespace pacinian::lagrange
+
+NB_MODULE(MODULE, m) {
+    using namespace pacinian;
+    start_numpy();
+    group(m, "lagrange", lagrange::define);
+    group(m, "gs", gs::define);
+    group(m, "greedy", greedy::define);
+}

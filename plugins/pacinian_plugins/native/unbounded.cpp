@@ -1,0 +1,14 @@
+// Kernels compiled without the assumption that all numbers are finite.
+#define NO_IMPORT_ARRAY
+#include "pacinian_plugins/solvers/lagrange/begin.hpp"
+#include "pacinian_plugins/solvers/lagrange/convex/kernels.hpp"
+
+namespace pacinian::lagrange {
+
+void define_unbounded(nb::module_& m);
+void define_unbounded(nb::module_& m) {
+    define_begin(m);
+    define_convex(m);
+}
+
+}  // namespace pacinian::lagrange
