@@ -131,7 +131,7 @@ class Sound(Struct, frozen=True, kw_only=True):
     density: float
     power: float
     absorption: float
-    temperature: float | None = None
+    temperature: Annotated[float, Meta(ge=-80.0, le=100.0)] | None = None
 
 
 class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):

@@ -150,7 +150,7 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
             line.split()[2] for line in log.read_text().splitlines() if "started guard" in line
         ]
         os.kill(int(guards[0]), signal.SIGKILL)
-        eventually(lambda: log.read_text().count("started guard") == 2, come)
+        eventually(lambda: log.read_text().count("started spare") == 2, come)  # one takes over
 
 
 def _heard(stranger: socket.socket) -> bytes:

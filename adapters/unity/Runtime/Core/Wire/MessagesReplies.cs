@@ -525,7 +525,7 @@ namespace Pacinian.Wire
         /// <summary>Of the amplitude [1/m].</summary>
         public double Absorption;
 
-        /// <summary>Of the air, as the server was told or else assumes [degC]; nil where it was told only a speed of sound. null: not given.</summary>
+        /// <summary>Of the air, as the server was told or else assumes [degC]; nil where it was told only a speed of sound. -80 to 100; null: not given.</summary>
         public double? Temperature;
 
         /// <inheritdoc/>
@@ -593,7 +593,7 @@ namespace Pacinian.Wire
                 case 5: return r.Real(ref Density);
                 case 6: return r.Real(ref Power);
                 case 7: return r.Real(ref Absorption);
-                case 8: return r.Real(ref Temperature);
+                case 8: return r.Real(ref Temperature, -80.0, 100.0);
                 default: return key == Reader.Other && r.Skip();
             }
         }

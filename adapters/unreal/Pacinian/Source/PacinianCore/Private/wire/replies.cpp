@@ -228,7 +228,8 @@ bool Sound::read(Reader& in, std::uint32_t left) {
     else if (key == "absorption")
       seen |= 1ull << 7, good = in.get(absorption);
     else if (key == "temperature")
-      seen |= 1ull << 8, good = in.maybe(temperature, [&](double& item) { return in.get(item); });
+      seen |= 1ull << 8, good = in.maybe(temperature,
+          [&](double& item) { return in.get(item, {-80.0, 100.0}); });
     else
       good = in.skip();
     if (!good) return in.at(key);

@@ -138,7 +138,7 @@ struct Sound {
   /// of the amplitude [1/m]
   double absorption = 0.0;
   /// of the air, as the server was told or else assumes [degC]; nil where it was told only a speed
-  /// of sound
+  /// of sound; -80 to 100
   std::optional<double> temperature;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
