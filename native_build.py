@@ -122,7 +122,7 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
             root,
             _nanobind() / "src/nb_combined.cpp",
             folder / "nanobind.o",
-            SAFE,
+            [*SAFE, *compiler.instructions("")],  # Zig would take all that this machine has
         )
         objects = {
             (where, name, source): pool.submit(
@@ -135,7 +135,7 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
         }  # fmt: skip
         for key, target in targets.items():
             own = [made.result() for name, made in objects.items() if name[:2] == key]
-            _link(compiler, [*own, shared.result()], target, extra)
+            _link(compiler, [*own, shared.result()], target, [*compiler.instructions(""), *extra])
     stamp.write_text(now, encoding="ascii")
     return list(targets.values())
 
@@ -188,9 +188,8 @@ def _link(compiler: Compiler, objects: list[Path], target: Path, options: list[s
     """Into place at once: whoever has the old file goes on with it."""
     made = target.with_name(f"{target.name}.{os.getpid()}")
     target.parent.mkdir(parents=True, exist_ok=True)
-    strip = (
-        ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else [] if options else ["-s"]
-    )
+    strip = ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else ["-s"]
+    strip = [] if "-g" in options else strip
     try:
         _run([*compiler.command, "-shared", *strip, *options, *objects, "-o", made])
         made.replace(target)
