@@ -56,8 +56,11 @@ class Fake:
         self._zap.configure_plain("pacinian", {"pacinian": self.token})
         if keys:
             self._zap.configure_curve("pacinian", location="*")
-        kinds = zmq.ROUTER, zmq.ROUTER, zmq.PUB
-        self._sockets = [self._bound(kind, port) for kind, port in zip(kinds, ports, strict=True)]
+        kinds = {"control": zmq.ROUTER, "command": zmq.ROUTER, "state": zmq.PUB}
+        self._sockets = [
+            self._bound(name, kind, port)
+            for (name, kind), port in zip(kinds.items(), ports, strict=True)
+        ]
         self.ports = tuple(
             int(str(s.last_endpoint).rpartition(":")[2].rstrip("'\0")) for s in self._sockets
         )
@@ -67,9 +70,11 @@ class Fake:
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def _bound(self, kind: int, port: int) -> Any:
+    def _bound(self, name: str, kind: int, port: int) -> Any:
         socket = self._context.socket(kind)
-        socket.linger, socket.rcvhwm, socket.sndhwm = 0, 10, 10_000
+        socket.linger, socket.sndhwm = 0, 10_000
+        # Clients send heartbeats to `control`: libzmq ends the process where one waits at a high-water mark.
+        socket.rcvhwm = 10 if name == "command" else 0
         socket.setsockopt(zmq.RCVBUF, 4096)
         socket.zap_domain = b"pacinian"
         if self.keys:
