@@ -25,7 +25,7 @@ LARGEST = 64 << 20  # [bytes]
 
 def decoded(path: Path, kind: type[S]) -> S:
     """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
-    text = read(path, ".toml", ".json")
+    text = read_bytes(path, ".toml", ".json")
     decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
     try:
         file: S = decode(text, type=kind)
@@ -38,7 +38,7 @@ def decoded(path: Path, kind: type[S]) -> S:
     return file
 
 
-def read(path: Path, *suffixes: str, largest: int = LARGEST) -> bytes:
+def read_bytes(path: Path, *suffixes: str, largest: int = LARGEST) -> bytes:
     """The bytes of a file, without a byte order mark. suffixes: of which it has one, if given. largest: [bytes].
 
     Raises SceneFileError, which says nothing of what is in it.

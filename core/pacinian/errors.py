@@ -17,7 +17,7 @@
 
 Inside the loop nothing is raised: a tick's outcome is a value (`pacinian.Status`, `pacinian.Fault`).
 
-Plug-ins raise anything, of any length: whoever catches it makes its text with `told`, and keeps no more of it.
+Plug-ins raise anything, of any length. Code that catches it keeps only what `describe_error` returns.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-LONGEST = 500  # characters that a text of somebody else is told in
+MAX_TEXT = 500  # characters that are kept of a text of a plug-in or a client
 
 
-def told(error: BaseException) -> str:
-    """An error for people, in `LONGEST` characters at most.
+def describe_error(error: BaseException) -> str:
+    """The text of an error, at most `MAX_TEXT` characters.
 
-    Nothing can be done here about one that takes long to say what it is, or takes memory to: it is asked once.
+    An error whose `__str__` is slow, or makes a huge text, costs that time and memory once: here.
     """
-    kind = plain(type(error).__name__)
+    kind = shorten(type(error).__name__)
     try:
         text = str(error)
     except (Exception, SystemExit):
         return kind
-    return plain(text if isinstance(error, PacinianError) else f"{kind}: {text[:LONGEST]}")
+    return shorten(text if isinstance(error, PacinianError) else f"{kind}: {text[:MAX_TEXT]}")
 
 
-def plain(text: str) -> str:
-    """So much of a text that it can be told, whatever is in it."""
-    return text[:LONGEST].encode(errors="replace").decode()
+def shorten(text: str) -> str:
+    """The first `MAX_TEXT` characters of a text, as valid Unicode."""
+    return text[:MAX_TEXT].encode(errors="replace").decode()
 
 
 class PacinianError(Exception):

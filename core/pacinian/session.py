@@ -14,7 +14,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.checks import FAR, kind, near, numbers
-from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, plain
+from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
@@ -27,8 +27,7 @@ from pacinian.solving.nulls import Preparation
 from pacinian.solving.problem import Budget, Limits, Targets, numbered
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import carried, settle
-from pacinian.solving.relaxation import MOST as MOST_POINTS
-from pacinian.solving.relaxation import least_error
+from pacinian.solving.relaxation import MAX_POINTS, least_error
 from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
@@ -180,9 +179,9 @@ class Session:
         g = np.asarray(gains)
         if g.shape != (N,) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
             raise ArgumentError("gains", f"must be {N} finite numbers")
-        if over_phases and (len(last.sound_pressure) > MOST_POINTS or last.targets.scale == "max"):
+        if over_phases and (len(last.sound_pressure) > MAX_POINTS or last.targets.scale == "max"):
             raise ArgumentError(
-                "over_phases", f'is for at most {MOST_POINTS} points and scale="exact"'
+                "over_phases", f'is for at most {MAX_POINTS} points and scale="exact"'
             )
         g = g.astype(np.complex128)
         points, facing = self.propagator.points, self.propagator.facing
@@ -378,9 +377,9 @@ class Session:
                 unproven=result.unproven,
             )  # fmt: skip
         return Solution(
-            out, targets, p, status, plain(result.solver or solver.name), result.iterations,
+            out, targets, p, status, shorten(result.solver or solver.name), result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
-            self.clock() - start, plain(result.note), _top(limits), late=result.late,
+            self.clock() - start, shorten(result.note), _top(limits), late=result.late,
             asked_phases=None if asked is targets else asked.phases,
             quiet_weight=result.quiet_weight,
         )  # fmt: skip

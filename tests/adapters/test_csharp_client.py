@@ -13,13 +13,13 @@ from pacinian.wire.protocol import MAJOR, MINOR
 
 from ..core.client.fake import Fake, state, usual
 from .game import HEAVY, fill
+from .slow import Slow
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from .game import Game
-    from .slow import Slow
 
 pytestmark = pytest.mark.deep("mono", "mcs")
 
@@ -148,18 +148,23 @@ def test_no_call_waits_for_the_clients_own_thread_which_alone_waits_for_the_serv
     server.until(lambda: bool(server.of(commands.Clear) and server.of(control.Reset)))
 
 
-@pytest.mark.parametrize("how", ["deaf", "dumb"])
+@pytest.mark.parametrize("how", ["stopped", "dumb"])
 def test_a_server_that_hangs_is_lost(
-    server: Fake, file: Path, start: Callable[..., Game], how: str
+    server: Fake, tmp_path: Path, start: Callable[..., Game], how: str
 ) -> None:
-    with start(file, timeout=2.0) as game:
-        game.do("start")
-        game.event("connected")
-        server.deaf = how == "deaf"
-        server.answers[control.Renew] = lambda _: None
-        says = "has gone" if how == "deaf" else "no answer to `renew` within 2 s: the server hangs"
-        game.wait(lambda told: told.get("event") == "lost" and says in told["message"])
-        assert not game.do("put ball 0 0 0.2 5")["done"]
+    with Slow(server.connection.control) as line:
+        path = replace(server.connection, control=line.address).write(tmp_path / "hangs.json")
+        with start(path, timeout=2.0) as game:
+            game.do("start")
+            game.event("connected")
+            if how == "stopped":  # as a process that is: even its heartbeats end
+                line.goes.clear()
+                says = "has gone"
+            else:
+                server.answers[control.Renew] = lambda _: None
+                says = "no answer to `renew` within 2 s: the server hangs"
+            game.wait(lambda told: told.get("event") == "lost" and says in told["message"])
+            assert not game.do("put ball 0 0 0.2 5")["done"]
 
 
 def height(move: commands.Move) -> float:

@@ -130,7 +130,7 @@ def leave() -> str:
 @pytest.mark.parametrize(
     ("says", "expected"),
     [
-        (lambda: "x" * 10**7, "Rude: " + "x" * (errors.LONGEST - 6)),
+        (lambda: "x" * 10**7, "Rude: " + "x" * (errors.MAX_TEXT - 6)),
         (lambda: "bad \udcff name", "Rude: bad ? name"),
         (lambda: 1 / 0, "Rude"),
         (lambda: 3, "Rude"),
@@ -141,12 +141,12 @@ def test_what_plug_ins_raise_can_always_be_told(
     says: Callable[[], str], expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Rude, "says", staticmethod(says))
-    assert errors.told(Rude()) == expected
+    assert errors.describe_error(Rude()) == expected
 
 
 def test_the_name_of_what_is_raised_is_cut_too() -> None:
-    assert len(errors.told(type("N" * 10**6, (Exception,), {})("x"))) == errors.LONGEST
+    assert len(errors.describe_error(type("N" * 10**6, (Exception,), {})("x"))) == errors.MAX_TEXT
 
 
 def test_our_errors_are_told_without_their_kind() -> None:
-    assert errors.told(errors.BackendError("it is gone")) == "it is gone"
+    assert errors.describe_error(errors.BackendError("it is gone")) == "it is gone"

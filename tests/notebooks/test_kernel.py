@@ -157,7 +157,8 @@ def test_stop_while_a_client_holds_ends_in_silence(kernel: Any, server: Running)
     )
     spark = PATIENT + SPARK.format(path=str(server.connection))
     cell = kernel.interrupted(spark + hold, "it holds")
-    assert cell.error.startswith("KeyboardInterrupt")
+    # where IPython fails to format a traceback, it prints one instead
+    assert "KeyboardInterrupt" in cell.error + cell.text + cell.warned, cell
     let_go(server)
     again = kernel.run(spark + "client.close()\nprint('fine')")
     assert (again.error, again.text) == ("", "fine\n")

@@ -13,8 +13,8 @@ GAS = 8.314462618  # [J/(mol K)]
 DRY_AIR = 0.0289647  # [kg/mol]
 WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
-ROOM = 22.0  # [degC], the middle of the 19 to 25 that rooms with people have (EN 16798-1)
-HUMIDITY = 0.5  # relative, likewise
+ROOM = 22.0  # [degC], of a heated or cooled room, which we take to have 19 to 25
+HUMIDITY = 0.5  # relative, of such a room
 POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 
 

@@ -15,7 +15,6 @@ import numpy as np
 from pacinian import gallery
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
-from pacinian.errors import PacinianError
 from pacinian.plugins.registry import backend
 from pacinian.rendering.audible import audible, envelope
 from pacinian.rendering.renderer import Renderer
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 TICKS, EVENT = 400, 0.2  # at 1 kHz; [s] when it happens, in the middle
 QUIET = 0.025  # [s] between two owners
 HERE, THERE = (0.0, 0.0, gallery.HEIGHT), (0.03, 0.0, gallery.HEIGHT)  # [m]
-FIVE = tuple((0.02 * k - 0.04, 0.01 * (k % 2), gallery.HEIGHT) for k in range(5))
+FIVE_PLACES = tuple((0.02 * k - 0.04, 0.01 * (k % 2), gallery.HEIGHT) for k in range(5))
 STRONG, WEAK = 20.0, 0.05  # [Pa]
 EMPTY = Scene()
 
@@ -62,7 +61,7 @@ def point(
 
 
 ONE, FAINT = Scene((point(),)), Scene((point(pressure=WEAK),))
-MANY = Scene(tuple(point(q, STRONG / 5.0, str(k)) for k, q in enumerate(FIVE)))
+FIVE_POINTS = Scene(tuple(point(q, STRONG / 5.0, str(k)) for k, q in enumerate(FIVE_PLACES)))
 OTHER = Scene((point(THERE, name="other"),))
 STAYS = point(THERE, name="stays")
 BESIDE = Scene((STAYS, point(envelope=Square(200.0))))
@@ -89,8 +88,8 @@ CASES: dict[str, Callable[[float], Scene]] = {
     "a point goes": after(ONE, EMPTY),
     "a weak point comes": after(EMPTY, FAINT),
     "a weak point goes": after(FAINT, EMPTY),
-    "five points, armed": after(EMPTY, MANY),
-    "five points, disarmed": after(MANY, EMPTY),
+    "five points, armed": after(EMPTY, FIVE_POINTS),
+    "five points, disarmed": after(FIVE_POINTS, EMPTY),
     "another owner": owners,
     "a point hops 30 mm": after(ONE, Scene((point(THERE),))),
     "a point comes beside another": after(Scene((STAYS,)), Scene((STAYS, point()))),
@@ -105,13 +104,14 @@ CASES: dict[str, Callable[[float], Scene]] = {
 def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
     """All cases, with so many rows a tick."""
     return [
-        heard(what, gains(array, scene, rows, ticks), rows, array) for what, scene in CASES.items()
+        evaluate(what, collect_gains(array, scene, rows, ticks), rows, array)
+        for what, scene in CASES.items()
     ]
 
 
-def heard(what: str, made: Gains, rows: int, array: Array) -> Coming:
+def evaluate(what: str, made: Gains, rows: int, array: Array) -> Coming:
     """Of rows of gains, (R, N)."""
-    places = np.array([HERE, THERE, *FIVE])
+    places = np.array([HERE, THERE, *FIVE_PLACES])
     e, rate = envelope(made, 1000.0 * rows, array, places)
     p = np.abs(made @ matrix(array, places).T)
     top = p.max(axis=0)
@@ -120,7 +120,9 @@ def heard(what: str, made: Gains, rows: int, array: Array) -> Coming:
     return Coming(what, float(audible(e[:, loud], rate, weighted=True).max()), float(step.max()))
 
 
-def gains(array: Array, scene: Callable[[float], Scene], rows: int, ticks: int = TICKS) -> Gains:
+def collect_gains(
+    array: Array, scene: Callable[[float], Scene], rows: int, ticks: int = TICKS
+) -> Gains:
     """Rows of gains, (ticks * rows, N)."""
     clock, device = ManualClock(), backend("simulated", rate=1000.0 * rows, keep=1)
     renderer = Renderer(array, scene, backend=device, clock=clock, governed=False)
@@ -128,18 +130,18 @@ def gains(array: Array, scene: Callable[[float], Scene], rows: int, ticks: int =
     with renderer:
         kept = renderer.player.rows
 
-        def noted(*args: Any) -> Gains:
+        def record(*args: Any) -> Gains:
             made.append(kept(*args).copy())
             return made[-1]
 
-        renderer.player.rows = noted  # type: ignore[method-assign, assignment]
+        renderer.player.rows = record  # type: ignore[method-assign, assignment]
         for k in range(ticks):
             count = len(made)
             renderer.tick(k * renderer.period)
             if len(made) == count:  # the last frame again
                 made.append(np.repeat(made[-1][-1:], rows, axis=0))
     for fault in renderer.report.faults:
-        raise fault.error or PacinianError(fault.message)
+        raise fault.cause
     return np.concatenate(made)
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian import plot
-from pacinian.errors import PacinianError
 from pacinian.gallery import SCENES
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.sampling.samples import joined, nothing
@@ -42,7 +41,7 @@ def picture(array: Array, name: str) -> Figure:
             t = clock.time = tick * renderer.period
             renderer.tick(t)
             for fault in renderer.report.faults:
-                raise fault.error or PacinianError(fault.message)
+                raise fault.cause
             emitted.append(renderer.emitted)
             felt.append(renderer.samples or felt[-1])
             sounding.append(renderer.sounding)

@@ -15,7 +15,6 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.bench.skin import felt_on_skin
 from pacinian.demo import alternate
-from pacinian.errors import PacinianError
 from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
@@ -129,7 +128,7 @@ class Run:
         if self.report.interrupted:
             raise KeyboardInterrupt
         for fault in self.report.faults:
-            raise fault.error or PacinianError(fault.message)
+            raise fault.cause
 
     def _at(self, t: float) -> Scene:
         self._now = t, self._scene(int(t * TRACKED))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.cli import findings
 from pacinian.cli.findings import Finding
-from pacinian.errors import PacinianError, told
+from pacinian.errors import PacinianError, describe_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -56,7 +56,7 @@ def _safely(name: str, look: Callable[[], Finding]) -> Finding:
     try:
         return look()
     except Exception as error:
-        why = f"cannot be looked at: {told(error)}"
+        why = f"cannot be looked at: {describe_error(error)}"
         return Finding(name, "problem", why, findings.INSTALL)
 
 

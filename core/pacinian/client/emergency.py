@@ -12,7 +12,7 @@ from pacinian.client.link import Link, milliseconds
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Stop
-from pacinian.wire.emergency import stopped
+from pacinian.wire.emergency import request_stop
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def emergency_stop(
     Refused, too.
     """
     given, deadline = found(connection, keys), time.perf_counter() + timeout
-    if given.stop and stopped(given.stop, given.secret, timeout):
+    if given.stop and request_stop(given.stop, given.secret, timeout):
         return
     with zmq.Context() as context:
         link = Link(context, given, given.control)

@@ -31,7 +31,7 @@ def read(path: Path) -> Measured:
     """
     found: Measured = {}
     try:
-        text = io.StringIO(documents.read(path, largest=LARGEST).decode(), newline="")
+        text = io.StringIO(documents.read_bytes(path, largest=LARGEST).decode(), newline="")
         rows = csv.reader(text, skipinitialspace=True)
         head = tuple(name.strip() for name in next(rows, []))
         if head != COLUMNS:

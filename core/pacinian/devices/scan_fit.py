@@ -43,7 +43,7 @@ MIN_NOISE = 1e-4  # of that: no microphone is better
 MAX_RESIDUAL = 0.5  # of the rms of what is expected; more, and the scan is not of this array
 MAX_ERROR = 0.1  # of a response, by noise alone; more, and the transducer is unseen
 MIN_STRENGTH = 0.1  # of the mean; less, and the transducer is dead
-TINY = 1e-300  # keeps a sum of nothing from being divided by
+MIN_SUM = 1e-300  # of squares, that is divided by
 MEDIAN = 1.177  # of a Rayleigh distribution of unit scale
 
 
@@ -161,7 +161,7 @@ class _Fit:
     def _try_speeds(self) -> float:
         """The speed of sound [m/s] of a coarse grid that explains most of the readings."""
         B, r = self._propagate(self.c), self._distances()[1][..., 0]
-        S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), TINY)
+        S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), MIN_SUM)
 
         def explain(c: float) -> float:
             turn = self._wavenumber(c) - self._wavenumber(self.c)
@@ -180,7 +180,7 @@ class _Fit:
     def _responses(self, B: Complexes) -> Complexes:
         self.V = self.W * np.abs(B) ** 2  # (M, N)
         self.S = self.V.sum(axis=0)  # (N,)
-        s: Complexes = (self.W * B.conj() * self.X).sum(axis=0) / np.maximum(self.S, TINY)
+        s: Complexes = (self.W * B.conj() * self.X).sum(axis=0) / np.maximum(self.S, MIN_SUM)
         return s
 
     def _weigh(self) -> None:
@@ -217,7 +217,7 @@ class _Fit:
         pulled = np.concatenate(
             [VT[..., :3].transpose(0, 2, 1).reshape(3 * M, N), VT[..., 3].sum(axis=0)[None]]
         )
-        self.turn: Floats = pulled / np.maximum(self.S, TINY)
+        self.turn: Floats = pulled / np.maximum(self.S, MIN_SUM)
         H -= (pulled * np.abs(self.s) ** 2) @ self.turn.T
         G = np.einsum("mni,mn->mi", T, self.W * np.imag(self.F.conj() * (self.X - self.F)))
         return H, np.r_[G[:, :3].ravel(), G[:, 3].sum()]
@@ -230,11 +230,11 @@ class _Fit:
     @staticmethod
     def _compare(noise: float, expected: Complexes) -> float:
         rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
-        return float(np.sqrt(2.0)) * noise / max(rms, TINY)
+        return float(np.sqrt(2.0)) * noise / max(rms, MIN_SUM)
 
     def finish(self, size: float) -> ScanFit:
         """Normalise, and tell what is dead, unseen and reversed. size: of a reading of 1. Raises ArgumentError."""
-        strength, noise = np.abs(self.s), self.noise / np.sqrt(np.maximum(self.S, TINY))
+        strength, noise = np.abs(self.s), self.noise / np.sqrt(np.maximum(self.S, MIN_SUM))
         mean, seen = 0.0, self.S > 0.0
         for _ in range(3):  # the mean is that of those which are seen and alive
             mean = float(strength[seen].mean()) if seen.any() else 0.0

@@ -1,4 +1,4 @@
-// What kernels share: squares, sizes, and products of complex numbers that the compiler can vectorise.
+// Squares, of numbers and of complex numbers' sizes.
 #pragma once
 #include <cmath>
 

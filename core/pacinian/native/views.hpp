@@ -65,7 +65,7 @@ struct View {
     }
 };
 
-// What a kernel needs of the shapes that it is given; what it does not check, it reads within.
+// Raise ValueError unless the shapes fit. Indices in arrays are not checked: they come from our own code.
 inline void require(bool fits, const char* what) {
     if (!fits) throw std::invalid_argument(what);
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from pacinian.errors import told
+from pacinian.errors import describe_error
 from pacinian.plugins.backend import Found
 
 if TYPE_CHECKING:
@@ -26,7 +26,9 @@ def connected(plugins: Plugins, backend: str = "") -> list[Found]:
     else:
         plugins.load(kind="backend")
         broken = {**plugins.failed, **plugins.clashes}
-        found += [Found(name, "", "", told(error)) for name, error in sorted(broken.items())]
+        found += [
+            Found(name, "", "", describe_error(error)) for name, error in sorted(broken.items())
+        ]
     for (kind, name), offer in sorted(plugins.offers.items()):
         if kind == "backend" and backend in ("", name):
             found += _asked(cast("type[Backend]", offer.cls))
@@ -43,5 +45,5 @@ def _asked(backend: type[Backend]) -> list[Found]:
     try:
         return sorted(backend.found(), key=lambda f: f.serial)
     except Exception as error:  # whatever a plug-in does, the others are told
-        problem = f"this backend cannot look for its devices: {told(error)}"
+        problem = f"this backend cannot look for its devices: {describe_error(error)}"
         return [Found(backend.name, "", "", problem)]

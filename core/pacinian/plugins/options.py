@@ -21,13 +21,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_
 
 import msgspec
 
-from pacinian.errors import ArgumentError, plain
+from pacinian.errors import ArgumentError, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-def for_clients(cls: type) -> dict[str, tuple[Any, ...]]:
+def find_client_options(cls: type) -> dict[str, tuple[Any, ...]]:
     """The options of a class that clients may set, each with the kinds of values that it may have."""
     found = {
         name: tuple(kind for kind in _members(_kind(cls, parameter)) if _bounded(kind))
@@ -36,13 +36,13 @@ def for_clients(cls: type) -> dict[str, tuple[Any, ...]]:
     return {name: kinds for name, kinds in found.items() if kinds}
 
 
-def checked(cls: type, options: Mapping[str, Any]) -> dict[str, Any]:
+def check_options(cls: type, options: Mapping[str, Any]) -> dict[str, Any]:
     """What a client asks for, as the class takes it. Raises ArgumentError for what it may not ask for."""
-    allowed = for_clients(cls)
+    allowed = find_client_options(cls)
     for name in options:
         if name not in allowed:
             whose = "is for whoever runs the server to set, in its configuration; clients may set: "
-            raise ArgumentError(plain(name), whose + (", ".join(allowed) or "none"))
+            raise ArgumentError(shorten(name), whose + (", ".join(allowed) or "none"))
     return {name: _converted(name, value, allowed[name]) for name, value in options.items()}
 
 

@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import pluggy
 
-from pacinian.errors import ArgumentError, PacinianError, PluginError, UnknownPlugin, plain, told
+from pacinian.errors import (
+    ArgumentError,
+    PacinianError,
+    PluginError,
+    UnknownPlugin,
+    describe_error,
+    shorten,
+)
 from pacinian.notebook import MOST, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
@@ -88,7 +95,7 @@ class Plugins:
                 offers = self._read(point)
             except (Exception, SystemExit) as error:
                 self.failed[point.name] = PluginError(
-                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {told(error)}"
+                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {describe_error(error)}"
                 )
                 self.failed[point.name].__cause__ = error
                 continue
@@ -125,7 +132,7 @@ class Plugins:
                     raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
                 if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
                     problem = f"must be 1 to {LONGEST_NAME} characters that can be printed"
-                    raise TypeError(f"the name of {cls.__name__} {problem}: {plain(repr(name))}")
+                    raise TypeError(f"the name of {cls.__name__} {problem}: {shorten(repr(name))}")
                 offers.append(Offer(kind, cls, point.name, _origin(point)))
         if not offers:
             raise TypeError("offers nothing: is its hook decorated with @pacinian.hookimpl?")
@@ -167,7 +174,7 @@ class Plugins:
         except PacinianError:
             raise
         except Exception as error:
-            raise PluginError(f"{kind} {name!r} cannot be made: {told(error)}") from error
+            raise PluginError(f"{kind} {name!r} cannot be made: {describe_error(error)}") from error
 
 
 def _may_offer(point: EntryPoint, kind: Kind) -> bool:

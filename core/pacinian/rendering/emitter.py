@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.errors import told
+from pacinian.errors import describe_error
 from pacinian.rendering.report import Fault
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Emitter:
         try:
             action()
         except Exception as error:
-            fault = Fault(report.ticks, self._stages.stage, told(error), error)
+            fault = Fault(report.ticks, self._stages.stage, describe_error(error), error)
             if self.halted is None or fault.stage != "silence":
                 report.fault(fault)
             self.halted = self.halted or fault

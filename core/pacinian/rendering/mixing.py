@@ -10,12 +10,12 @@ if TYPE_CHECKING:
     from pacinian.rendering.player import Solved
     from pacinian.types import Floats, Gains, Singles
 
-TINY = 1e-30
+MIN_POWER = 1e-30  # that is divided by
 ALIKE = 1e-6  # of their power: parts that differ by less are not told apart
-MORE = 4.0  # times a part may sound as strong as it is asked: it fades
+MAX_SHARE = 4.0  # of a part in the gains while it fades: more is rounding
 
 
-def amplitudes(solved: Solved, t: Floats, switches: bool) -> Singles:
+def voice_amplitudes(solved: Solved, t: Floats, switches: bool) -> Singles:
     """Factor on the sound pressure of each voice at times t, (K,) [s]: (voices, K); 1 where it is in the gains."""
     voices = solved.voices
     if voices is None or not len(voices):
@@ -23,34 +23,37 @@ def amplitudes(solved: Solved, t: Floats, switches: bool) -> Singles:
     return np.sqrt(voices.strength(t, switches)).astype(np.float32)
 
 
-def mean(solved: Solved, a: Singles) -> Singles:
-    """Of the amplitudes of voices, (V,) or (V, K), by how strong each is: () or (K,)."""
+def mean_amplitude(solved: Solved, a: Singles) -> Singles:
+    """The root mean square of the voices' amplitudes, (V, K), weighted with their power: (K,)."""
     if solved.parts is None:
-        return np.asarray(a[0])
+        only: Singles = a[0]
+        return only
     assert solved.voices is not None
     P = np.abs(solved.solution.sound_pressure) ** 2
     shares = np.bincount(solved.voices.index, P, len(a))
-    return np.asarray(np.sqrt(shares @ a**2 / max(shares.sum(), TINY)), dtype=np.float32)
+    return np.asarray(np.sqrt(shares @ a**2 / max(shares.sum(), MIN_POWER)), dtype=np.float32)
 
 
-def voiced(solved: Solved, a: Singles, s: Gains) -> tuple[Gains, Gains]:
-    """What of gains s, (N,), each voice makes, as strong as it is now; and what none of them makes.
+def split_by_voice(solved: Solved, a: Singles, s: Gains) -> tuple[Gains, Gains]:
+    """The part of gains s, (K, N), that the voices make, with their amplitudes of now; and the rest of s. Both (K, N).
 
-    a: of the voices, (V,). While all fades, that is a part of what is solved: by least squares.
+    a: amplitudes, (V, K). While one solution fades into another, each voice is a part of s, found by least squares.
     """
     if solved.parts is None:
-        parts, a = solved.gains[None], a[:1]  # of one voice, or of no sample
+        parts, a = solved.gains[None], a[:1]  # one voice, or no sample
     else:
-        parts, a = solved.parts, np.append(a, mean(solved, a))
+        parts, a = solved.parts, np.vstack([a, mean_amplitude(solved, a)])
     power = parts.conj() @ parts.T
-    power += np.eye(len(parts), dtype=np.complex64) * np.float32(ALIKE * power.trace().real + TINY)
-    c = np.linalg.solve(power, parts.conj() @ s)
-    c = (c / np.maximum(np.abs(c) / MORE, 1.0)).astype(np.complex64)
-    sound, all_of_it = (a * c) @ parts, c @ parts
-    return np.asarray(sound, dtype=np.complex64), np.asarray(s - all_of_it, dtype=np.complex64)
+    power += np.eye(len(parts), dtype=np.complex64) * np.float32(
+        ALIKE * power.trace().real + MIN_POWER
+    )
+    c = np.linalg.solve(power, parts.conj() @ s.T)  # (V, K)
+    c = (c / np.maximum(np.abs(c) / MAX_SHARE, 1.0)).astype(np.complex64)
+    sound, whole = (a * c).T @ parts, c.T @ parts
+    return np.asarray(sound, dtype=np.complex64), np.asarray(s - whole, dtype=np.complex64)
 
 
-def other(last: list[Solved], now: list[Solved]) -> Solved | None:
+def find_fading(last: list[Solved], now: list[Solved]) -> Solved | None:
     """What sounded last, if it was with other envelopes than what sounds now; None where either jumps."""
     if len(last) != 1 or len(now) != 1 or not len(last[0].samples):
         return None

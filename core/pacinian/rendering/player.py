@@ -11,7 +11,12 @@ import numpy as np
 from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.rendering.cycle import Cycle
-from pacinian.rendering.mixing import amplitudes, mean, other, voiced
+from pacinian.rendering.mixing import (
+    find_fading,
+    mean_amplitude,
+    split_by_voice,
+    voice_amplitudes,
+)
 from pacinian.rendering.smooth import Smoother
 from pacinian.rendering.voices import Voices, contributions
 from pacinian.scene.sampling.samples import BESIDE, joined, nothing
@@ -30,7 +35,7 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains, Singles
 
-TINY = 1e-30
+MIN_POWER = 1e-30  # that is divided by
 KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
 TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
@@ -182,21 +187,20 @@ class Player:
         else:
             self._follow(solved, ticks)
         at, before = t + self.times, self._before
-        strengths = [amplitudes(one, at, self.switches) for one in solved]
-        fading = None if before is None else amplitudes(before, at, self.switches)
-        for k in range(0 if flat else len(at)):
-            one, a = solved[k % len(solved)], strengths[k % len(solved)][:, k]
-            s = self._smooth[k]
-            if before is None and one.parts is None:
-                self._rows[k] = a[0] * s
-                continue
-            sound, rest = voiced(one, a, s)
-            if before is not None and fading is not None:
-                more, rest = voiced(before, fading[:, k], rest)
-                sound += more
-            self._rows[k] = sound + mean(one, a) * rest
         if flat:
-            self._even(solved[0], strengths[0])
+            self._even(solved[0], voice_amplitudes(solved[0], at, self.switches))
+        for n, one in enumerate(() if flat else solved):
+            own = slice(n, len(at), len(solved))  # its rows
+            a, s = voice_amplitudes(one, at[own], self.switches), self._smooth[own]
+            if before is None and one.parts is None:
+                self._rows[own] = a[0][:, None] * s
+                continue
+            sound, rest = split_by_voice(one, a, s)
+            if before is not None:
+                fading = voice_amplitudes(before, at[own], self.switches)
+                more, rest = split_by_voice(before, fading, rest)
+                sound += more
+            self._rows[own] = sound + mean_amplitude(one, a)[:, None] * rest
         self._row += len(at)
         self.steady = flat and solved[0].steady
         return self._rows
@@ -207,8 +211,8 @@ class Player:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
             return
         g = one.gains
-        turn = np.vdot(g, self._smooth[0]) / max(float(np.vdot(g, g).real), TINY)
-        a = np.vstack([a, mean(one, a)])
+        turn = np.vdot(g, self._smooth[0]) / max(float(np.vdot(g, g).real), MIN_POWER)
+        a = np.vstack([a, mean_amplitude(one, a)])
         np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
 
     def _follow(self, solved: list[Solved], ticks: int) -> None:
@@ -221,7 +225,7 @@ class Player:
         self._limited = False
         if solved != self._followed:
             self._span = ticks * len(self.times)
-            self._before = other(self._followed, solved)
+            self._before = find_fading(self._followed, solved)
         span = 1 if self.smoother.settings.rate is None else self._span
         self.smoother.follow(carriers, self._gap, self._smooth, span, self._growth)
         self._span -= len(self.times)
@@ -337,7 +341,7 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
 def _growth(samples: Samples) -> float:
     """How many times louder samples are at the most that their objects press with."""
     P, most = samples.radiation_pressure.sum(), samples.most.sum()
-    return math.sqrt(most / P) if most > P > TINY else 1.0
+    return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
 
 
 def _presented(item: Object, samples: Samples, t: float) -> Samples:

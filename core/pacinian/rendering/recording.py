@@ -14,7 +14,7 @@ from typing import IO, TYPE_CHECKING, Any
 import msgpack
 import numpy as np
 
-from pacinian.errors import ArgumentError, PacinianError, RecordingError, told
+from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.rendering.recorded_array import read
@@ -106,7 +106,7 @@ class Recorder:
             try:
                 values["new"] = self._writer.changes(asked)
             except ArgumentError as error:
-                self.unrecorded = values["unrecorded"] = told(error)
+                self.unrecorded = values["unrecorded"] = describe_error(error)
         self._write(values)
 
     def close(self) -> None:

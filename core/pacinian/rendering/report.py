@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
 from pacinian.solving.felt import Sums
 
@@ -37,6 +38,11 @@ class Fault:
     stage: str
     message: str
     error: BaseException | None = field(repr=False, compare=False)
+
+    @property
+    def cause(self) -> BaseException:
+        """The exception, or one with its text."""
+        return self.error or PacinianError(self.message)
 
 
 @dataclass

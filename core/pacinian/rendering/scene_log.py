@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import msgspec
 import numpy as np
 
-from pacinian.errors import ArgumentError, PacinianError, told
+from pacinian.errors import ArgumentError, PacinianError, describe_error
 from pacinian.plugins.registry import solver as solver_of
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
@@ -144,7 +144,9 @@ def _packed(item: Object, old: Object | None) -> Any:
         return msgspec.msgpack.encode(item) if whole else [msgspec.msgpack.encode(new)]
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         what = item.name or type(item).__name__
-        raise ArgumentError("scene", f"cannot be recorded: {what}: {told(error)}") from error
+        raise ArgumentError(
+            "scene", f"cannot be recorded: {what}: {describe_error(error)}"
+        ) from error
 
 
 def _unpacked(old: Object | None, packed: Any) -> Object:
@@ -206,7 +208,7 @@ def _options(solver: Solver) -> dict[str, Any]:
         same = type(solver_of(solver.name, **options)) is type(solver)
         msgspec.msgpack.encode(options)
     except (PacinianError, TypeError) as error:
-        raise ArgumentError("solver", f"cannot be recorded: {told(error)}") from error
+        raise ArgumentError("solver", f"cannot be recorded: {describe_error(error)}") from error
     if not same:
         raise ArgumentError("solver", f"cannot be recorded: {solver.name!r} is another one")
     return options

@@ -7,7 +7,7 @@ import queue
 import time
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.errors import told
+from pacinian.errors import describe_error
 from pacinian.rendering.warming import try_out
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving import offers
@@ -41,7 +41,7 @@ class Solvers:
     chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread, clock: for
     tests.
 
-    One that takes longer than `MAKING` gives way to another: it may compile its kernels, which takes minutes, or hang.
+    A solver that takes longer than `MAKING` gives way to the next one: it may hang.
     """
 
     def __init__(
@@ -59,10 +59,8 @@ class Solvers:
         self._thread = thread or functools.partial(beside, name="solver")
         self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
         self._clock = clock
-        self._making, self._since = (
-            0,
-            0.0,
-        )  # the order of the one that is made, or 0; since when [s]
+        self._making = 0  # the order of the solver that is being made; 0 if none is
+        self._since = 0.0  # [s], when that began
         self._hanging = 0  # gave way, and have not come back
         self._next: tuple[int, Choice] | None = None  # once none is being made
         self._results: dict[str, str] = {}
@@ -88,10 +86,10 @@ class Solvers:
 
         def work() -> None:
             try:
-                solver = made(choice, self._configured)
+                solver = make_solver(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
-                self._made.put(Made(number, None, f"{choice.name}: {told(error)}"))
+                self._made.put(Made(number, None, f"{choice.name}: {describe_error(error)}"))
             else:
                 self._made.put(Made(number, solver))
 
@@ -125,7 +123,7 @@ class Solvers:
         return ""
 
 
-def made(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
-    """A solver of one's own; configured: as in `offers.made`. Raises UnknownPlugin, PluginError, ArgumentError."""
+def make_solver(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
+    """Make a solver. configured: as in `offers.make_plugin`. Raises UnknownPlugin, PluginError, ArgumentError."""
     whole, owners = (Configured(c) if isinstance(c, str) else c for c in (choice, configured))
-    return cast("Solver", offers.made("solver", whole, owners))
+    return cast("Solver", offers.make_plugin("solver", whole, owners))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from pacinian.errors import WireError, told
+from pacinian.errors import WireError, describe_error
 from pacinian.serving.clocks import Allowance
 from pacinian.serving.logs import Sparse, log
 from pacinian.serving.messages import pack
@@ -136,10 +136,10 @@ class Control:
 
     def _stop(self) -> None:
         """Do what was asked for without a connection, before all else."""
-        if asked := self._doors.stop.asked():
+        if requests := self._doors.stop.receive():
             self.sessions.ownership.stop()
             self._settle()
-            self._doors.stop.confirm(asked)
+            self._doors.stop.confirm(requests)
             self._log.warning("emergency stop", user="without a connection")
 
     def _request(self, peer: bytes, user: str, data: bytes) -> None:
@@ -163,7 +163,7 @@ class Control:
             message = decode_control(data)
         except WireError as error:
             self.counts["malformed"] += 1
-            self._log.warning("malformed request", user=user, error=told(error))
+            self._log.warning("malformed request", user=user, error=describe_error(error))
             if tells.take(now):
                 wrong = Error(
                     id=id_of(data), code="malformed", message=error.problem, path=error.path

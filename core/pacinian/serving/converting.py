@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from pacinian.errors import WireError, told
+from pacinian.errors import WireError, describe_error
 from pacinian.serving.news import WRAPPED
 from pacinian.serving.things import made, refused
 from pacinian.wire.convert import envelope_to_scene
@@ -152,7 +152,7 @@ class Converter:
                     job.take(thing, packed)
         except Exception as error:  # whatever it is, the bus goes on
             job.fail()
-            wrong = error if isinstance(error, WireError) else WireError(told(error), "$")
+            wrong = error if isinstance(error, WireError) else WireError(describe_error(error), "$")
             self._ended.append((job.client, refused(wrong, job.id)))
             return
         if job.id:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.errors import BackendError, told
+from pacinian.errors import BackendError, describe_error
 from pacinian.rendering.clock import SystemClock
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving import offers
@@ -104,7 +104,7 @@ class Devices:
         self._guard, self._array, self._choice = guard, array, choice
         self._rate = rate
         self._owners = choice
-        self._make = make or functools.partial(_made, configured=choice)
+        self._make = make or functools.partial(_make_backend, configured=choice)
         self._thread = thread or functools.partial(beside, name="device")
         self._clock = clock or SystemClock()
         self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
@@ -294,14 +294,14 @@ class Devices:
         except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
             if backend is not None:
                 self._close(backend)
-            return Opened(orders, choice, problem=f"{choice.name}: {told(error)}")
+            return Opened(orders, choice, problem=f"{choice.name}: {describe_error(error)}")
         return Opened(orders, choice, (backend, can))
 
 
-def load(choice: Choice | Configured) -> None:
+def import_backend(choice: Choice | Configured) -> None:
     """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
-    offers.find("backend", choice.name)
+    offers.find_plugin("backend", choice.name)
 
 
-def _made(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
-    return cast("Backend", offers.made("backend", choice, configured))
+def _make_backend(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
+    return cast("Backend", offers.make_plugin("backend", choice, configured))

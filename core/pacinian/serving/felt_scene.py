@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 
 from msgspec.structs import force_setattr
 
-from pacinian.errors import plain, told
+from pacinian.errors import describe_error, shorten
 from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
@@ -111,7 +111,7 @@ class FeltScene:
                     scene = scene.put(item)
                 except Exception as error:
                     self._drop(name)
-                    self.refuse(name, told(error))
+                    self.refuse(name, describe_error(error))
             return scene
 
     @property
@@ -145,7 +145,7 @@ class FeltScene:
         try:
             self._does[type(change)](change)
         except Exception as error:  # whatever it is, the loop goes on
-            self.refuse(name, told(error))
+            self.refuse(name, describe_error(error))
 
     def _drop(self, name: str) -> None:
         self._forget(name)
@@ -160,7 +160,7 @@ class FeltScene:
     def refuse(self, name: str, problem: str) -> None:
         """Tell that an object could not be put, or "" for none in particular."""
         self.refused.pop(name, None)
-        self.refused[name] = plain(problem)
+        self.refused[name] = shorten(problem)
         while len(self.refused) > KEPT:
             del self.refused[next(iter(self.refused))]
 

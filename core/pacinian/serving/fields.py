@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.propagation import CHUNK, field
 from pacinian.checks import near, numbers
-from pacinian.errors import ArgumentError, WireError, told
+from pacinian.errors import ArgumentError, WireError, describe_error
 from pacinian.plugins.backend import Frame
 from pacinian.serving.messages import HEAD, FrameHead
 from pacinian.wire.bulk import pack, unpack
@@ -85,7 +85,7 @@ class Fields:
             points = numbers("points", unpack(query.points, 3), (None, 3))
             near("points", points, self._array.centre)
         except ArgumentError as error:
-            raise WireError(told(error), "$.points") from error
+            raise WireError(describe_error(error), "$.points") from error
         self._running[client] = self._work(points, query.id, *emitted)
         return None
 
@@ -119,6 +119,6 @@ class Fields:
             try:
                 pressures[part] = field(self._array, gains, points[part], self._medium)
             except ArgumentError as error:
-                return Error(id=id, code="argument", message=told(error), path="$.points")
+                return Error(id=id, code="argument", message=describe_error(error), path="$.points")
             yield
         return Pressures(id=id, pressures=pack(pressures.view(np.float32)), time=time)

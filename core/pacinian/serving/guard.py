@@ -20,7 +20,7 @@ from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
 from pacinian.serving import child, memory, priority
-from pacinian.serving.devices import Devices, load
+from pacinian.serving.devices import Devices, import_backend
 from pacinian.serving.guarding import Guard
 from pacinian.serving.memory import Latest
 from pacinian.serving.messages import Device, Orders, Permit, pack
@@ -74,7 +74,7 @@ class Rounds:
         self._told = -TELL  # [s]
         self._orders.look()
         with contextlib.suppress(Exception):  # it is told when it is to be opened
-            load(self._orders.value.backend[1] or configured)
+            import_backend(self._orders.value.backend[1] or configured)
 
     def watch(self) -> tuple[float, bool]:
         """Of the guard that goes round now: its last sign of life [s], and whether there may be sound."""

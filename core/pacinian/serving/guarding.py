@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.errors import BackendError, plain, told
+from pacinian.errors import BackendError, describe_error, shorten
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.messages import HEAD, MOST_ROWS, Device, FrameHead, Permit
 from pacinian.serving.priority import ANY
@@ -184,7 +184,7 @@ class Guard:
         try:
             self.backend.silence()
         except Exception as error:
-            self.fail(told(error))
+            self.fail(describe_error(error))
             return
         self.loud = False
         self._ended(reason)
@@ -215,7 +215,7 @@ class Guard:
             self.loud = True
             backend.send(frame)
         except Exception as error:
-            self.fail(told(error))
+            self.fail(describe_error(error))
             self.silence("fault")
             return False
         self._frames += 1
@@ -246,7 +246,7 @@ class Guard:
         return Device(
             generation=0 if self.backend is None else self.generation,
             next=self.next,
-            name="" if self.backend is None else plain(self.backend.name),
+            name="" if self.backend is None else shorten(self.backend.name),
             phases=can.phases,
             amplitudes=len(can.sizes),
             rate=can.rate,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.msgpack import Decoder
 
-from pacinian.errors import told
+from pacinian.errors import describe_error
 from pacinian.scene.objects import Body, Object, Particles, Path, Point
 from pacinian.scene.shapes.flat import Disc, Rectangle
 from pacinian.scene.shapes.round import Sphere
@@ -86,7 +86,7 @@ class Loader:
         try:
             self._done.put(Loaded(name, turn, job()))
         except Exception as error:  # what cannot be loaded is told, and the thread goes on
-            self._done.put(Loaded(name, turn, None, told(error)))
+            self._done.put(Loaded(name, turn, None, describe_error(error)))
         gc.freeze()
         gc.enable()
 

@@ -17,7 +17,7 @@ if sys.platform == "win32":
 
     FAR = 1 << 30  # where a byte is locked: a locked one cannot be read
 
-    def _take(file: int) -> bool:
+    def _try_lock(file: int) -> bool:
         os.lseek(file, FAR, os.SEEK_SET)
         try:
             msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
@@ -28,7 +28,7 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-    def _take(file: int) -> bool:
+    def _try_lock(file: int) -> bool:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -37,7 +37,7 @@ else:
 
 
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-LONGEST = 32  # [bytes] of a process's number
+MAX_PID_BYTES = 32
 
 
 class Locked(ServerError):
@@ -96,9 +96,9 @@ def _open(path: Path) -> int:
     """The file, locked. Raises Locked, OSError."""
     file = os.open(path, FLAGS, 0o600)
     try:
-        if _take(file):
+        if _try_lock(file):
             return file
-        told = os.read(file, LONGEST)
+        told = os.read(file, MAX_PID_BYTES)
         raise Locked(path, int(told) if told.isdigit() else 0)
     except BaseException:
         os.close(file)

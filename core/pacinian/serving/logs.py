@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import structlog
 
-from pacinian.errors import plain, told
+from pacinian.errors import describe_error, shorten
 from pacinian.serving.clocks import Allowance
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def configure(settings: Log, process: str) -> None:
     def printable(_log: object, _method: str, event: Any) -> Any:
         for name, value in event.items():
             if isinstance(value, str):  # a client's name, say
-                event[name] = "".join(c if c.isprintable() else "?" for c in plain(value))
+                event[name] = "".join(c if c.isprintable() else "?" for c in shorten(value))
         return event
 
     last: Processor = structlog.processors.JSONRenderer()
@@ -79,7 +79,7 @@ def _traced(exc_info: ExcInfo) -> str:
     links: list[str] = []
     while error is not None and len(links) < LINKS:
         calls = traceback.format_tb(error.__traceback__, -CALLS)
-        links.append("".join([*calls, told(error)]))
+        links.append("".join([*calls, describe_error(error)]))
         error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
     return "\n".join(reversed(links))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.msgpack import Decoder
 from msgspec.structs import replace
 
-from pacinian.errors import plain, told
+from pacinian.errors import describe_error, shorten
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.scene.sampling.sampler import Sampler
@@ -132,7 +132,7 @@ class Loop:
         try:
             step()
         except Exception as error:
-            problem = told(error)
+            problem = describe_error(error)
             self.felt.refuse("", problem)
             return problem
         return ""
@@ -235,14 +235,14 @@ class Loop:
             now,
             {},
             self.results,
-            "" if halted is None else plain(f"{halted.stage}: {halted.message}"),
+            "" if halted is None else shorten(f"{halted.stage}: {halted.message}"),
             self.felt.refused,
             self.solvers,
         )
         try:
             self._tell(replace(report, state=self._state(now)))
         except Exception as error:
-            self.felt.refuse("", told(error))
+            self.felt.refuse("", describe_error(error))
             self._tell(report)
 
     def _tell(self, report: messages.Report) -> None:

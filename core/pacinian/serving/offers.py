@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from pacinian.errors import plain
+from pacinian.errors import shorten
 from pacinian.plugins import registry
-from pacinian.plugins.options import checked, for_clients
+from pacinian.plugins.options import check_options, find_client_options
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 
@@ -30,7 +30,7 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
     return tuple(
         Plugin(
             name=offer.name,
-            summary=plain(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
+            summary=shorten(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
             options=_options(offer),
         )
         for _, offer in sorted(plugins.offers.items())
@@ -38,21 +38,21 @@ def offers(kind: Kind) -> tuple[Plugin, ...]:
     )
 
 
-def made(
+def make_plugin(
     kind: Kind, choice: Configured | Choice, configured: Configured | Choice
 ) -> Solver | Backend:
     """A plug-in as configured; or as a client chooses it: with the options of the configuration, if that has the same.
 
     Raises UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
     """
-    offer, options = find(kind, choice.name), dict(choice.options)
+    offer, options = find_plugin(kind, choice.name), dict(choice.options)
     if isinstance(choice, Choice):
-        asked = checked(offer.cls, options)
+        asked = check_options(offer.cls, options)
         options = {**(configured.options if configured.name == choice.name else {}), **asked}
     return registry.installed().make(kind, choice.name, options)
 
 
-def find(kind: Kind, name: str) -> Offer:
+def find_plugin(kind: Kind, name: str) -> Offer:
     """The plug-in of a name, imported where it is not yet. Raises UnknownPlugin, PluginError."""
     plugins = registry.installed()
     if (kind, name) not in plugins.offers:
@@ -64,7 +64,7 @@ def find(kind: Kind, name: str) -> Offer:
 def _options(offer: Offer) -> dict[str, int | float | str]:
     """What clients may set, where it is simple; none of one of which that cannot be read, or told."""
     try:
-        allowed, given = for_clients(offer.cls), offer.options
+        allowed, given = find_client_options(offer.cls), offer.options
         found = {
             k: v for k, v in given.items() if k in allowed and isinstance(v, int | float | str)
         }

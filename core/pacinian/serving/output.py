@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from pacinian.errors import ArgumentError, BackendError, told
+from pacinian.errors import ArgumentError, BackendError, describe_error
 from pacinian.plugins.backend import Backend, Capability
 from pacinian.serving.messages import MOST_ROWS, FrameHead
 
@@ -125,7 +125,7 @@ class Outputs:
                 made
             )  # the one before is not closed: the guard goes on with its last frame
         except ArgumentError as error:
-            return {f"device {generation}": told(error)}
+            return {f"device {generation}": describe_error(error)}
         return {}
 
     def _made(self) -> Output:

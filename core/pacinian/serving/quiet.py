@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from pacinian.errors import ArgumentError, told
+from pacinian.errors import ArgumentError, describe_error
 from pacinian.solving.nulls import Preparation
 from pacinian.solving.problem import Budget, Limits
 
@@ -57,7 +57,7 @@ class Quieting:
         try:
             made = self._preparation.nulls(self._array, self._medium, self._next, rms, AT_ONCE)
         except ArgumentError as error:
-            self.note = f"silent: {told(error)}"
+            self.note = f"silent: {describe_error(error)}"
             self._next = zones  # without room to move in, or where they are now
             return
         if made is not None:

@@ -16,7 +16,7 @@ from msgspec.msgpack import Decoder
 
 from pacinian.plugins.backend import Capability
 from pacinian.serving import child, priority
-from pacinian.serving.choosing import Solvers, made
+from pacinian.serving.choosing import Solvers, make_solver
 from pacinian.serving.loading import Loader
 from pacinian.serving.loop import FILES, Loop
 from pacinian.serving.memory import Latest
@@ -46,7 +46,7 @@ def _render(told: child.Told) -> None:
     with ExitStack() as stack:
         files = {name: stack.enter_context(Latest.attach(told.path / name)) for name in FILES}
         array, medium = settings.array.make(), settings.medium.make()
-        chosen = made(settings.solver)
+        chosen = make_solver(settings.solver)
         warm_up(array, medium, chosen, Capability(rate=settings.rate), settings.rate)
         while (newest := files["device"].read()) is None:
             time.sleep(LOOK)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.errors import plain
+from pacinian.errors import shorten
 from pacinian.rendering.probe import name_of
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.scene.sampling.tracks import HOLD
@@ -32,7 +32,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
     return {
         **_emitted(renderer),
         **_zones(renderer),
-        "solver": plain(renderer.session.solver.name),
+        "solver": shorten(renderer.session.solver.name),
         "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
         "ticks": report.ticks,
         "late": report.late_ticks,
@@ -41,7 +41,7 @@ def state(renderer: Renderer, t: float) -> dict[str, Any]:
         "tick_counts": _counts(ticks),
         "frames": report.frames_sent,
         "skipped": dict(report.skipped),
-        "faults": tuple(plain(f"{fault.stage}: {fault.message}")[:200] for fault in list(report.faults)[-FAULTS:]),
+        "faults": tuple(shorten(f"{fault.stage}: {fault.message}")[:200] for fault in list(report.faults)[-FAULTS:]),
         "fault_count": report.fault_count,
     }  # fmt: skip
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import msgspec
 
 from pacinian.acoustics.pose import UPRIGHT
-from pacinian.errors import WireError, told
+from pacinian.errors import WireError, describe_error
 from pacinian.serving.messages import CAPACITIES, MoveObject
 from pacinian.wire.convert import to_scene
 from pacinian.wire.objects import Point, Surface, Volume
@@ -151,7 +151,7 @@ def made(name: str, item: Object, seen: float, most: float) -> bytes:
     except WireError:
         raise
     except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
-        raise WireError(told(error), f"$.objects[{name}]") from error
+        raise WireError(describe_error(error), f"$.objects[{name}]") from error
     if pressure > most:
         raise too_strong(name, item, pressure, most)
     packed = msgspec.msgpack.encode(scene)

@@ -19,8 +19,8 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-MOST = 16  # points: M^2 columns and steps of some 10 ms
-STEPS, SHORTEST = 150, 1e-6
+MAX_POINTS = 16  # points: M^2 columns and steps of some 10 ms
+MAX_STEPS, MIN_STEP = 150, 1e-6
 CENTRED, LOWER = 0.25, 8.0  # length of a Newton step from which barriers are lowered, by so much
 CLOSE, NONE = 1e-2, 1e-6  # what barriers may cost, of the bound; squared error that counts as none
 BEGIN = 0.2  # b to start from, over the root of what B is worth to M points
@@ -40,24 +40,24 @@ def least_error(B: Complexes, t: Floats) -> float:
     tau = float(b[0]) / 2.0
     a = np.full(M, float(np.linalg.eigvalsh(_schur(B, t, b)[0])[0]) - tau)
     value = _barrier(B, t, a, b, tau)
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         da, db, length = _step(B, t, a, b, tau)
         share = 1.0
-        while share > SHORTEST:
+        while share > MIN_STEP:
             new = a + share * da, b * np.exp(share * db)
             if (higher := _barrier(B, t, *new, tau)) >= value:
                 (a, b), value = new, higher
                 break
             share /= 2.0
-        if length <= CENTRED or share <= SHORTEST:
+        if length <= CENTRED or share <= MIN_STEP:
             if tau * (M + 2 * N) <= CLOSE * max(float(a.sum() - b.sum()), NONE):
                 break
             tau /= LOWER
             value = _barrier(B, t, a, b, tau)
-    return math.sqrt(max(proven(B, t, a, b), 0.0))
+    return math.sqrt(max(prove_bound(B, t, a, b), 0.0))
 
 
-def proven(B: Complexes, t: Floats, a: Floats, b: Floats) -> float:
+def prove_bound(B: Complexes, t: Floats, a: Floats, b: Floats) -> float:
     """What ||t - |B g|||^2 is not below for any |g_n| <= 1, by multipliers a, (M,), and b > 0, (N,).
 
     Rounding is taken off. For any Y S >= D Y + Y^H D - Y^H P Y, in which an error of Y counts by its square; that is

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from pacinian.client.client import Client
 from pacinian.client.emergency import emergency_stop
 from pacinian.client.keys import found
-from pacinian.errors import ConnectionLost, PacinianError, Refused, told
+from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.messages import Alive, Arm, Disarm, Reset, Select, Session, Stop
 from pacinian.viewing.states import States
 from pacinian.wire.convert_time import technique_to_scene
@@ -86,7 +86,9 @@ class Bridge:
         try:
             emergency_stop(self._where)
         except Exception as error:  # whatever it is, it did not stop
-            self._post(self._hub.refuse, page, "stop", told(error), "switch the array off")
+            self._post(
+                self._hub.refuse, page, "stop", describe_error(error), "switch the array off"
+            )
         finally:
             self._stopping.release()
 

@@ -19,20 +19,24 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from types import TracebackType
 
-NONCE = 16  # [bytes], new for each stop
-LENGTH = NONCE + hashlib.sha256().digest_size  # [bytes] of a datagram
-AGAIN = 0.1  # [s] after which one that is not confirmed is sent again
+NONCE_BYTES = 16  # [bytes], new for each stop
+DATAGRAM_BYTES = NONCE_BYTES + hashlib.sha256().digest_size  # [bytes] of a datagram
+RESEND_PERIOD = 0.1  # [s] after which one that is not confirmed is sent again
 LOOPBACK = "127.0.0.1"
 
 
-def proof(secret: str, what: bytes, nonce: bytes) -> bytes:
-    """A datagram: the nonce, and what only those who have the secret can make of it."""
+def sign(secret: str, what: bytes, nonce: bytes) -> bytes:
+    """A datagram: the nonce, and the HMAC of `what` and the nonce with the secret."""
     return nonce + hmac.digest(secret.encode(), what + nonce, "sha256")
 
 
-def proven(secret: str, what: bytes, data: bytes) -> bytes:
-    """The nonce of a datagram; empty if its sender has not the secret."""
-    return data[:NONCE] if hmac.compare_digest(data, proof(secret, what, data[:NONCE])) else b""
+def verify(secret: str, what: bytes, data: bytes) -> bytes:
+    """The nonce of a datagram; empty if its HMAC is wrong."""
+    return (
+        data[:NONCE_BYTES]
+        if hmac.compare_digest(data, sign(secret, what, data[:NONCE_BYTES]))
+        else b""
+    )
 
 
 class StopSocket:
@@ -50,21 +54,21 @@ class StopSocket:
             self.address = f"unix:{file}"
         self.socket.setblocking(False)
 
-    def asked(self) -> list[tuple[bytes, Any]]:
-        """Stops that were asked for since this was asked last: to be confirmed once they are done."""
+    def receive(self) -> list[tuple[bytes, Any]]:
+        """The requests that came since the last call, (nonce, sender): `confirm` them once all is silent."""
         found: list[tuple[bytes, Any]] = []
         with suppress(OSError):  # nothing more, or one who asked has gone (on Windows)
             while True:
-                data, peer = self.socket.recvfrom(LENGTH + 1)
-                if nonce := proven(self._secret, b"stop", data):
+                data, peer = self.socket.recvfrom(DATAGRAM_BYTES + 1)
+                if nonce := verify(self._secret, b"stop", data):
                     found.append((nonce, peer))
         return found
 
-    def confirm(self, asked: list[tuple[bytes, Any]]) -> None:
-        """Tell those who asked that it is done."""
-        for nonce, peer in asked:
+    def confirm(self, requests: list[tuple[bytes, Any]]) -> None:
+        """Answer requests."""
+        for nonce, peer in requests:
             with suppress(OSError):
-                self.socket.sendto(proof(self._secret, b"stopped", nonce), peer)
+                self.socket.sendto(sign(self._secret, b"stopped", nonce), peer)
 
     def __enter__(self) -> StopSocket:
         return self
@@ -78,24 +82,24 @@ class StopSocket:
         self.socket.close()
 
 
-def stopped(address: str, secret: str, timeout: float) -> bool:
+def request_stop(address: str, secret: str, timeout: float) -> bool:
     """Ask a server on this machine to stop; whether it has confirmed it within `timeout` [s]."""
-    nonce, due = secrets.token_bytes(NONCE), time.perf_counter() + timeout
+    nonce, due = secrets.token_bytes(NONCE_BYTES), time.perf_counter() + timeout
     with ExitStack() as stack:
         try:
-            made = _connected(address, stack, nonce.hex())
+            made = _connect(address, stack, nonce.hex())
             while (left := due - time.perf_counter()) > 0.0:
-                made.settimeout(min(left, AGAIN))
+                made.settimeout(min(left, RESEND_PERIOD))
                 with suppress(TimeoutError):
-                    made.send(proof(secret, b"stop", nonce))
-                    if proven(secret, b"stopped", made.recv(LENGTH + 1)) == nonce:
+                    made.send(sign(secret, b"stop", nonce))
+                    if verify(secret, b"stopped", made.recv(DATAGRAM_BYTES + 1)) == nonce:
                         return True
         except (AttributeError, OSError, ValueError):  # no such sockets here, or no such server
             return False
     return False
 
 
-def _connected(address: str, stack: ExitStack, name: str) -> socket.socket:
+def _connect(address: str, stack: ExitStack, name: str) -> socket.socket:
     """A socket that can be answered. Raises AttributeError, OSError, ValueError."""
     kind, _, at = address.partition(":")
     made = socket.socket(socket.AF_INET if kind == "udp" else socket.AF_UNIX, socket.SOCK_DGRAM)

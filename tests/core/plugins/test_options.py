@@ -15,7 +15,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.errors import ArgumentError
-from pacinian.plugins.options import checked, for_clients
+from pacinian.plugins.options import check_options, find_client_options
 from pacinian.plugins.registry import installed
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ MAY = {"levels", "share", "table", "loud", "link", "mode"}
 
 
 def test_what_is_bounded_may_be_set_and_all_else_not() -> None:
-    assert set(for_clients(Careless)) == MAY
+    assert set(find_client_options(Careless)) == MAY
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_what_is_bounded_may_be_set_and_all_else_not() -> None:
     ],
 )
 def test_within_its_bounds_a_value_is_taken(name: str, value: Any, expected: Any) -> None:
-    assert checked(Careless, {name: value}) == {name: expected}
+    assert check_options(Careless, {name: value}) == {name: expected}
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_within_its_bounds_a_value_is_taken(name: str, value: Any, expected: Any
 )
 def test_beyond_them_it_is_refused(name: str, value: Any) -> None:
     with pytest.raises(ArgumentError, match="not what clients may set it to") as raised:
-        checked(Careless, {name: value})
+        check_options(Careless, {name: value})
     assert raised.value.argument == name
 
 
@@ -103,7 +103,7 @@ def test_beyond_them_it_is_refused(name: str, value: Any) -> None:
 )
 def test_what_is_the_owners_is_refused_whatever_the_value(name: str, value: Any) -> None:
     with pytest.raises(ArgumentError, match="is for whoever runs the server") as raised:
-        checked(Careless, {"loud": True, name: value})
+        check_options(Careless, {"loud": True, name: value})
     assert repr(value) not in str(raised.value) or len(repr(value)) < 5
 
 
@@ -112,26 +112,26 @@ def test_what_cannot_be_read_is_the_owners() -> None:
         def __init__(self, x: NotThere = 1, y: bool = True) -> None:  # type: ignore[name-defined]  # noqa: F821
             pass
 
-    assert set(for_clients(Later)) == {"y"}
+    assert set(find_client_options(Later)) == {"y"}
 
 
 @pytest.mark.parametrize("offer", installed().list(), ids=lambda offer: offer.name)
 def test_installed_plug_ins_take_the_ends_of_what_they_let_clients_set(offer: Any) -> None:
-    for name, kinds in for_clients(offer.cls).items():
+    for name, kinds in find_client_options(offer.cls).items():
         for kind in kinds:
             if get_origin(kind) is not Annotated:
                 continue
             number, meta = get_args(kind)
             ends = meta.ge if meta.gt is None else 1e-9, meta.le
             for end in ends:
-                made = offer.cls(**checked(offer.cls, {name: number(end)}))
+                made = offer.cls(**check_options(offer.cls, {name: number(end)}))
                 assert getattr(made, name) == end
 
 
 def test_no_device_is_given_a_file_an_address_or_a_watchdog_by_clients() -> None:
     """It is whoever runs the server who says which device is driven, and how it is kept safe."""
     plugins = installed()
-    found = {o.name: set(for_clients(o.cls)) for o in plugins.list() if o.kind == "backend"}
+    found = {o.name: set(find_client_options(o.cls)) for o in plugins.list() if o.kind == "backend"}
     assert found.pop("simulated") == {"phases", "amplitudes", "rate"}
     assert found == {
         "autd3": set(), "openmpd": set(), "sonicsurface": set(), "usb-autd": {"pretend"},

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.errors import LONGEST
+from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
 from pacinian.rendering.pipeline import LOOK
 from pacinian.rendering.smooth import Smoothing
@@ -187,7 +187,7 @@ def test_of_what_is_raised_little_is_kept() -> None:
             renderer.reset()
     faults = renderer.report.faults
     assert len(faults) == 3
-    assert max(len(fault.message) for fault in faults) <= LONGEST
+    assert max(len(fault.message) for fault in faults) <= MAX_TEXT
     assert [fault.error is None for fault in faults] == [True, True, False]
 
 

@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
 from pacinian.scene.file import Choice as Configured
-from pacinian.serving.choosing import MAKING, MAX_HANGING, SUPERSEDED, Solvers, made
+from pacinian.serving.choosing import MAKING, MAX_HANGING, SUPERSEDED, Solvers, make_solver
 from pacinian.serving.offers import offers
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
@@ -79,7 +79,7 @@ def threads() -> Threads:
 
 @pytest.fixture
 def solvers(threads: Threads) -> Solvers:
-    return Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append)
+    return Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append)
 
 
 def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads) -> None:
@@ -97,11 +97,11 @@ def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads)
 
 def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same() -> None:
     owners = Configured("loud", {"file": "secret", "level": 0.1})
-    solver = made(Choice(name="loud", options={"level": 0.25}), owners)
+    solver = make_solver(Choice(name="loud", options={"level": 0.25}), owners)
     assert (solver.file, solver.level) == ("secret", 0.25)  # type: ignore[attr-defined]
-    assert made(Choice(name="loud"), owners).level == 0.1  # type: ignore[attr-defined]
-    assert made(owners).level == 0.1  # type: ignore[attr-defined]
-    assert made(Choice(name="gs"), owners).name == "gs"
+    assert make_solver(Choice(name="loud"), owners).level == 0.1  # type: ignore[attr-defined]
+    assert make_solver(owners).level == 0.1  # type: ignore[attr-defined]
+    assert make_solver(Choice(name="gs"), owners).name == "gs"
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
 
 def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) -> None:
     clock = ManualClock()
-    solvers = Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    solvers = Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
     before = solvers.chosen
     solvers.order(1, Choice(name="loud"))
     hangs = threads.waiting.pop()
@@ -166,7 +166,7 @@ def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) 
 
 def test_solvers_that_hang_are_only_so_many(threads: Threads) -> None:
     clock = ManualClock()
-    solvers = Solvers(made("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    solvers = Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
     results: dict[str, str] = {}
     for number in range(1, MAX_HANGING + 2):
         solvers.order(number, Choice(name="loud"))

@@ -63,7 +63,7 @@ class Named(pc.Backend):
 class Bench:
     """Devices whose threads run when they are told to."""
 
-    def __init__(self) -> None:
+    def __init__(self, choice: Choice | Configured | None = None) -> None:
         self.clock = ManualClock()
         self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
         self.hang = ""  # the one that opens too late
@@ -73,8 +73,9 @@ class Bench:
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
         self.devices = Devices(
-            self.guard, ARRAY, Choice(name="a"), 1000.0, self.make, self.waiting.append, self.clock
-        )
+            self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.waiting.append,
+            self.clock,
+        )  # fmt: skip
 
     def make(self, choice: Choice | Configured) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
@@ -462,3 +463,25 @@ def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_o
     ]  # fmt: skip
     assert bench.now == "b"
     assert bench.devices.choice == Configured("b")
+
+
+def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() -> None:
+    configured = Configured("a", {"port": "usb-1"})
+    first, spare = Bench(configured), Bench(configured)
+    first.devices.begin(Orders())
+    first.run()
+    assert first.devices.choice == configured
+    orders = Orders(backend=(1, Choice(name="a", options={"phases": 8})))
+    first.devices.follow(orders)
+    first.run()
+    first.frame()
+    whole = Configured("a", {"port": "usb-1", "phases": 8})
+    assert first.devices.choice == whole
+    spare.devices.begin(orders, first.devices.choice)
+    spare.run()
+    assert [made.log for made in spare.made] == [["open"]], "the same device is opened once"
+    assert spare.devices.choice == whole
+    first.devices.follow(selected(2, "b"))
+    first.run()
+    first.frame()
+    assert first.devices.choice == Configured("b"), "which the owner's options are not for"

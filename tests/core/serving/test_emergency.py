@@ -20,7 +20,7 @@ from pacinian.serving.server import RESERVE
 from pacinian.serving.settings import Security
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Arm
-from pacinian.wire.emergency import LENGTH, StopSocket, proof, proven, stopped
+from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 from pacinian.wire.replies import Ok
 
 from ...waiting import PATIENCE, eventually
@@ -40,7 +40,7 @@ def test_it_stops_without_a_connection_and_is_confirmed_when_it_is_done(server: 
     game = server.client().hello()
     assert isinstance(game.ask(Arm), Ok)
     connection = server.connection
-    assert stopped(connection.stop, connection.secret, PATIENCE)
+    assert request_stop(connection.stop, connection.secret, PATIENCE)
     assert server.permit().stopped == 1
     assert game.ask(Arm).code == "stopped"
 
@@ -53,12 +53,12 @@ def test_a_client_needs_nothing_else(server: Any, monkeypatch: pytest.MonkeyPatc
 
 def test_who_has_not_the_secret_is_not_answered_and_does_not_stop(server: Any) -> None:
     connection = server.connection
-    assert not stopped(connection.stop, "f" * 64, 0.2)
+    assert not request_stop(connection.stop, "f" * 64, 0.2)
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
-        for data in (b"", b"stop", bytes(LENGTH), bytes(60_000)):
+        for data in (b"", b"stop", bytes(DATAGRAM_BYTES), bytes(60_000)):
             stranger.sendto(data, connection.stop.partition(":")[2])
     assert server.permit().stopped == 0
-    assert stopped(connection.stop, connection.secret, PATIENCE), "the server goes on"
+    assert request_stop(connection.stop, connection.secret, PATIENCE), "the server goes on"
 
 
 def test_where_that_way_is_not_there_it_goes_by_a_connection(server: Any) -> None:
@@ -80,7 +80,7 @@ def test_a_server_that_does_not_confirm_is_told_as_such(tmp_path: Path) -> None:
         )  # fmt: skip
         with pytest.raises(ConnectionLost):
             emergency_stop(given, timeout=0.2)
-        (nonce, _), *_ = deaf.asked()
+        (nonce, _), *_ = deaf.receive()
     assert len(nonce) == 16
 
 
@@ -95,20 +95,20 @@ def test_with_curve_the_keys_of_the_file_prove_it_and_those_of_others_go_by_a_co
     )
     connection = server.connection
     assert not connection.token
-    assert stopped(connection.stop, connection.secret, PATIENCE)
+    assert request_stop(connection.stop, connection.secret, PATIENCE)
     assert not found(connection, keys / "headset.key_secret").stop
 
 
 def test_a_datagram_proves_the_secret_and_what_it_says() -> None:
     nonce = bytes(range(16))
-    data = proof("secret", b"stop", nonce)
-    assert len(data) == LENGTH
-    assert proven("secret", b"stop", data) == nonce
-    assert not proven("secret", b"stopped", data)
-    assert not proven("other", b"stop", data)
-    for i in range(LENGTH):
-        assert not proven("secret", b"stop", data[:i])
-        assert not proven("secret", b"stop", data[:i] + bytes([data[i] ^ 1]) + data[i + 1 :])
+    data = sign("secret", b"stop", nonce)
+    assert len(data) == DATAGRAM_BYTES
+    assert verify("secret", b"stop", data) == nonce
+    assert not verify("secret", b"stopped", data)
+    assert not verify("other", b"stop", data)
+    for i in range(DATAGRAM_BYTES):
+        assert not verify("secret", b"stop", data[:i])
+        assert not verify("secret", b"stop", data[:i] + bytes([data[i] ^ 1]) + data[i + 1 :])
 
 
 @posix

@@ -15,7 +15,7 @@ from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer
 from pacinian.scene.file import Units
 from pacinian.serving import child, messages
-from pacinian.serving.choosing import Solvers, made
+from pacinian.serving.choosing import Solvers, make_solver
 from pacinian.serving.loading import Loader
 from pacinian.serving.loop import FILES, Loop
 from pacinian.serving.memory import Latest
@@ -73,7 +73,7 @@ class Server:
         self.device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         self.tell("device", self.device)
         self.threads: list[Callable[[], None]] = []
-        solvers = Solvers(made(solver), ARRAY, AIR, thread=self.threads.append)
+        solvers = Solvers(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
         self.loader = Loader(lambda _: None)
         self.loop = Loop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
         self.number = 0
@@ -241,7 +241,7 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
     server = make()
     server.put(name="old")
     again = Loop(
-        server.files, Settings(), ARRAY, AIR, Solvers(made("auto"), ARRAY, AIR),
+        server.files, Settings(), ARRAY, AIR, Solvers(make_solver("auto"), ARRAY, AIR),
         server.loader, server.clock,
     )  # fmt: skip
     again.open()

@@ -12,11 +12,11 @@ import sys
 from pacinian.plugins.backend import Capability
 from pacinian.scene.file import Units
 from pacinian.serving import warming
-from pacinian.serving.choosing import made
+from pacinian.serving.choosing import make_solver
 from pacinian.serving.settings import Settings
 
 settings = Settings(array=Units({side}, {side}))
-arguments = settings.array.make(), settings.medium.make(), made("auto"), Capability(rate=1e3), 1e3
+arguments = settings.array.make(), settings.medium.make(), make_solver("auto"), Capability(rate=1e3), 1e3
 warming.warm_up(*arguments)
 before = set(sys.modules)
 warming.TICKS = {ticks}

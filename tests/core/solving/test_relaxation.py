@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.relaxation import least_error, proven
+from pacinian.solving.relaxation import least_error, prove_bound
 
 from ...plugins.problems import optimum
 
@@ -42,7 +42,7 @@ def test_what_multipliers_prove_is_true_in_exact_arithmetic(
     t = rng.uniform(0.0, 1.0, count)
     t /= np.linalg.norm(t)
     a, b = rng.normal(size=count), 10.0 ** rng.uniform(-spread, 1.0, columns)
-    bound = proven(B, t, a, b)
+    bound = prove_bound(B, t, a, b)
     with mpmath.workdps(40):
         exact = mpmath.matrix(count + columns)
         wide = mpmath.matrix(B.tolist())

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 JUMP = 0.02  # [m] in one tick: the sample fades where it was, and rises where it is
-LONGEST = 0.02  # [s] that one tick may count for: time may jump
+MAX_TICK = 0.02  # [s] that one tick counts for at most: time may jump
 QUARTER = math.pi / 2.0  # of a turn
-TINY = 1e-300
+MIN_PRESSURE = 1e-300  # [Pa], that is divided by
 SLACK = 1e-6  # of a ramp, for rounding: it ends in time
 
 
@@ -45,7 +45,7 @@ class Ramps:
 
     def follow(self, asked: Samples, t: float) -> Samples:
         """Samples at time t [s]; the very ones asked for once all has come up or gone."""
-        seconds = min(max(t - self._time, 0.0), LONGEST) if self._time > -math.inf else 0.0
+        seconds = min(max(t - self._time, 0.0), MAX_TICK) if self._time > -math.inf else 0.0
         self._time = t
         if self.ramp == 0.0 or (asked is self._asked and self.settled):
             self._asked = self._last = asked
@@ -88,7 +88,7 @@ def _on(P: Floats, most: Floats, share: float) -> Floats:
     """Pressures, (M,), a share of the way from 0 to their most further: the square of a sine over it."""
     if not share:
         return P
-    way = np.arcsin(np.sqrt(P / np.maximum(most, TINY))) / QUARTER
+    way = np.arcsin(np.sqrt(P / np.maximum(most, MIN_PRESSURE))) / QUARTER
     return np.asarray(most * np.sin(QUARTER * np.clip(way + share, 0.0, 1.0)) ** 2)
 
 

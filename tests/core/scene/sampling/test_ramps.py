@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.ramps import JUMP, LONGEST, Ramps
+from pacinian.scene.sampling.ramps import JUMP, MAX_TICK, Ramps
 from pacinian.scene.sampling.samples import Samples, nothing
 
 bounded = settings(max_examples=100)
@@ -222,7 +222,7 @@ def test_a_jump_of_time_counts_for_a_moment_only() -> None:
     asked = samples({0: (0.0, 1.0)})
     ramps.follow(asked, 0.0)
     assert ramps.follow(asked, 1e6).radiation_pressure == pytest.approx(
-        [10.0 * np.sin(np.pi / 2.0 * LONGEST) ** 2], rel=1e-4
+        [10.0 * np.sin(np.pi / 2.0 * MAX_TICK) ** 2], rel=1e-4
     )
 
 
