@@ -60,8 +60,8 @@ AREAS = {
         ("tests/core/scene/sampling", "tests/core/rendering/test_renderer.py"),
     ),
     "guard": Area(
-        (f"{SERVING}/guard*.py", f"{SERVING}/devices.py"),
-        ("tests/core/serving/test_guard*.py", "tests/core/serving/test_devices.py"),
+        (f"{SERVING}/guard/*.py",),
+        ("tests/core/serving/guard",),
     ),
     "wire": Area(
         (

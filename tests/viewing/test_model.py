@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.publishing import sound
+from pacinian.serving.control.status import sound
 from pacinian.viewing.model import EDGES, Model, histogram
 from pacinian.wire.bulk import pack
 from pacinian.wire.replies import Abilities

@@ -189,6 +189,19 @@ def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
     other.wait(LIMIT)
 
 
+def test_what_is_being_computed_at_the_end_starts_no_other_process(fields: Fields) -> None:
+    async def end() -> None:
+        task = asyncio.create_task(fields.pressure(HERE, DRIVE, lambda: True))
+        while not workers():
+            await asyncio.sleep(0.001)
+        fields.close()
+        with pytest.raises((pc.ArgumentError, asyncio.CancelledError)):
+            await task
+
+    asyncio.run(end())
+    assert not psutil.wait_procs(workers(), LIMIT)[1]
+
+
 ENDLESS = """
 import asyncio, pathlib, sys, time
 import pacinian as pc

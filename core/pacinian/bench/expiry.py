@@ -18,10 +18,10 @@ from pacinian.bench.guard_process import LONG, PROMPT, GuardProcess, levels
 from pacinian.bench.tables import plain_table
 from pacinian.bench.timing import quantile
 from pacinian.plugins import registry
-from pacinian.serving import priority
-from pacinian.serving.guard import ROUND
-from pacinian.serving.guarding import Guard
-from pacinian.serving.messages import FrameHead, Permit
+from pacinian.serving.guard.process import ROUND
+from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.ipc import scheduling
+from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
 
@@ -127,7 +127,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
 
 def _sleeps(count: int) -> list[float]:
     """How long the machine sleeps when it is asked for one round."""
-    priority.urgent(0)
+    scheduling.urgent(0)
     found: list[float] = []
     for _ in range(count):
         begin = time.perf_counter()

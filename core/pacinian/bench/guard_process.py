@@ -12,15 +12,15 @@ import msgspec
 import numpy as np
 
 from pacinian.errors import ServerError
-from pacinian.serving import child
-from pacinian.serving.memory import Latest, folder
-from pacinian.serving.messages import (
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.messages import (
     CAPACITIES,
     Device,
     FrameHead,
     Permit,
     frame_capacity,
 )
+from pacinian.serving.ipc.shared_memory import Latest, folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,8 +34,8 @@ LOOK = 50e-6  # [s] between looks
 PARENT = """
 import sys, time
 import msgspec
-from pacinian.serving import child
-started = child.start("guard", msgspec.json.decode(sys.argv[1], type=child.Told))
+from pacinian.serving.ipc import child_process
+started = child_process.start("guard", msgspec.json.decode(sys.argv[1], type=child_process.Told))
 time.sleep(3600)
 """
 
@@ -52,18 +52,18 @@ class GuardProcess:
         names = "permit", "frame", "orders", "device"
         self._memory = {n: Latest.create(self._folder / n, sizes[n]) for n in names}
         self._epoch = self._sequence = 0
-        told = child.Told(str(self._folder), settings)
+        told = child_process.Told(str(self._folder), settings)
         if orphan:
             text = msgspec.json.encode(told).decode()
             self.process = subprocess.Popen([sys.executable, "-c", PARENT, text])
         else:
-            self.process = child.start("guard", told)
+            self.process = child_process.start("guard", told)
 
     def __enter__(self) -> GuardProcess:
         return self
 
     def __exit__(self, *_: object) -> None:
-        child.end(self.process)
+        child_process.end(self.process)
         for memory in self._memory.values():
             memory.close()
         self._stack.close()

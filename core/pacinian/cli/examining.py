@@ -138,8 +138,8 @@ def port() -> Finding:
 
 def memory() -> Finding:
     """Where the server's processes would share memory."""
-    from pacinian.serving.memory import SLOTS
-    from pacinian.serving.messages import CAPACITIES, frame_capacity
+    from pacinian.serving.ipc.messages import CAPACITIES, frame_capacity
+    from pacinian.serving.ipc.shared_memory import SLOTS
 
     folder = SHARED if os.access(SHARED, os.W_OK) else Path(tempfile.gettempdir())
     needed = SLOTS * (sum(CAPACITIES.values()) + frame_capacity(DEVICES))

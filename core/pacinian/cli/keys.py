@@ -18,7 +18,7 @@ def keys() -> None:
 @FOLDER
 def server(folder: str) -> None:
     """Make the server's own pair of keys."""
-    from pacinian.serving.security import make
+    from pacinian.serving.ipc.auth import make
 
     public, secret = make(folder, "server", server=True)
     click.echo(f"public, for clients:     {public}")
@@ -36,7 +36,7 @@ def client(name: str, folder: str, host: str, ports: tuple[int, int, int] | None
     With --host and --ports a connection file is written that holds all that the client needs: carry it there
     by a way that nobody else can read, and delete it here.
     """
-    from pacinian.serving.security import make, remote
+    from pacinian.serving.ipc.auth import make, remote
 
     if bool(host) != bool(ports):
         raise click.UsageError("--host and --ports go together")

@@ -15,15 +15,15 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.errors import ServerError
-from pacinian.serving import child, memory, priority
-from pacinian.serving.control import Control
-from pacinian.serving.doors import Doors, cannot_bind
-from pacinian.serving.locking import Lock, Locked
-from pacinian.serving.logs import configure, flush, log
-from pacinian.serving.messages import CAPACITIES, frame_capacity
-from pacinian.serving.metrics import HOST, Metrics
-from pacinian.serving.security import Gate, fresh
-from pacinian.serving.supervise import GUARD, SPARE, Supervisor
+from pacinian.serving.control.metrics import HOST, Metrics
+from pacinian.serving.control.process import Control
+from pacinian.serving.control.sockets import Doors, cannot_bind
+from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
+from pacinian.serving.ipc import child_process, scheduling, shared_memory
+from pacinian.serving.ipc.auth import Gate, fresh
+from pacinian.serving.ipc.file_lock import Lock, Locked
+from pacinian.serving.ipc.logs import configure, flush, log
+from pacinian.serving.ipc.messages import CAPACITIES, frame_capacity
 from pacinian.wire.connection import Connection, check_replaceable, where
 from pacinian.wire.emergency import StopSocket
 
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType
 
+    from pacinian.serving.control.supervisor import Process
     from pacinian.serving.settings import Network, Settings
-    from pacinian.serving.supervise import Process
 
 RESERVE = 16  # files that are kept for processes that are started again
 
@@ -41,7 +41,7 @@ RESERVE = 16  # files that are kept for processes that are started again
 def serve(
     settings: Settings,
     ready: Callable[[Path], object] = lambda path: None,
-    start: Callable[[str, child.Told], Process] = child.start,
+    start: Callable[[str, child_process.Told], Process] = child_process.start,
     ending: threading.Event | None = None,
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then silence, always.
@@ -59,13 +59,13 @@ def serve(
         stack.enter_context(_signals(ending))
         secrets = fresh(settings)
         _check_ports(settings)
-        folder = stack.enter_context(memory.folder())
+        folder = stack.enter_context(shared_memory.folder())
         capacities = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
         files = {
-            name: stack.enter_context(memory.Latest.create(folder / name, capacity))
+            name: stack.enter_context(shared_memory.Latest.create(folder / name, capacity))
             for name, capacity in capacities.items()
         }
-        priority.urgent()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
+        scheduling.urgent()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
         secret = secrets.get("token") or secrets["secret_key"]
@@ -75,7 +75,7 @@ def serve(
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
-        told = child.Told(str(folder), replace(settings, network=network))
+        told = child_process.Told(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
 
         def begin(name: str, spare: int) -> Process:

@@ -58,7 +58,7 @@ class Running:
                 with suppress(psutil.Error):
                     words = child.cmdline()
                     for name in CHILDREN:
-                        if f"pacinian.serving.{name}" in words:
+                        if f"pacinian.serving.{name}.process" in words:
                             found.setdefault(name, child.pid)  # the guard is older than its spare
         return {name: found[name] for name in (CONTROL, *CHILDREN) if name in found}
 

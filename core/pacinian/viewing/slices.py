@@ -21,7 +21,7 @@ import numpy as np
 
 from pacinian.acoustics.grid import Grid
 from pacinian.errors import ArgumentError
-from pacinian.serving.priority import AUTOGROUP
+from pacinian.serving.ipc.scheduling import AUTOGROUP
 from pacinian.viewing.messages import Slice, Volume
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ class Fields:
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
+        self._closed = False
         self._rough: deque[Grid] = deque(maxlen=16)  # where interpolation would not do
 
     async def pressure(
@@ -93,6 +94,8 @@ class Fields:
         """In the other process; a new one, if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
+            if self._closed:
+                raise ArgumentError("slice", "cannot be computed: the viewer ends")
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(1, context, initializer=calm, initargs=(CALM,))
@@ -101,11 +104,15 @@ class Fields:
                 return await loop.run_in_executor(pool, work, *given)
             except BrokenProcessPool:
                 if pool is self._pool:
-                    self.close()
+                    self._kill()
         raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
 
     def close(self) -> None:
-        """End the process, whatever it does: the interpreter's own end would wait for what is being computed."""
+        """End the process, whatever it does, and start no other: the interpreter's end would wait for its work."""
+        self._closed = True
+        self._kill()
+
+    def _kill(self) -> None:
         pool, self._pool = self._pool, None
         if pool is not None:
             workers: dict[int, BaseProcess] = getattr(pool, "_processes", None) or {}

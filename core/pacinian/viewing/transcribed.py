@@ -15,7 +15,7 @@ from msgspec import Raw
 from pacinian.acoustics.air import Air
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import rerendered
-from pacinian.serving import reporting
+from pacinian.serving.render import status
 from pacinian.viewing.messages import ArrayTold, told
 from pacinian.viewing.past import Past
 from pacinian.viewing.scenery import Scenery
@@ -157,7 +157,7 @@ def _state(recording: Recording, tick: Tick, past: Past, renderer: Renderer | No
         "rate": recording.settings["rate"],
     }
     if renderer is not None:
-        told |= reporting.state(renderer, tick.time) | {"tick_counts": b""}
+        told |= status.state(renderer, tick.time) | {"tick_counts": b""}
     if past.different:
         told["faults"] = (f"{past.different} frames, rendered again, are not what was sent",)
     told |= {"ticks": past.ticks, "frames": past.ticks, "late": past.late, "tick_ms": past.tick_ms}

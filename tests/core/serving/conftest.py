@@ -14,9 +14,9 @@ import pytest
 import zmq
 from msgspec.structs import replace
 
-from pacinian.serving.logs import configure
-from pacinian.serving.memory import Latest
-from pacinian.serving.messages import Device, FrameHead, Permit, Report, Traffic, pack
+from pacinian.serving.ipc.logs import configure
+from pacinian.serving.ipc.messages import Device, FrameHead, Permit, Report, Traffic, pack
+from pacinian.serving.ipc.shared_memory import Latest
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Settings
 from pacinian.wire.codec import decode_reply, decode_state, encode
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from pacinian.serving.child import Told
+    from pacinian.serving.ipc.child_process import Told
 
 
 class Pretender:
@@ -244,7 +244,7 @@ def logged(monkeypatch: pytest.MonkeyPatch) -> Logged:
     """What is logged in this process from now on; a server configures the rest when it starts."""
     made = Logged()
     seen = SimpleNamespace(stderr=made)  # sys.stderr is set by pytest when the test begins
-    monkeypatch.setattr("pacinian.serving.logs.sys", seen)
+    monkeypatch.setattr("pacinian.serving.ipc.logs.sys", seen)
     configure(Log(), "test")
     return made
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, Any
 
-from pacinian.serving.sessions import Sessions
+from pacinian.serving.control.sessions import Sessions
 from pacinian.serving.settings import Clients, Safety, Settings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Arm, Hello, Renew
@@ -13,7 +13,7 @@ from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Error, Welcome
 
 if TYPE_CHECKING:
-    from pacinian.serving.messages import Permit
+    from pacinian.serving.ipc.messages import Permit
 
 LEASE = 0.25
 

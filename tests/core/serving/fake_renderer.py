@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from pacinian.serving.converting import Converter
-from pacinian.serving.intake import Client
-from pacinian.serving.messages import (
+from pacinian.serving.bus.admission import Client
+from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.shared_scene import Room
+from pacinian.serving.ipc.messages import (
     AnyChange,
     Begin,
     Changes,
@@ -24,7 +25,6 @@ from pacinian.serving.messages import (
     Wrap,
 )
 from pacinian.serving.settings import Settings
-from pacinian.serving.world import Room
 from pacinian.wire import objects
 from pacinian.wire.commands import AnyCommand, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import to_scene
@@ -32,7 +32,7 @@ from pacinian.wire.protocol import LATEST
 from pacinian.wire.time import Constant
 
 if TYPE_CHECKING:
-    from pacinian.serving.outbox import Outbox
+    from pacinian.serving.bus.change_batcher import Outbox
     from pacinian.wire.replies import Reply
 
 KEY = b"k" * 16

@@ -13,9 +13,9 @@ import pytest
 
 from pacinian.acoustics.array import lattice
 from pacinian.scene.file import Choice, Lattice
-from pacinian.serving import child
-from pacinian.serving.memory import Latest, folder
-from pacinian.serving.messages import CAPACITIES, Device, FrameHead, Permit, frame_capacity
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.messages import CAPACITIES, Device, FrameHead, Permit, frame_capacity
+from pacinian.serving.ipc.shared_memory import Latest, folder
 from pacinian.serving.settings import Safety, Settings
 
 from ...waiting import PATIENCE, eventually
@@ -99,22 +99,22 @@ class Server:
         sizes = {**CAPACITIES, "frame": frame_capacity(N)}
         names = "permit", "frame", "orders", "device"
         self.memory = {n: Latest.create(self.folder / n, sizes[n]) for n in names}
-        self.processes: list[child.Process] = []
+        self.processes: list[child_process.Process] = []
         self.sequence, self.epoch = 0, 1
 
     def make_config(
         self, log: Path | None = None, does: str = "", hung: float = 60.0
-    ) -> child.Told:
+    ) -> child_process.Told:
         options: dict[str, bool | int | float | str] = {"log": str(log), "does": does}
         settings = Settings(
             array=Lattice(0.05, 0.05),
             backend=Choice("logged", options) if log else "simulated",
             safety=Safety(stale=1.0, hung=hung),
         )
-        return child.Told(str(self.folder), settings)
+        return child_process.Told(str(self.folder), settings)
 
-    def start(self, told: child.Told) -> child.Process:
-        self.processes.append(child.start("guard", told))
+    def start(self, told: child_process.Told) -> child_process.Process:
+        self.processes.append(child_process.start("guard", told))
         return self.processes[-1]
 
     @property
@@ -156,7 +156,7 @@ class Server:
 
     def close(self) -> None:
         for process in self.processes:
-            child.end(process, PATIENCE)
+            child_process.end(process, PATIENCE)
         for memory in self.memory.values():
             memory.close()
         self.stack.close()

@@ -15,7 +15,7 @@ import pytest
 from pacinian.client.emergency import emergency_stop
 from pacinian.client.keys import found
 from pacinian.errors import ConnectionLost
-from pacinian.serving.security import make
+from pacinian.serving.ipc.auth import make
 from pacinian.serving.server import RESERVE
 from pacinian.serving.settings import Security
 from pacinian.wire.connection import Connection
@@ -24,8 +24,8 @@ from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, si
 from pacinian.wire.replies import Ok
 
 from ...waiting import PATIENCE, eventually
+from .control.test_supervisor import CHILD, PARENT
 from .processes import PATIENT
-from .test_supervise import CHILD, PARENT
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from pacinian.errors import ArgumentError, ServerError
-from pacinian.serving import memory
-from pacinian.serving.memory import LOCK, PREFIX
+from pacinian.serving.ipc import shared_memory
+from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Metrics, Network, Settings
 from pacinian.testing import serving
 from pacinian.wire.connection import Connection
 
 from ...waiting import PATIENCE, eventually
+from .control.test_supervisor import CHILD, PARENT
 from .processes import runs
-from .test_supervise import CHILD, PARENT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -196,7 +196,7 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
     process.wait()
     eventually(lambda: not any(map(runs, pids.values())))
     assert remains(folder), "nobody was there to remove it"
-    with memory.folder():
+    with shared_memory.folder():
         assert not remains(folder)
 
 
@@ -216,5 +216,5 @@ def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
         if "control" in killed:
             server.process.wait()
     eventually(lambda: not any(map(runs, pids.values())))
-    with memory.folder():
+    with shared_memory.folder():
         assert not remains(folder)

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from pacinian.acoustics.air import Air
 from pacinian.cli.serve import _with, serve
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.serving.child import Told
+from pacinian.serving.ipc.child_process import Told
 from pacinian.serving.settings import Network, Security, Settings, load
 
 EXAMPLE = Path(__file__).parents[3] / "packaging" / "server.toml"
@@ -171,7 +171,7 @@ def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: P
 def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
     from pacinian.acoustics.array import autd
     from pacinian.cli.status import air, describe_air
-    from pacinian.serving.publishing import sound
+    from pacinian.serving.control.status import sound
 
     for medium, said in (
         (Air(temperature=26.0), "26 °C, 347.7 m/s"),

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 import pacinian as pc
-from pacinian.serving.control import Control
-from pacinian.serving.devices import Devices
-from pacinian.serving.guarding import Guard
-from pacinian.serving.messages import FrameHead, Orders, Permit, Report, Traffic, pack
+from pacinian.serving.control.process import Control
+from pacinian.serving.guard.device_switcher import Devices
+from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.ipc.messages import FrameHead, Orders, Permit, Report, Traffic, pack
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Arm, Choice, Disarm, Hello, Renew, Reset, Select, Stop

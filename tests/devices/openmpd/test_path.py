@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.serving.guarding import Guard
-from pacinian.serving.messages import FrameHead, Permit
+from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian_plugins.backends.openmpd.protocol import SIZES
 from pacinian_plugins.backends.simulated import Simulated
 

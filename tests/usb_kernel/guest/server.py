@@ -12,8 +12,8 @@ import msgspec
 import numpy as np
 
 from pacinian.scene.file import Choice, Units
-from pacinian.serving import child, memory
-from pacinian.serving.messages import (
+from pacinian.serving.ipc import child_process, shared_memory
+from pacinian.serving.ipc.messages import (
     CAPACITIES,
     Device,
     FrameHead,
@@ -37,7 +37,7 @@ ROWS, LEAD = (
 )  # [s]; so a device's buffer outlasts its watchdog, which is what ends the sound
 PARENT = """
 import subprocess, sys
-guard = subprocess.Popen([sys.executable, "-m", "pacinian.serving.guard"], stdin=subprocess.PIPE)
+guard = subprocess.Popen([sys.executable, "-m", "pacinian.serving.guard.process"], stdin=subprocess.PIPE)
 guard.stdin.write(bytes.fromhex(sys.argv[1]))
 guard.stdin.flush()
 sys.exit(guard.wait())
@@ -52,17 +52,17 @@ class Server:
 
     def __init__(self) -> None:
         self._stack = ExitStack()
-        self.folder = self._stack.enter_context(memory.folder())
+        self.folder = self._stack.enter_context(shared_memory.folder())
         sizes = {**CAPACITIES, "frame": frame_capacity(UNIT)}
         names = "permit", "frame", "orders", "device"
-        self.files = {n: memory.Latest.create(self.folder / n, sizes[n]) for n in names}
+        self.files = {n: shared_memory.Latest.create(self.folder / n, sizes[n]) for n in names}
         options: dict[str, bool | int | float | str] = {"timeout": TIMEOUT, "lead": LEAD}
         settings = Settings(
             array=Units(1, 1),
             backend=Choice("usb-autd", options),
             safety=Safety(stale=1.0, hung=60.0),
         )
-        self.told = child.Told(str(self.folder), settings)
+        self.told = child_process.Told(str(self.folder), settings)
         # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels
         before = Device(
             generation=0, next=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, beat=0.0, sounding=False,
@@ -74,7 +74,7 @@ class Server:
 
     def start(self) -> subprocess.Popen[bytes]:
         """As control starts it."""
-        self._process = child.start("guard", self.told)
+        self._process = child_process.start("guard", self.told)
         self.until(lambda device: device.generation > 0)
         return self._process
 

@@ -23,7 +23,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
 from pacinian.scene.time.waves import Constant, Sine
-from pacinian.serving.choosing import SUPERSEDED
+from pacinian.serving.render.solver_switcher import SUPERSEDED
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import State
 

@@ -13,7 +13,7 @@ from pacinian.bench.bus import apart, places
 from pacinian.bench.bus.peer import Peer, States
 from pacinian.bench.bus.quantiles import Quantiles
 from pacinian.errors import ServerError
-from pacinian.serving import priority
+from pacinian.serving.ipc import scheduling
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.state import ClientState, State
@@ -177,7 +177,7 @@ class Watcher:
 
 def main() -> None:
     """In its own process, until the parent has gone."""
-    priority.urgent()  # it measures: what it waits for is to be the server
+    scheduling.urgent()  # it measures: what it waits for is to be the server
     context = zmq.Context[Any]()
     watcher = Watcher(context, apart.told(Watch))
     apart.answer(Watch("", ""))

@@ -15,8 +15,8 @@ from pacinian.bench.faults.server import memory
 from pacinian.bench.faults.solvers import SINCE, STUCK, Stuck
 from pacinian.bench.faults.stage import QUIET, Times, until
 from pacinian.bench.faults.through import Models, Simulated
+from pacinian.serving.control.supervisor import SPARE, WELL
 from pacinian.serving.settings import Safety
-from pacinian.serving.supervise import SPARE, WELL
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,7 +16,8 @@ from pacinian.bench.faults import clients, parts
 from pacinian.bench.faults.server import Server
 from pacinian.bench.faults.stage import Stage, Times
 from pacinian.errors import PacinianError
-from pacinian.serving import guard, supervise
+from pacinian.serving.guard import process as guard_process
+from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Safety
 
 if TYPE_CHECKING:
@@ -25,11 +26,13 @@ if TYPE_CHECKING:
 STATED = Safety()
 SWAP = "no gap longer by more than a tick than undisturbed"
 LED = "the same, and the lead that frames wait for in a device"
-TICK, ROUND = 1e-3, 2 * guard.ROUND  # [s]; of the guard: its pause, and what a round takes
+TICK, ROUND = 1e-3, 2 * guard_process.ROUND  # [s]; of the guard: its pause, and what a round takes
 LEAD = 2.5e-3  # [s] of `usb-autd`, and what is left of the row then
 LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
 OPENED = 0.1  # [s]: the guard's end is seen, and the spare opens the device
-HUNG = STATED.hung / supervise.HASTE + 0.05 + OPENED  # [s]: in steps of 20 ms it is seen to hang
+HUNG = (
+    STATED.hung / child_process.HASTE + 0.05 + OPENED
+)  # [s]: in steps of 20 ms it is seen to hang
 
 
 class Fault(NamedTuple):

@@ -19,7 +19,7 @@ from pacinian.bench.faults.device import Log, Other, Probe
 from pacinian.bench.faults.plugins import install
 from pacinian.bench.faults.through import Models, Simulated
 from pacinian.errors import ServerError
-from pacinian.serving.supervise import SPARE
+from pacinian.serving.control.supervisor import SPARE
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -88,7 +88,8 @@ class Server:
             children = psutil.Process(self.process.pid).children()
             for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
                 with contextlib.suppress(psutil.Error):
-                    module = "".join(child.cmdline()[-1:]).rpartition(".")[2]
+                    name = "".join(child.cmdline()[-1:])  # pacinian.serving.guard.process
+                    module = name.removesuffix(".process").rpartition(".")[2]
                     if module in PARTS and child.status() != psutil.STATUS_ZOMBIE:
                         found[SPARE if module in found else module] = child
         self._seen.update(found.values())

@@ -1,0 +1,1 @@
+"""The bus process: it takes clients' commands, keeps their objects, and tells the renderer what is new."""

@@ -1,0 +1,98 @@
+"""A client's commands at the door: whose they are, in which order, how old, how many. Pure: time is given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pacinian.serving.ipc.clocks import Allowance, ClientClock
+from pacinian.wire.replies import Error
+
+if TYPE_CHECKING:
+    from pacinian.serving.ipc.messages import SessionInfo
+    from pacinian.wire.commands import AnyCommand
+
+TOLD = 10.0  # errors per second that a client is told without having asked
+
+
+class Client:
+    """What the bus knows of a session. number: of its own, for names.
+
+    peer: its connection, from its first message on. objects, bytes: of what it has put. commands, errors, dropped:
+    counts. age: of its newest command [s].
+    """
+
+    def __init__(self, info: SessionInfo, number: int) -> None:
+        self.info, self.number = info, number
+        self.peer = b""
+        self.objects = self.bytes = 0
+        self.commands = self.errors = self.dropped = 0
+        self.age = 0.0
+        self._sequence = 0
+        self._clock = ClientClock()
+        self._telling = Allowance(TOLD)
+
+    def owns(self, peer: bytes, user: str) -> bool:
+        """Whether this is the connection that used the session first, of the user who has it."""
+        if not self.peer and user == self.info.user:
+            self.peer = peer
+        return peer == self.peer
+
+    def admit(self, command: AnyCommand, now: float) -> Error | None:
+        """Why the command is not to be done; None if it is. `age` is then its age."""
+        self.commands += 1
+        if command.sequence <= self._sequence:
+            return Error(
+                id=command.id,
+                code="sequence",
+                message=f"must be above {self._sequence}, not {command.sequence}: seen already",
+                path="$.sequence",
+            )
+        self._sequence = command.sequence
+        self.age = self._clock.age(command.time, now)
+        if self.age <= command.ttl:
+            return None
+        self.dropped += 1
+        return Error(
+            id=command.id,
+            code="stale",
+            message=f"is {self.age:.3g} s old, more than its ttl of {command.ttl:g} s",
+            path="$.ttl",
+            advice="send less, or let it live longer",
+        )
+
+    def replaced(self, count: int) -> None:
+        """So many of its commands were not done, as newer ones came with them."""
+        self.commands += count
+        self.dropped += count
+
+    def tells(self, error: Error, now: float) -> bool:
+        """Count an error; whether the client is told: always if it asked, or else not too often."""
+        self.errors += 1
+        return bool(error.id) or self._telling.take(now)
+
+
+class Peers:
+    """How many messages each connection may send: the longest quiet are forgotten."""
+
+    def __init__(self, rate: float, most: int) -> None:
+        self._rate, self._most = rate, most
+        self._peers: dict[bytes, tuple[Allowance, Allowance]] = {}
+
+    def __len__(self) -> int:
+        return len(self._peers)
+
+    def may(self, peer: bytes, now: float) -> bool:
+        """Whether it may send another message at `now` [s]."""
+        return self._of(peer)[0].take(now)
+
+    def tells(self, peer: bytes, now: float) -> bool:
+        """Whether a connection that has no session, or sends too much, is told so."""
+        return self._of(peer)[1].take(now)
+
+    def _of(self, peer: bytes) -> tuple[Allowance, Allowance]:
+        known = self._peers.get(peer)
+        if known is None:
+            if len(self._peers) >= self._most:
+                del self._peers[next(iter(self._peers))]
+            known = self._peers[peer] = Allowance(self._rate), Allowance(TOLD)
+        return known

@@ -1,0 +1,163 @@
+"""What is sent to the renderer next: of the scene that is felt, the newest of all that it does not know yet."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from pacinian.serving.bus.pending_changes import MOVED, WRAPPED
+from pacinian.serving.bus.stored_object import AT_ONCE
+from pacinian.serving.ipc.messages import Begin, Changes, PutObject, RemoveObject, Wrap
+
+if TYPE_CHECKING:
+    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.shared_scene import Room
+    from pacinian.serving.bus.stored_object import Thing
+    from pacinian.serving.ipc.messages import AnyChange, Taken
+    from pacinian.wire.replies import Error
+
+MOST = 64  # objects in one batch
+LIGHT = 48  # of which are only moved, wrapped or removed while others wait to be put
+BYTES = 1 << 20  # of one batch, but for a single object that is larger
+
+
+class Outbox:
+    """Batches of changes for the renderer, each only when the one before was taken.
+
+    Objects come in the order in which they were put, but for those that take long to convert.
+
+    run: random, tells this bus from the one before. room: what is felt. errors: of objects that turned out not to
+    be meant, and of whom.
+    """
+
+    def __init__(self, run: int) -> None:
+        self.run = run
+        self.room: Room | None = None
+        self.errors: list[tuple[Client, Error]] = []
+        self._number = 0
+        self._renderer: int | None = None
+        self._waits = False
+
+    def feel(self, room: Room) -> None:
+        """From now on this is felt."""
+        if room is not self.room:
+            self.room = room
+            self._begin()
+
+    def taken(self, taken: Taken) -> None:
+        """What the renderer has taken last. Another renderer than before knows nothing."""
+        known, self._renderer = self._renderer, taken.run
+        mine = taken.bus == self.run and taken.number == self._number
+        if taken.run != known and not (known is None and mine):
+            self._begin()
+            self._waits = False
+        elif mine:
+            self._waits = False
+
+    def lost(self) -> None:
+        """The last batch could not be published: all comes anew."""
+        self._waits = False
+        self._begin()
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is more to send, as soon as the last batch is taken."""
+        return self.room is not None and len(self.room.news) > 0
+
+    def next(self) -> Changes | None:
+        """The next batch, or None if the last was not taken or nothing is new. It must be published."""
+        room = self.room
+        if self._waits or room is None or not len(room.news):
+            return None
+        batch = Batch()
+        _first(room, batch)
+        _light(room, batch)
+        self._puts(room, batch)
+        if not batch.changes:
+            return None
+        self._number += 1
+        self._waits = True
+        return Changes(self._number, self.run, tuple(batch.changes))
+
+    def _begin(self) -> None:
+        if self.room is not None:
+            self.room.news.all(list(self.room.things))
+
+    def _puts(self, room: Room, batch: Batch) -> None:
+        news, fresh = room.news, 0
+        for name in list(news.puts):
+            thing = room.things[name]
+            if batch.objects >= MOST:
+                return
+            if thing.heavy:
+                continue  # it is being converted
+            if thing.item is not None:
+                fresh += 1
+                if fresh > AT_ONCE:
+                    return
+                if not self._pack(room, thing):
+                    continue
+            if not batch.fits(len(thing.packed)):
+                return
+            if news.puts.pop(name):
+                batch.changes.append(RemoveObject(name))
+            batch.changes.append(PutObject(name, thing.packed, thing.default))
+            news.known.add(name)
+            if (move := thing.move()) is not None:
+                batch.changes.append(move)
+            if thing.wrapped and batch.fits(len(thing.wrapped)):
+                batch.changes.append(Wrap(name, thing.wrapped))
+            elif thing.wrapped:
+                news.new(name, WRAPPED)
+            batch.objects += 1
+
+    def _pack(self, room: Room, thing: Thing) -> bool:
+        error = room.pack(thing)
+        if error is not None:
+            self.errors.append((thing.owner, error))
+        return error is None
+
+
+class Batch:
+    """Changes that are gathered. objects: how many they are of, without hands and zones."""
+
+    def __init__(self) -> None:
+        self.changes: list[AnyChange] = []
+        self.objects = 0
+        self._size = 0
+
+    def fits(self, size: int) -> bool:
+        """Count `size` more bytes, unless they are too many; the first always fit."""
+        if self._size and self._size + size > BYTES:
+            return False
+        self._size += size
+        return True
+
+
+def _first(room: Room, batch: Batch) -> None:
+    news = room.news
+    if news.begin:
+        batch.changes.append(Begin(room.number))
+    if news.quiet:
+        batch.changes.append(room.all_quiet())
+    if news.hands:
+        batch.changes.append(room.all_hands())
+    news.begin = news.quiet = news.hands = False
+
+
+def _light(room: Room, batch: Batch) -> None:
+    news = room.news
+    for name in list(islice(news.light, LIGHT if news.puts else MOST)):
+        what, thing = news.light[name], room.things.get(name)
+        if thing is None:
+            news.known.discard(name)
+            batch.changes.append(RemoveObject(name))
+        else:
+            if what & WRAPPED:
+                if not batch.fits(len(thing.wrapped)):
+                    return
+                batch.changes.append(Wrap(name, thing.wrapped))
+            if what & MOVED and (move := thing.move()) is not None:
+                batch.changes.append(move)
+        del news.light[name]
+        batch.objects += 1

@@ -1,0 +1,63 @@
+"""The hands that a client tracks, as the renderer is told of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from pacinian.errors import ArgumentError, WireError
+from pacinian.scene.hands.hand import Hand
+from pacinian.serving.ipc.messages import HandInfo, SetHands
+from pacinian.wire.bulk import unpack
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.wire.commands import HandFrame, Hands
+
+
+class Tracked(NamedTuple):
+    """A client's hands. sequence: of their command; sent: by its clock; received: by ours [s]."""
+
+    hands: tuple[HandInfo, ...]
+    sequence: int
+    sent: float
+    received: float
+
+    @staticmethod
+    def together(tracked: Iterable[Tracked], felt: bool) -> SetHands:
+        """All clients' hands, with what is known of the newest of them."""
+        all_of = list(tracked)
+        if not all_of:
+            return SetHands((), felt, 0, 0.0, 0.0)
+        newest = max(all_of, key=lambda t: t.received)
+        hands = tuple(hand for t in all_of for hand in t.hands)
+        return SetHands(hands, felt, newest.sequence, newest.sent, newest.received)
+
+
+def tracked(number: int, command: Hands, seen: float, now: float) -> Tracked:
+    """The hands of the client of that number, seen at `seen` and received at `now` [s]. Raises WireError."""
+    names: set[str] = set()
+    hands: list[HandInfo] = []
+    for i, hand in enumerate(command.hands):
+        name = hand.name or hand.side
+        if name in names:
+            raise WireError(f"must be another: two are called {name!r}", f"$.hands[{i}].name")
+        names.add(name)
+        _check(hand, i)
+        name = f"{name}@{number}"
+        hands.append(HandInfo(hand.side, name, hand.joints, hand.radii, hand.velocities, seen))
+    return Tracked(tuple(hands), command.sequence, command.time, now)
+
+
+def _check(hand: HandFrame, index: int) -> None:
+    """Refuse a hand that cannot be meant; one that is lost is none of them."""
+    if not hand.joints:
+        return
+    try:
+        Hand(
+            unpack(hand.joints, 3),
+            unpack(hand.radii, 1)[:, 0] if hand.radii else None,
+            velocities=unpack(hand.velocities, 3) if len(hand.velocities) > 12 else None,
+        )
+    except ArgumentError as error:
+        raise WireError(str(error), f"$.hands[{index}].{error.argument}") from error

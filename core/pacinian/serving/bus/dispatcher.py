@@ -1,0 +1,213 @@
+"""What the bus does with each message: who sent it, may it, what it says, what is answered. Pure: time is given."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from pacinian.errors import WireError
+from pacinian.serving.bus.admission import Client, Peers
+from pacinian.serving.bus.change_batcher import Outbox
+from pacinian.serving.bus.coalescing import newest
+from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.field_queries import Fields
+from pacinian.serving.bus.scene_snapshot import shown
+from pacinian.serving.bus.shared_scene import Refusal, Room
+from pacinian.serving.bus.stored_object import refused
+from pacinian.serving.ipc.messages import Traffic
+from pacinian.wire.codec import decode_command, id_of
+from pacinian.wire.commands import Field, Show
+from pacinian.wire.replies import Error, Ok
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+    from concurrent.futures import Executor
+
+    from pacinian.acoustics.array import Array
+    from pacinian.serving.bus.coalescing import Message
+    from pacinian.serving.ipc.logs import Sparse
+    from pacinian.serving.ipc.messages import SessionInfo, Sessions
+    from pacinian.serving.settings import Settings
+    from pacinian.types import Gains
+    from pacinian.wire.commands import AnyCommand
+    from pacinian.wire.replies import Code, Reply
+
+PEERS = 4  # connections that are remembered, for each client that there may be
+
+
+class Desk:
+    """All sessions, scenes and queries. replies: to be sent, to which connection.
+
+    run: random, tells this bus from the one before. reread: tells of the sessions anew. emitted: gains and time of
+    what is emitted now. executor: where objects are converted that take long.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        array: Array,
+        run: int,
+        reread: Callable[[], Sessions | None],
+        emitted: Callable[[], tuple[Gains, float]],
+        log: Sparse,
+        executor: Executor,
+    ) -> None:
+        self.outbox = Outbox(run)
+        self.fields = Fields(array, settings.medium.make())
+        self.converter = Converter(settings.safety.pressure, executor)
+        self.replies: list[tuple[bytes, Reply]] = []
+        self.rooms: dict[str, Room] = {}
+        self.clients: dict[bytes, Client] = {}
+        self.received = self.refused = 0
+        self._settings, self._run = settings, run
+        self._reread, self._emitted, self._log = reread, emitted, log
+        self._superseded = 0  # in scenes that are gone
+        self._peers = Peers(settings.clients.rate, PEERS * settings.clients.most)
+        self._numbers = 0
+
+    def sessions(self, sessions: Sessions) -> None:
+        """Who may send commands from now on, and whose scene is felt; none's leaves it with the last."""
+        here = {info.key: info for info in sessions.sessions}
+        for key in [key for key in self.clients if key not in here]:
+            self._leave(self.clients.pop(key))
+        for key in here.keys() - self.clients.keys():
+            self._join(here[key])
+        if sessions.owned in self.rooms:
+            self.outbox.feel(self.rooms[sessions.owned])
+
+    def messages(self, messages: list[Message]) -> None:
+        """Messages of authenticated connections, in the order in which they came."""
+        self.received += len(messages)
+        kept, replaced = newest([one for one in messages if self._may(one)])
+        for message in kept:
+            with self.going_on("message"):
+                self._message(*message)
+        for key, count in replaced.items():
+            if (client := self.clients.get(key)) is not None:
+                client.replaced(count)
+
+    @contextmanager
+    def going_on(self, what: str) -> Generator[None]:
+        """Whatever is raised in here is logged and counted, and the bus goes on."""
+        try:
+            yield
+        except Exception:
+            self.refused += 1
+            self._log.exception(f"fault: {what}")
+
+    def _may(self, message: Message) -> bool:
+        may = self._peers.may(message.peer, message.time)
+        if not may:
+            problem = "sends too many messages: slow down"
+            self._refuse(message.peer, message.data, "busy", problem, message.time)
+        return may
+
+    def _message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
+        try:
+            command = decode_command(data)
+        except WireError as error:
+            self._refuse(peer, data, "malformed", error.problem, now, error.path)
+            return
+        client = self._client(command.session)
+        if client is None:
+            problem = "no session of that key: say hello first"
+            self._refuse(peer, data, "session", problem, now, "$.session")
+        elif not client.owns(peer, user):
+            self._log.warning("replayed: a session's key was used on another connection", user=user)
+            problem = "belongs to another connection: say hello on this one"
+            self._refuse(peer, data, "session", problem, now, "$.session")
+        else:
+            self._answer(client, self._do(client, command, now, len(data)), now)
+
+    def round(self, now: float) -> None:
+        """What time brings, and what was found out while sending."""
+        for room in self.rooms.values():
+            with self.going_on("expiry"):
+                room.expire(now)
+        errors = self.outbox.errors[:]
+        self.outbox.errors.clear()
+        for client, error in errors:
+            self._answer(client, error, now)
+        with self.going_on("conversion"):
+            for client, reply in self.converter.round():
+                self._answer(client, reply, now)
+        with self.going_on("field"):
+            answer = self.fields.step()
+            if answer is not None:
+                self._answer(*answer, now)
+
+    def traffic(self, now: float, port: int) -> Traffic:
+        """How the bus is."""
+        return Traffic(
+            run=self._run,
+            beat=now,
+            clients={
+                key.hex(): (c.objects, c.commands, c.errors, c.dropped, c.age)
+                for key, c in self.clients.items()
+            },
+            received=self.received,
+            superseded=self._superseded + sum(r.news.superseded for r in self.rooms.values()),
+            refused=self.refused,
+            waiting=len(self.outbox.room.news) if self.outbox.room is not None else 0,
+            port=port,
+        )
+
+    def _client(self, key: bytes) -> Client | None:
+        client = self.clients.get(key)
+        if client is None and (sessions := self._reread()) is not None:
+            self.sessions(sessions)
+            client = self.clients.get(key)
+        return client
+
+    def _join(self, info: SessionInfo) -> None:
+        self._numbers += 1
+        client = self.clients[info.key] = Client(info, self._numbers)
+        room = self.rooms.get(info.scene)
+        if room is None:
+            room = self.rooms[info.scene] = Room(self._settings, self.converter, info.scene)
+        room.clients.add(client)
+
+    def _leave(self, client: Client) -> None:
+        room = self.rooms[client.info.scene]
+        room.clear(client)
+        room.clients.discard(client)
+        self.fields.forget(client)
+        if not room.clients:
+            self._superseded += room.news.superseded
+            del self.rooms[client.info.scene]
+
+    def _do(self, client: Client, command: AnyCommand, now: float, size: int) -> Reply | None:
+        error = client.admit(command, now)
+        if error is not None:
+            return error
+        try:
+            if isinstance(command, Field):
+                return self.fields.ask(client, command, self._emitted())
+            if isinstance(command, Show):
+                return shown(self.outbox.room, command)
+            room = self.rooms[client.info.scene]
+            if not room.do(client, command, now - client.age, now, size):
+                return None
+        except Refusal as refusal:
+            message = f"{refusal}"[:1000]
+            return Error(id=command.id, code=refusal.code, message=message, path=refusal.path[:200])
+        except WireError as wrong:
+            return refused(wrong, command.id)
+        except Exception:  # of ours: the others' commands go on
+            self._log.exception("fault: command")
+            return Error(id=command.id, code="fault", message="the server failed at this command")
+        return Ok(id=command.id) if command.id else None
+
+    def _answer(self, client: Client, reply: Reply | None, now: float) -> None:
+        if reply is None or (isinstance(reply, Error) and not client.tells(reply, now)):
+            return
+        self.replies.append((client.peer, reply))
+
+    def _refuse(
+        self, peer: bytes, data: bytes, code: Code, problem: str, now: float, path: str = ""
+    ) -> None:
+        """Refuse a message of nobody that is known; it is told, but not too often."""
+        self.refused += 1
+        if self._peers.tells(peer, now):
+            error = Error(id=id_of(data), code=code, message=problem[:1000], path=path[:200])
+            self.replies.append((peer, error))

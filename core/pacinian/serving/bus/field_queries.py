@@ -1,0 +1,124 @@
+"""Queries for the sound field, worked off in slices so that commands wait for none. Pure: what is emitted is given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.propagation import CHUNK, field
+from pacinian.checks import near, numbers
+from pacinian.errors import ArgumentError, WireError, describe_error
+from pacinian.plugins.backend import Frame
+from pacinian.serving.ipc.messages import HEAD, FrameHead
+from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.replies import Error, Pressures
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.plugins.backend import Capability
+    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.ipc.messages import Device
+    from pacinian.types import Floats, Gains
+    from pacinian.wire.commands import Field
+    from pacinian.wire.replies import Reply
+
+Answer = tuple["Client", "Reply"]
+
+
+class Emitted:
+    """The gains that the device emits, from the frame and what is known of the device."""
+
+    def __init__(self, transducers: int) -> None:
+        self._silence = np.zeros(transducers, np.complex64)
+        self._devices: dict[int, Capability] = {}
+        self._sounding = False
+
+    def device(self, device: Device) -> None:
+        """How the device is: its levels are those of the next one, if there is one."""
+        known, generation = self._devices, device.next or device.generation
+        levels = known.get(generation) or device.capability
+        self._devices = {
+            device.generation: known.get(device.generation, levels),
+            generation: levels,
+        }
+        self._sounding = device.sounding
+
+    def gains(self, frame: bytes) -> tuple[Gains, float]:
+        """Gains (N,) of a frame's last row, and its time [s]; zeros in silence."""
+        if not frame:
+            return self._silence, 0.0
+        head = FrameHead.unpack(frame)
+        capability = self._devices.get(head.device)
+        levels = np.frombuffer(frame, "<u2", offset=HEAD)
+        fits = head.columns == len(self._silence) and len(levels) == 2 * head.rows * head.columns
+        if capability is None or not self._sounding or not head.rows or not fits:
+            return self._silence, head.time
+        phase, amplitude = levels.reshape(2, head.rows, head.columns)[:, -1:]
+        if amplitude.max() >= len(capability.sizes):  # which the guard refuses
+            return self._silence, head.time
+        return Frame(head.sequence, head.time, phase, amplitude).gains(capability)[0], head.time
+
+
+class Fields:
+    """Queries, at most one of a client at a time; each in turn has a slice worked off."""
+
+    def __init__(self, array: Array, medium: Air) -> None:
+        self._array, self._medium = array, medium
+        self._slice = max(1, CHUNK // len(array) // 2)  # points: below 1 ms, and in this thread
+        self._running: dict[Client, Generator[None, None, Reply]] = {}
+
+    def __len__(self) -> int:
+        return len(self._running)
+
+    def ask(self, client: Client, query: Field, emitted: tuple[Gains, float]) -> Error | None:
+        """Begin a query; or why not. Raises WireError."""
+        if not query.id:
+            raise WireError("must not be 0: a field is asked for its answer", "$.id")
+        if client in self._running:
+            problem = "the last query is not answered yet"
+            return Error(id=query.id, code="busy", message=problem, advice="wait for its answer")
+        try:
+            points = numbers("points", unpack(query.points, 3), (None, 3))
+            near("points", points, self._array.centre)
+        except ArgumentError as error:
+            raise WireError(describe_error(error), "$.points") from error
+        self._running[client] = self._work(points, query.id, *emitted)
+        return None
+
+    def step(self) -> Answer | None:
+        """Work off a slice of the query that waits longest; its answer if that was the last."""
+        client = next(iter(self._running), None)
+        if client is None:
+            return None
+        work = self._running.pop(client)
+        try:
+            next(work)
+        except StopIteration as end:
+            return client, end.value
+        self._running[client] = work
+        return None
+
+    def forget(self, client: Client) -> None:
+        """The client has gone."""
+        self._running.pop(client, None)
+
+    def _work(
+        self,
+        points: Floats,
+        id: int,  # noqa: A002
+        gains: Gains,
+        time: float,
+    ) -> Generator[None, None, Reply]:
+        pressures = np.zeros(len(points), np.complex64)
+        for begin in range(0, len(points), self._slice):
+            part = slice(begin, begin + self._slice)
+            try:
+                pressures[part] = field(self._array, gains, points[part], self._medium)
+            except ArgumentError as error:
+                return Error(id=id, code="argument", message=describe_error(error), path="$.points")
+            yield
+        return Pressures(id=id, pressures=pack(pressures.view(np.float32)), time=time)

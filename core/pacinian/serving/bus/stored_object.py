@@ -1,0 +1,190 @@
+"""An object as a client sent it, and what the renderer is told of it; converted when that is needed first."""
+
+from __future__ import annotations
+
+import itertools
+import struct
+from typing import TYPE_CHECKING, cast
+
+import msgspec
+
+from pacinian.acoustics.pose import UPRIGHT
+from pacinian.errors import WireError, describe_error
+from pacinian.serving.ipc.messages import CAPACITIES, MoveObject
+from pacinian.wire.convert import to_scene
+from pacinian.wire.objects import Point, Surface, Volume
+from pacinian.wire.replies import Error
+from pacinian.wire.shapes import (
+    Difference,
+    HeightMap,
+    Intersection,
+    Mesh,
+    Placed,
+    Union,
+    Voxels,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.conversion import Wraps
+    from pacinian.wire.commands import Move
+    from pacinian.wire.objects import Object
+    from pacinian.wire.replies import Code
+
+WIDEST = 1e-3  # [m^2]: a force is refused if even a focus so large were too strong; the renderer limits the rest
+HEAVY = 1 << 11  # [bytes] of bulk; what has more takes long to convert: above 0.1 ms
+AT_ONCE = 16  # objects that are converted one after another while commands wait
+SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
+LARGEST = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
+FARTHEST, FASTEST, UNIT = (
+    10.0,
+    100.0,
+    0.01,
+)  # [m]; [m/s] or [rad/s]; a quaternion's length is 1 within
+SCALARS = {float, int, str, bool, type(None)}
+POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Struct("<3f")
+
+
+NUMBERS = itertools.count(1)
+
+
+class Thing:
+    """An object by its name. owner: who put it last. size: what it takes [bytes], but for its share of the message.
+
+    number: counts all things. sent: what it was put as.
+    seen: when it was put, until: when it is removed, by our clock [s]. moved: pose, velocities or none, time [s].
+    wrapped: an envelope, encoded, that came later. wraps: what makes the one that came
+    last, of `waits` [bytes], while that takes. slow: it takes long to convert.
+    placed: whether it counts as its owner's.
+    """
+
+    def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
+        self.name, self.owner, self.size, self.seen = name, owner, bulk(item), seen
+        self.item: Object | None = item
+        self.sent, self.number = item, next(NUMBERS)
+        self.packed, self.placed = b"", False
+        self.default = item.technique is None
+        self.until = None if item.duration is None else seen + item.duration
+        self.moved: tuple[bytes, bytes, float] | None = None
+        self.wrapped = b""
+        self.wraps: Wraps | None = None
+        self.waits = 0
+        shape = item.shape if isinstance(item, (Surface, Volume)) else None
+        self.slow = isinstance(shape, SLOW) or self.size > HEAVY
+
+    @property
+    def heavy(self) -> bool:
+        """Whether it takes long to convert, and has not been."""
+        return self.slow and self.item is not None
+
+    def pack(self, most: float) -> bytes:
+        """The object, encoded. most: radiation pressure [Pa]. Raises WireError, TooStrong."""
+        if self.item is not None:
+            self.accept(made(self.name, self.item, self.seen, most))
+        return self.packed
+
+    def accept(self, packed: bytes) -> None:
+        """What it was converted to; it counts while it has an owner."""
+        self.packed, self.item = packed, None
+        more = len(packed) + len(self.wrapped) + self.waits + bulk(self.sent)
+        self.grow(more - self.size)
+
+    def grow(self, more: int) -> None:
+        """It takes so many bytes more, which count while it has an owner."""
+        self.size += more
+        if self.placed:
+            self.owner.bytes += more
+
+    def wrap(self, envelope: bytes, wraps: Wraps | None = None, waits: int = 0) -> None:
+        """Another envelope; wraps: makes yet another, of so many bytes."""
+        self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
+        self.wrapped, self.wraps, self.waits = envelope, wraps, waits
+
+    def leave(self) -> None:
+        """It is gone: nothing is converted for it any more."""
+        self.item = self.wraps = None
+
+    def pose(self) -> bytes:
+        """Where it was told to be last: x, y, z [m], quaternion x, y, z, w, (7,) float32."""
+        if self.moved is not None:
+            return self.moved[0]
+        if isinstance(self.sent, Point):
+            return POSE.pack(*self.sent.position, *UPRIGHT)
+        return POSE.pack(*self.sent.pose.position, *self.sent.pose.rotation)
+
+    def move(self) -> MoveObject | None:
+        """Its pose, if that came later than itself."""
+        if self.moved is None:
+            return None
+        pose, velocity, seen = self.moved
+        x, y, z, *q = POSE.unpack(pose)
+        u, v, w, p, q_, r = VELOCITY.unpack(velocity) if velocity else (0.0,) * 6
+        return MoveObject(
+            self.name,
+            (x, y, z),
+            (q[0], q[1], q[2], q[3]),
+            (u, v, w) if velocity else None,
+            (p, q_, r) if velocity else None,
+            seen,
+        )
+
+
+def bulk(value: object) -> int:
+    """Of a wire object: bulk numbers in it [bytes]."""
+    if isinstance(value, bytes):
+        return len(value)
+    parts: Sequence[object] = ()
+    if isinstance(value, msgspec.Struct):
+        parts = [getattr(value, name) for name in value.__struct_fields__]
+    elif isinstance(value, tuple):
+        parts = cast("tuple[object, ...]", value)
+    return sum([bulk(part) for part in parts if type(part) not in SCALARS])
+
+
+def made(name: str, item: Object, seen: float, most: float) -> bytes:
+    """An object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
+    try:
+        scene = to_scene(name, item, time=seen)
+        pressure = (scene.force or 0.0) / WIDEST if scene.focal else scene.pressure
+    except WireError:
+        raise
+    except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
+        raise WireError(describe_error(error), f"$.objects[{name}]") from error
+    if pressure > most:
+        raise too_strong(name, item, pressure, most)
+    packed = msgspec.msgpack.encode(scene)
+    if len(packed) > LARGEST:
+        raise WireError("is too large: keep to fewer numbers", f"$.objects[{name}]")
+    return packed
+
+
+class TooStrong(WireError):
+    """More radiation pressure than the server allows."""
+
+
+def refused(error: WireError, id: int = 0) -> Error:  # noqa: A002
+    """The reply to a command that cannot be meant, or asks too much."""
+    code: Code = "limit" if isinstance(error, TooStrong) else "argument"
+    return Error(id=id, code=code, message=error.problem[:1000], path=error.path[:200])
+
+
+def too_strong(name: str, item: Object, pressure: float, most: float) -> TooStrong:
+    """Why an object is refused."""
+    field = "force" if item.radiation_pressure is None else "radiation_pressure"
+    return TooStrong(
+        f"makes a radiation pressure of {pressure:.4g} Pa: keep to {most:g} Pa",
+        f"$.objects[{name}].{field}",
+    )
+
+
+def check_poses(command: Move) -> None:
+    """Refuse rotations and speeds that cannot be meant; the rest is checked already. Raises WireError."""
+    for i, (_, _, _, x, y, z, w) in enumerate(POSE.iter_unpack(command.poses)):
+        if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT:
+            raise WireError("must have a unit quaternion (x, y, z, w)", f"$.poses[{i}]")
+    for i, (x, y, z) in enumerate(VECTOR.iter_unpack(command.velocities)):
+        if x * x + y * y + z * z > FASTEST * FASTEST:
+            problem = f"must be at most {FASTEST:g} m/s, and rad/s"
+            raise WireError(problem, f"$.velocities[{i // 2}]")

@@ -1,0 +1,107 @@
+"""What the server tells Prometheus, on 127.0.0.1: made from the newest state when it is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from prometheus_client import CollectorRegistry, start_http_server
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.registry import Collector
+
+from pacinian.errors import ServerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from types import TracebackType
+
+    from prometheus_client import Metric
+
+    from pacinian.serving.ipc.messages import Traffic
+    from pacinian.wire.state import State
+
+HOST = "127.0.0.1"
+OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
+
+
+class Metrics(Collector):
+    """Serves them while entered.
+
+    newest: the state, None before the first, the server's own counts by name, and how the bus is. Raises ServerError.
+    """
+
+    def __init__(
+        self, port: int, newest: Callable[[], tuple[State | None, Mapping[str, int], Traffic]]
+    ) -> None:
+        self._port, self._newest = port, newest
+
+    def __enter__(self) -> Metrics:
+        registry = CollectorRegistry()
+        registry.register(self)
+        try:
+            self._server, self._thread = start_http_server(self._port, HOST, registry)
+        except OSError as error:
+            raise ServerError(f"metrics on {HOST}:{self._port}: {error.strerror}") from error
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+    def collect(self) -> Iterator[Metric]:
+        """The metrics of now."""
+        state, counts, bus = self._newest()
+        for name, value in counts.items():
+            yield _counter(f"control_{name}", f"Control socket: {name}", value)
+        yield _counter("bus_received", "Commands", bus.received)
+        yield _counter("bus_superseded", "Commands that newer ones replaced", bus.superseded)
+        yield _counter("bus_refused", "Commands", bus.refused)
+        yield _gauge("bus_waiting", "Changes that the renderer does not know yet", bus.waiting)
+        if state is None:
+            return
+        yield _counter("ticks", "Ticks of the loop", state.ticks)
+        yield _counter("late_ticks", "Ticks that were late", state.late)
+        yield _counter("frames", "Frames that the device took", state.frames)
+        yield _counter("faults", "Faults", state.fault_count)
+        yield _gauge("armed", "Whether a client has armed the output", state.armed)
+        yield _gauge("tick_rate_hertz", "Ticks per second", state.rate)
+        yield _gauge(
+            "error_ratio", "Error of the sound pressures at the samples, as emitted", state.error
+        )
+        yield _gauge("longest_gap_seconds", "Between two frames while armed", state.longest_gap)
+        yield _gauge("clients", "Sessions", len(state.clients))
+        yield _labelled(
+            "output", "How the output is", "state", {name: name == state.output for name in OUTPUTS}
+        )
+        quantiles = {
+            str(q): ms / 1e3 for q, ms in zip((0.5, 0.99, 1.0), state.tick_ms, strict=True)
+        }
+        yield _labelled("tick_seconds", "Of the last second", "quantile", quantiles)
+        restarts = CounterMetricFamily("pacinian_restarts", "Of a process", labels=["process"])
+        for name, value in state.restarts.items():
+            restarts.add_metric([name], value)
+        yield restarts
+        skipped = CounterMetricFamily("pacinian_skipped", "Not rendered", labels=["reason"])
+        for name, value in state.skipped.items():
+            skipped.add_metric([name], value)
+        yield skipped
+
+
+def _counter(name: str, text: str, value: float) -> Metric:
+    return CounterMetricFamily(f"pacinian_{name}", text, value=value)
+
+
+def _gauge(name: str, text: str, value: float) -> Metric:
+    return GaugeMetricFamily(f"pacinian_{name}", text, value=value)
+
+
+def _labelled(name: str, text: str, label: str, values: Mapping[str, Any]) -> Metric:
+    family = GaugeMetricFamily(f"pacinian_{name}", text, labels=[label])
+    for key, value in values.items():
+        family.add_metric([key], float(value))
+    return family

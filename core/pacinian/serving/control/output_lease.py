@@ -1,0 +1,176 @@
+"""Whose scene is felt, and until when: the permit that the guard obeys. Pure: time is given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from pacinian.serving.ipc.clocks import ClientClock
+from pacinian.serving.ipc.messages import Permit, scene_number
+from pacinian.wire.replies import Error, Ok
+
+if TYPE_CHECKING:
+    from pacinian.wire.replies import Code, Reply
+
+CLOSING = 0.02  # [s] in which a soft end may still be heard
+SILENT, ARMED, CLOSES = 0, 1, 2  # of `Permit.armed`
+
+
+@dataclass(eq=False, slots=True)
+class Session:
+    """A client. until: when its lease ends [s]. renewed: when its last renewal came [s]. time: as it bore [s]."""
+
+    key: bytes
+    peer: bytes
+    user: str
+    name: str
+    scene: str
+    lease: float
+    renewed: float
+    until: float = 0.0
+    time: float = 0.0
+    sequence: int = 0
+    clock: ClientClock = field(default_factory=ClientClock)
+
+
+class Ownership:
+    """One session owns the output, from `arm` until it lets go or is gone; it is armed while its lease goes on.
+
+    takeover: whether one may take the output from another. permit: what the guard and the renderer are to be
+    told. fault: what holds the output silent until `reset`. told: replies to peers, to be sent and cleared.
+    """
+
+    def __init__(self, takeover: bool = True) -> None:
+        self.permit = Permit()
+        self.owner: Session | None = None
+        self.fault = ""
+        self.told: list[tuple[bytes, Reply]] = []
+        self._takeover = takeover
+        self._asked: list[int] = []  # ids of the owner's `arm`, while another's sound fades
+
+    @property
+    def armed(self) -> bool:
+        """Whether there may be sound now."""
+        return self.permit.armed == ARMED
+
+    def pass_time(self, now: float) -> None:
+        """End what ends at `now` [s]; begin what waited for that. To be called before anything else at that time."""
+        if self.permit.armed and now >= self.permit.until:
+            expired = self.armed
+            self._silence()
+            if expired:
+                self._tell_owner(
+                    "expired",
+                    "the lease was not renewed in time: silence",
+                    "renew from the game's own tick, and arm again",
+                )
+        if not self.permit.armed and self._asked and self.owner is not None:
+            if now >= self.owner.until:
+                self._refuse("expired", "the lease was not renewed while the last owner let go")
+                return
+            epoch, scene = self.permit.epoch + 1, scene_number(self.owner.scene)
+            self.permit = Permit(ARMED, self.owner.until, epoch, scene=scene)
+            for request in self._asked:
+                self.told.append((self.owner.peer, Ok(id=request)))
+            self._asked = []
+
+    def arm(self, session: Session, request: int, take: bool, now: float) -> None:
+        """Let the session's scene be felt: at once, or as soon as another's has faded."""
+        if self.permit.stopped or self.fault:
+            problem = f"a fault holds: {self.fault}" if self.fault else "an emergency stop holds"
+            self._error(session, request, "stopped", problem, "reset first")
+            return
+        if self.owner not in (None, session):
+            if not (take and self._takeover):
+                allowed = "arm with `take`" if self._takeover else "its settings forbid to take it"
+                self._error(session, request, "owner", f"{self._name} owns the output", allowed)
+                return
+            self._refuse("owner", f"{session.name} has taken the output")
+            self._tell_owner("owner", f"{session.name} has taken the output")
+            self._close(now)
+        self.owner = session
+        session.until = max(session.until, now + session.lease)
+        if self.armed:
+            self.renew(session)
+            self.told.append((session.peer, Ok(id=request)))
+        else:
+            self._asked.append(request)
+            self.pass_time(now)
+
+    def renew(self, session: Session) -> None:
+        """The session's lease goes on until `session.until`."""
+        if session is self.owner and self.armed:
+            self.permit = self.permit._replace(until=session.until)
+
+    def disarm(self, session: Session, now: float) -> bool:
+        """Let go of the output, softly; False if it is another's."""
+        if self.owner not in (None, session):
+            return False
+        self._leave(now)
+        return True
+
+    def gone(self, session: Session, now: float, *, soft: bool = False) -> None:
+        """The session has ended."""
+        if session is self.owner:
+            self._leave(now)
+            if not soft:
+                self._silence()
+
+    def stop(self) -> None:
+        """Silence at once, until `reset`."""
+        self.interrupt("stopped", "emergency stop", "reset, and arm again")
+        self.permit = self.permit._replace(stopped=1)
+
+    def fail(self, fault: str) -> None:
+        """Silence at once, until `reset`, because of a fault."""
+        if not self.fault:
+            self.interrupt("fault", fault, "reset, and arm again")
+            self.fault = fault
+
+    def interrupt(self, code: Code, problem: str, advice: str = "arm again") -> None:
+        """Silence at once, until the next `arm`."""
+        if self.permit.armed == ARMED:
+            self._tell_owner(code, problem, advice)
+        self._refuse(code, problem)
+        self._silence()
+
+    def reset(self) -> bool:
+        """Let an emergency stop or a fault be over; whether there was one."""
+        held = bool(self.permit.stopped or self.fault)
+        self.permit, self.fault = self.permit._replace(stopped=0), ""
+        return held
+
+    @property
+    def _name(self) -> str:
+        return self.owner.name if self.owner is not None else ""
+
+    def _leave(self, now: float) -> None:
+        self._refuse("armed", "the output was let go before")
+        self._close(now)
+        self.owner = None
+
+    def _close(self, now: float) -> None:
+        if self.armed:
+            self.permit = self.permit._replace(
+                armed=CLOSES, until=min(self.permit.until, now + CLOSING)
+            )
+
+    def _silence(self) -> None:
+        self.permit = self.permit._replace(armed=SILENT, until=0.0)
+
+    def _refuse(self, code: Code, problem: str) -> None:
+        """To every `arm` of the owner that waits."""
+        for request in self._asked:
+            if self.owner is not None:
+                self._error(self.owner, request, code, problem)
+        self._asked = []
+
+    def _tell_owner(self, code: Code, problem: str, advice: str = "") -> None:
+        if self.owner is not None:
+            self._error(self.owner, 0, code, problem, advice)
+
+    def _error(
+        self, session: Session, request: int, code: Code, problem: str, advice: str = ""
+    ) -> None:
+        error = Error(id=request, code=code, message=problem[:1000], advice=advice)
+        self.told.append((session.peer, error))

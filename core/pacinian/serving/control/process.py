@@ -1,0 +1,316 @@
+"""The control process: it answers at once, whatever the others do.
+
+Plain polling: a bounded number of requests, then what time brings: leases, probes of links, the other processes,
+the published state. Nothing here waits, imports a plug-in, or does more for a client than for another.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, OrderedDict
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from pacinian.errors import WireError, describe_error
+from pacinian.serving.control.selection import Selection
+from pacinian.serving.control.sessions import Sessions
+from pacinian.serving.control.status import Publisher, View
+from pacinian.serving.control.supervisor import SPARE
+from pacinian.serving.ipc.clocks import Allowance
+from pacinian.serving.ipc.logs import Sparse, log
+from pacinian.serving.ipc.messages import pack
+from pacinian.wire.codec import decode_control, encode, id_of
+from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
+from pacinian.wire.replies import Error
+from pacinian.wire.state import FRAME, STATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from msgspec import Struct
+
+    from pacinian.serving.control.sockets import Doors
+    from pacinian.serving.control.supervisor import Supervisor
+    from pacinian.serving.ipc.shared_memory import Latest
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.control import AnyControl
+    from pacinian.wire.state import State
+
+MOST = 64  # requests in one round
+ROUND = 0.005  # [s] a round takes at most while nobody asks anything
+OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
+LOOK = 0.02  # [s] between two looks at the other processes
+MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
+TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
+STOP = 64  # [bytes]; one who asks too much is still listened to for so long
+TELLS = 10.0  # errors a second that one who asks too much is told
+PEERS = 4096  # whose rates are remembered
+
+
+class Control:
+    """Joins sessions, selections, the other processes and the sockets.
+
+    memory: the files that control writes and reads, by name. counts: for the metrics. newest: the state as it was
+    published last. Times are of `clock` [s].
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        doors: Doors,
+        memory: Mapping[str, Latest],
+        supervisor: Supervisor,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.sessions = Sessions(settings, server=_server())
+        self.selection = Selection(settings)
+        self.view = View(memory)
+        self.publisher = Publisher(settings, self.view, self.sessions)
+        self.counts: Counter[str] = Counter()
+        self.newest: State | None = None
+        self._settings, self._doors, self._memory = settings, doors, memory
+        self._supervisor, self._clock = supervisor, clock
+        self._log = Sparse(clock)
+        self._written: dict[str, object] = {}
+        self._rates: OrderedDict[bytes, tuple[Allowance, Allowance]] = OrderedDict()
+        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0}
+        self._reset: dict[str, tuple[str, float]] = {}  # faults that were reset, until when [s]
+        self._settle()
+
+    @property
+    def ready(self) -> bool:
+        """Whether all processes have given a sign of life, and the renderer has reported."""
+        known = self.publisher.known()["solver"]  # so that the first client can select one
+        alive = (self._supervisor.alive(name, beat) for name, beat in self._beats.items())
+        return bool(known) and all(alive)
+
+    @property
+    def _beats(self) -> dict[str, float]:
+        view = self.view
+        return {
+            "guard": view.device.beat,
+            "bus": view.traffic.beat,
+            "render": view.report.beat,
+        }
+
+    def round(self) -> None:
+        """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
+        self._doors.wait(ROUND)
+        self._stop()
+        for peer, user, data in self._doors.requests(MOST):
+            self._request(peer, user, data)
+        for why, more in self._doors.turned_away():
+            self._log.warning("connection refused", why=why, more=more)
+        now = self._clock()
+        self.sessions.pass_time(now)
+        self._settle()
+        if self._is_due("look", LOOK, now) or self._supervisor.ended:
+            self._look(now)
+        if self._is_due("owner", OWNER, now):
+            self._probe(now, owner=True)
+        if self._is_due("others", OTHERS, now):
+            self._probe(now, owner=False)
+        if self._is_due("publish", 1.0 / self._settings.state_rate, now):
+            self._publish(now)
+
+    def let_go(self) -> None:
+        """End all sound: softly where some is permitted, then for good."""
+        ownership = self.sessions.ownership
+        if ownership.owner is not None:
+            ownership.disarm(ownership.owner, self._clock())
+        # nobody is answered: a game that arms again would go on for ever
+        while ownership.permit.armed:
+            self._doors.wait(ROUND)
+            self.sessions.pass_time(self._clock())
+            self._settle()
+        self.sessions.end_all("the server ends", self._clock())
+        ownership.stop()
+        self._settle()
+
+    def _is_due(self, what: str, every: float, now: float) -> bool:
+        if now < self._due[what]:
+            return False
+        self._due[what] = max(self._due[what] + every, now)
+        return True
+
+    def _stop(self) -> None:
+        """Do what was asked for without a connection, before all else."""
+        if requests := self._doors.stop.receive():
+            self.sessions.ownership.stop()
+            self._settle()
+            self._doors.stop.confirm(requests)
+            self._log.warning("emergency stop", user="without a connection")
+
+    def _request(self, peer: bytes, user: str, data: bytes) -> None:
+        now = self._clock()
+        self.counts["requests"] += 1
+        rate, tells = self._rates.setdefault(
+            peer, (Allowance(self._settings.clients.rate), Allowance(TELLS))
+        )
+        self._rates.move_to_end(peer)
+        while len(self._rates) > PEERS:
+            self._rates.popitem(last=False)
+        busy = not rate.take(now)
+        if busy:
+            self.counts["busy"] += 1
+            self._log.warning("too many requests", user=user)
+            if len(data) > STOP:
+                if tells.take(now):
+                    self._slow_down(peer, id_of(data))
+                return
+        try:
+            message = decode_control(data)
+        except WireError as error:
+            self.counts["malformed"] += 1
+            self._log.warning("malformed request", user=user, error=describe_error(error))
+            if tells.take(now):
+                wrong = Error(
+                    id=id_of(data), code="malformed", message=error.problem, path=error.path
+                )
+                self._send(peer, wrong)
+            return
+        if busy and not isinstance(message, Stop):
+            if tells.take(now):
+                self._slow_down(peer, message.id)
+            return
+        try:
+            self._do(peer, user, message, now)
+            self._settle()
+        except Exception:  # a mistake of ours must not end the server
+            self.counts["failed"] += 1
+            self._log.exception("request failed", user=user)
+            self._send(peer, Error(id=message.id, code="fault", message="the server failed here"))
+
+    def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
+        sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
+        match message:
+            case Capabilities() | Status() | Select():
+                sessions.pass_time(now)
+                session = sessions.of(peer, message.session, message.id)
+                if session is None:
+                    pass
+                elif isinstance(message, Capabilities):
+                    self._send(peer, self.publisher.abilities(message.id))
+                elif isinstance(message, Status):
+                    state = self.publisher.state(now, self._supervisor.restarts)
+                    self._send(peer, replace(state, id=message.id))
+                elif sessions.ownership.owner not in (None, session):
+                    problem = "another client owns the output"
+                    self._send(peer, Error(id=message.id, code="owner", message=problem))
+                elif reply := self.selection.ask(session, message, self.publisher.known(), now):
+                    self._send(peer, reply)
+            case Arm() if not self._supervisor.alive("bus", self.view.traffic.beat):
+                sessions.pass_time(now)
+                if sessions.of(peer, message.session, message.id):
+                    problem = "the bus is being started again"
+                    self._send(peer, Error(id=message.id, code="fault", message=problem))
+            case _:
+                sessions.handle(peer, user, message, now)
+        if sessions.replayed > replayed:
+            self.counts["replayed"] += 1
+            self._log.warning("a session's key was used on another connection", user=user)
+        if sessions.resets > resets:
+            self._note_reset(now)
+        if isinstance(message, Stop):
+            self._log.warning("emergency stop", user=user)
+
+    def _note_reset(self, now: float) -> None:
+        faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
+        self._reset = {name: (fault, now + MENDS) for name, fault in faults.items() if fault}
+        self.selection.reset(self.sessions.resets)
+        self._log.info("reset")
+
+    def _settle(self) -> None:
+        """Tell the other processes what has changed, then the clients."""
+        while True:
+            ownership = self.sessions.ownership
+            self._write("permit", ownership.permit, ownership.permit.pack)
+            stamp = (self.sessions.changes, ownership.owner)
+            self._write("sessions", stamp, lambda: pack(self.sessions.listed()))
+            self._write("orders", self.selection.orders, lambda: pack(self.selection.orders))
+            told = self.sessions.taken()
+            if not told:
+                return
+            for peer, reply in told:
+                if isinstance(reply, Error):
+                    self._log.warning("client told", code=reply.code, message=reply.message)
+                self._send(peer, reply)
+
+    def _write(self, name: str, value: object, data: Callable[[], bytes]) -> None:
+        if self._written.get(name) != value:
+            self._memory[name].write(data())
+            self._written[name] = value
+
+    def _send(self, peer: bytes, reply: Struct) -> None:
+        if not self._doors.reply(peer, encode(reply)):
+            self.counts["lost"] += 1
+            self.sessions.lost(peer, self._clock())
+
+    def _slow_down(self, peer: bytes, number: int) -> None:
+        most = f"more than {self._settings.clients.rate:g} messages a second"
+        self._send(peer, Error(id=number, code="busy", message=most))
+
+    def _probe(self, now: float, *, owner: bool) -> None:
+        for session in self.sessions.all:
+            if (session is self.sessions.ownership.owner) is owner:
+                self._send(session.peer, self.sessions.probe(session, now))
+        self._settle()
+
+    def _look(self, now: float) -> None:
+        """At what the other processes tell, and at whether they live."""
+        self.view.look()
+        ownership = self.sessions.ownership
+        report, device = self.view.report, self.view.device
+        for name, fault, results in (
+            ("renderer", report.halted, report.results),
+            ("device", device.fault, device.results),
+        ):
+            old, until = self._reset.get(name, ("", 0.0))
+            answered = f"reset {self.selection.orders.reset}" in results
+            if not fault or fault != old or answered or now >= until:
+                self._reset.pop(name, None)
+                if fault and not ownership.fault:
+                    self._fault(f"{name}: {fault}")
+                    ownership.fail(f"{name}: {fault}")
+        device = self.view.device
+        sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
+        for name, why in self._supervisor.check(self._beats, sound):
+            self._ended(name, why, now)
+        self.view.guarded = self._supervisor.alive("guard", self.view.device.beat)
+        for peer, reply in self.selection.answers(self.view.results, now):
+            self._send(peer, reply)
+        self._settle()
+
+    def _fault(self, fault: str) -> None:
+        self.publisher.fault(fault)
+        log().error("fault", fault=fault)
+
+    def _ended(self, name: str, why: str, now: float) -> None:
+        if name == SPARE:
+            self._log.warning("spare guard lost", why=why)
+            return
+        problem = f"the process {name!r} {why}, and is started again"
+        self._fault(problem)
+        self._reset.pop(TELLS_OF.get(name, ""), None)  # another one knows of no reset
+        self.sessions.ownership.interrupt("fault", problem)
+        if name == "bus":
+            self.sessions.end_all(problem, now)
+        if name == "render" and self.selection.renderer_ended(now):
+            self._fault("the selected solver is given up for the configured one")
+
+    def _publish(self, now: float) -> None:
+        self._look(now)  # so that what is said has been acted on
+        self.view.look_at_frame()
+        try:
+            self.newest = self.publisher.published(now, self._supervisor.restarts)
+            self._doors.publish(STATE, encode(self.newest))
+            self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+        except (TypeError, ValueError):  # what a plug-in has told, or WireError: it is too long
+            self.counts["unpublished"] += 1
+
+
+def _server() -> str:
+    import importlib.metadata
+
+    return f"pacinian {importlib.metadata.version('pacinian')}"

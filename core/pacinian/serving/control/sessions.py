@@ -1,0 +1,208 @@
+"""Who is there: hello, renewals, goodbyes. Pure: time is given, and replies are collected."""
+
+from __future__ import annotations
+
+import secrets
+from typing import TYPE_CHECKING
+
+from pacinian.serving.control.output_lease import Ownership, Session
+from pacinian.serving.ipc import messages
+from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
+from pacinian.wire.protocol import MAJOR, MINOR, SESSION
+from pacinian.wire.replies import Error, Ok, Renewed, Welcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.control import AnyControl
+    from pacinian.wire.replies import Code, Reply
+
+OWN = "own "  # begins the names of scenes that nobody else may join
+# [s] from when a client's connection is cut off to silence: `security.UNCONFIRMED`, and room for TCP's timer, which
+# is coarser
+LINK = 0.8
+
+
+class Sessions:
+    """The sessions, and whose scene is felt.
+
+    server: what clients are told about us. changes: counts sessions that came or went. resets: how often a stop or a
+    fault was reset. replayed: how often a session's key was used on another connection. key: makes the keys.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        server: str = "pacinian",
+        key: Callable[[], bytes] = lambda: secrets.token_bytes(SESSION),
+    ) -> None:
+        self.ownership = Ownership(settings.safety.takeover)
+        self.changes = self.resets = self.replayed = 0
+        self._settings, self._server, self._key = settings, server, key
+        self._by_key: dict[bytes, Session] = {}
+        self._by_peer: dict[bytes, Session] = {}
+
+    @property
+    def all(self) -> tuple[Session, ...]:
+        """Every session."""
+        return tuple(self._by_key.values())
+
+    def listed(self) -> messages.Sessions:
+        """Who may send commands, and whose scene is felt."""
+        infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
+        owner = self.ownership.owner
+        return messages.Sessions(tuple(infos), owner.scene if owner is not None else "")
+
+    def taken(self) -> list[tuple[bytes, Reply]]:
+        """Replies to peers, each once."""
+        told = self.ownership.told
+        self.ownership.told = []
+        return told
+
+    def pass_time(self, now: float) -> None:
+        """End what ends at `now` [s]."""
+        self.ownership.pass_time(now)
+        forget = self._settings.safety.forget
+        for session in [s for s in self.all if now - s.renewed > forget]:
+            problem = f"nothing was renewed for {forget:g} s: the session is over"
+            self._tell(session.peer, Error(code="session", message=problem, advice="say hello"))
+            self._end(session, now)
+
+    def handle(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
+        """Do what an authenticated peer asks, at `now` [s]; for those requests that need nothing but sessions."""
+        self.pass_time(now)
+        match message:
+            case Hello():
+                self._hello(peer, user, message, now)
+                return
+            case Stop():
+                self.ownership.stop()
+                self._tell(peer, Ok(id=message.id))
+                return
+            case _:
+                session = self.of(peer, message.session, message.id)
+        if session is None:
+            return
+        match message:
+            case Renew():
+                self._renew(session, message, now)
+                return
+            case Arm():
+                self.ownership.arm(session, message.id, message.take, now)
+                return
+            case Disarm():
+                if not self.ownership.disarm(session, now):
+                    self._error(peer, message.id, "owner", "another client owns the output")
+                    return
+            case Reset():
+                self.resets += self.ownership.reset()
+            case Bye():
+                self._end(session, now, soft=True)
+            case _:
+                raise TypeError(type(message).__name__)
+        self._tell(peer, Ok(id=message.id))
+
+    def of(self, peer: bytes, key: bytes, request: int = 0) -> Session | None:
+        """The session of that key on this connection; otherwise the peer is told."""
+        session = self._by_key.get(key)
+        if session is not None and session.peer == peer:
+            return session
+        self.replayed += session is not None
+        problem = "no session of that key on this connection"
+        self._error(peer, request, "session", problem, "say hello first")
+        return None
+
+    def lost(self, peer: bytes, now: float) -> None:
+        """The connection has gone: silence, if its session owns the output."""
+        if session := self._by_peer.get(peer):
+            self._end(session, now)
+
+    def end_all(self, problem: str, now: float) -> None:
+        """End all sessions, because what they put has gone."""
+        for session in self.all:
+            error = Error(code="session", message=problem, advice="say hello, and put it again")
+            self._tell(session.peer, error)
+            self._end(session, now)
+
+    def probe(self, session: Session, now: float) -> Renewed:
+        """What a session is sent unasked: how its lease stands."""
+        return self._renewed(session, 0, now)
+
+    def _hello(self, peer: bytes, user: str, message: Hello, now: float) -> None:
+        major = message.protocol[0]
+        if major != MAJOR:
+            problem = f"the client speaks protocol {major}, the server {MAJOR}.{MINOR}"
+            side = "server" if major > MAJOR else "client"
+            self._error(peer, message.id, "version", problem, f"update the {side}")
+            return
+        if message.scene.startswith(OWN):
+            problem = f"no scene's name may begin with {OWN!r}: those are clients' own"
+            self._error(peer, message.id, "argument", problem)
+            return
+        if old := self._by_peer.get(peer):
+            self._end(old, now, soft=True)
+        most = self._settings.clients.most
+        if len(self._by_key) >= most:
+            self._error(peer, message.id, "limit", f"there are {most} clients: no more may come")
+            return
+        most_lease = self._settings.safety.lease
+        session = Session(
+            key=self._key(),
+            peer=peer,
+            user=user,
+            name=message.client,
+            scene=message.scene or f"{OWN}{secrets.token_hex(8)}",
+            lease=most_lease if message.lease is None else min(message.lease, most_lease),
+            renewed=now,
+        )
+        self._by_key[session.key] = self._by_peer[peer] = session
+        self.changes += 1
+        self._tell(
+            peer,
+            Welcome(
+                id=message.id,
+                session=session.key,
+                protocol=(MAJOR, MINOR),
+                server=self._server,
+                time=now,
+                scene=session.scene,
+                lease=session.lease,
+                link=LINK,
+                rate=self._settings.rate,
+            ),
+        )
+
+    def _renew(self, session: Session, message: Renew, now: float) -> None:
+        if message.sequence <= session.sequence:
+            problem = f"renewal {message.sequence} is not above {session.sequence}"
+            self._error(session.peer, message.id, "sequence", problem)
+            return
+        session.sequence, session.time, session.renewed = message.sequence, message.time, now
+        sent = now - session.clock.age(message.time, now)
+        session.until = max(session.until, sent + session.lease)
+        self.ownership.renew(session)
+        self._tell(session.peer, self._renewed(session, message.id, now))
+
+    def _renewed(self, session: Session, request: int, now: float) -> Renewed:
+        owner = session is self.ownership.owner
+        return Renewed(
+            id=request,
+            sequence=session.sequence,
+            time=session.time,
+            server_time=now,
+            until=session.until,
+            owner=owner,
+            armed=owner and self.ownership.armed,
+        )
+
+    def _end(self, session: Session, now: float, *, soft: bool = False) -> None:
+        del self._by_key[session.key], self._by_peer[session.peer]
+        self.changes += 1
+        self.ownership.gone(session, now, soft=soft)
+
+    def _tell(self, peer: bytes, reply: Reply) -> None:
+        self.ownership.told.append((peer, reply))
+
+    def _error(self, peer: bytes, request: int, code: Code, problem: str, advice: str = "") -> None:
+        self._tell(peer, Error(id=request, code=code, message=problem, advice=advice))

@@ -1,0 +1,140 @@
+"""The control process's sockets: requests and replies, what is published, who was turned away."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import zmq
+from zmq.utils.monitor import recv_monitor_message
+
+from pacinian.errors import ServerError
+from pacinian.serving.ipc.auth import received
+from pacinian.wire.protocol import LONGEST_CONTROL
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.serving.ipc.auth import Gate
+    from pacinian.serving.settings import Network
+    from pacinian.wire.emergency import StopSocket
+
+SUBSCRIPTION = 4096  # [bytes] of what a subscriber may send: its handshake is the longest
+FRESH = 8  # states that wait for a slow reader before it misses some
+REFUSED = {
+    zmq.EVENT_HANDSHAKE_FAILED_AUTH: "secret",  # no token or key of ours
+    zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL: "protocol",  # another mechanism, or no ZeroMQ at all
+    zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL: "handshake",
+    zmq.EVENT_ACCEPT_FAILED: "accept",
+}
+WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
+# of connections, that are looked at in one round: 6 us each. Where some 2000 wait, ZeroMQ waits, too
+EVENTS = 1024
+
+
+class Doors:
+    """The sockets, bound. A context manager. control, state: ports. counts: connections, and those refused, by why.
+
+    stop: for emergency stops without a connection. Raises ServerError if a port is taken.
+    """
+
+    def __init__(
+        self,
+        context: zmq.Context[zmq.Socket[bytes]],
+        gate: Gate,
+        network: Network,
+        stop: StopSocket,
+    ) -> None:
+        self.stop = stop
+        self.counts: Counter[str] = Counter()
+        self._gate = gate
+        with contextlib.ExitStack() as stack:
+            self._control = stack.enter_context(context.socket(zmq.ROUTER))
+            self._state = stack.enter_context(context.socket(zmq.PUB))
+            gate.protect(self._control, LONGEST_CONTROL)
+            gate.protect(self._state, SUBSCRIPTION)
+            self._state.sndhwm = FRESH
+            self._monitors = [
+                stack.enter_context(socket.get_monitor_socket(WATCHED))
+                for socket in (self._control, self._state)
+            ]
+            stack.callback(self._control.disable_monitor)
+            stack.callback(self._state.disable_monitor)
+            self.control = _bound(self._control, network, network.control)
+            self.state = _bound(self._state, network, network.state)
+            self._poller = zmq.Poller()
+            self._poller.register(self._control, zmq.POLLIN)
+            self._poller.register(stop.socket, zmq.POLLIN)
+            self._stack = stack.pop_all()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for a request for at most that long; whether there is one."""
+        return bool(self._poller.poll(round(1e3 * seconds)))
+
+    def requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
+        """What has come, at most so many: peer, user, message; empty where it was no single part."""
+        for _ in range(most):
+            taken = received(self._control)
+            if taken is None:
+                return
+            peer, user, data = taken
+            yield peer, self._gate.name(user), data
+
+    def reply(self, peer: bytes, data: bytes) -> bool:
+        """Send to a peer; False if it is gone. To one that does not read, nothing is sent."""
+        try:
+            self._control.send_multipart((peer, data), zmq.NOBLOCK)
+        except zmq.Again:
+            self.counts["unread"] += 1
+        except zmq.ZMQError as error:
+            if error.errno != zmq.EHOSTUNREACH:
+                raise
+            return False
+        return True
+
+    def publish(self, topic: bytes, data: bytes) -> None:
+        """Send to those who want the topic; slow readers miss some."""
+        with contextlib.suppress(zmq.Again):
+            self._state.send_multipart((topic, data), zmq.NOBLOCK)
+
+    def turned_away(self) -> list[tuple[str, str]]:
+        """Connections that were refused since this was asked last: why, and more about it."""
+        seen: list[tuple[str, str]] = []
+        for monitor in self._monitors:
+            for _ in range(EVENTS):
+                try:
+                    event: Any = recv_monitor_message(monitor, zmq.NOBLOCK)
+                except zmq.Again:
+                    break
+                if event["event"] == zmq.EVENT_ACCEPTED:
+                    self.counts["connections"] += 1
+                elif event["event"] == zmq.EVENT_DISCONNECTED:
+                    self.counts["disconnections"] += 1
+                else:
+                    why = REFUSED[event["event"]]
+                    self.counts[f"refused_{why}"] += 1
+                    seen.append((why, f"code {event['value']}"))
+        seen += [("key", key) for key in self._gate.unknown()]
+        return seen
+
+    def __enter__(self) -> Doors:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+
+def _bound(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
+    try:
+        socket.bind(network.endpoint(port))
+    except zmq.ZMQError as error:
+        raise ServerError(cannot_bind(network.endpoint(port), error.strerror)) from error
+    return int(str(socket.get_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
+
+
+def cannot_bind(at: str, why: str | None) -> str:
+    """What is told of an address where nothing can be bound."""
+    return (
+        f"{at} cannot be bound: {why}: is another server running? Choose another port, or 0 for any"
+    )

@@ -1,0 +1,269 @@
+"""What the server publishes: put together from what its processes tell."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
+
+import msgspec
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+from pacinian.devices.description import DIRECTIVITIES
+from pacinian.scene.time.presets import PRESETS
+from pacinian.serving.ipc.messages import HEAD, Device, FrameHead, Report, Traffic
+from pacinian.wire.bulk import pack
+from pacinian.wire.replies import Abilities, Sound
+from pacinian.wire.state import ClientState, FrameState, State
+from pacinian.wire.time import Technique
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.serving.control.sessions import Sessions
+    from pacinian.serving.ipc.shared_memory import Latest
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.state import Output
+
+S = TypeVar("S", bound=Struct)
+
+SHOWN = 8  # faults
+LONGEST, LONGEST_NAME = 500, 200  # characters of a fault, and of a backend's name
+INPUT = 32  # [bytes] of one hand update in `State.inputs`
+OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
+NO_DEVICE = Device(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
+NO_REPORT = Report(0, -float("inf"), {})
+NO_TRAFFIC = Traffic(0, -float("inf"))
+EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
+
+
+class View:
+    """The newest that the other processes have told; values that cannot be read are counted and left out.
+
+    guarded: whether the guard that told is known to be there still.
+    """
+
+    def __init__(self, memory: Mapping[str, Latest]) -> None:
+        self.report, self.device, self.traffic = NO_REPORT, NO_DEVICE, NO_TRAFFIC
+        self.frame, self.levels = EMPTY, b""
+        self.unreadable, self.guarded = 0, True
+        self._memory = memory
+        self._numbers = dict.fromkeys(memory, 0)
+
+    def look(self) -> None:
+        """Read what is new, but the frame. The plug-ins there are stay known while a process starts again."""
+        report = self._read("report", self.report)
+        self.report = report if report.solvers else replace(report, solvers=self.report.solvers)
+        self.device = self._read("device", self.device)
+        self.traffic = self._read("traffic", self.traffic)
+
+    def look_at_frame(self) -> None:
+        """Read the newest frame."""
+        if new := self._memory["frame"].read(self._numbers["frame"]):
+            self._numbers["frame"], data = new
+            try:
+                self.frame, self.levels = FrameHead.unpack(data), data[HEAD:]
+            except struct.error:
+                self.unreadable += 1
+
+    def _read(self, name: str, old: S) -> S:
+        if not (new := self._memory[name].read(self._numbers[name])):
+            return old
+        self._numbers[name], data = new
+        try:
+            return msgspec.msgpack.decode(data, type=type(old))
+        except (msgspec.DecodeError, ValueError):
+            self.unreadable += 1
+            return old
+
+    @property
+    def results(self) -> dict[str, str]:
+        """Of orders."""
+        return {**self.report.results, **self.device.results}
+
+
+class Publisher:
+    """Makes the messages. faults: the server's own, newest last; fault_count: of them."""
+
+    def __init__(self, settings: Settings, view: View, sessions: Sessions) -> None:
+        self._settings, self._view, self._sessions = settings, view, sessions
+        self.faults: list[str] = []
+        self.fault_count = 0
+        self._sequence = 0
+        self._inputs = 0
+        array, medium = settings.array.make(), settings.medium.make()
+        self._positions, self._normals = pack(array.positions), pack(array.normals)
+        self._frequency = float(array.transducer.frequency)
+        self._wavelength = medium.wavelength(self._frequency)
+        self._sound = sound(array, medium)
+
+    def fault(self, fault: str) -> None:
+        """Note one."""
+        self.faults = [*self.faults[1 - SHOWN :], fault[:LONGEST]]
+        self.fault_count += 1
+
+    def output(self) -> Output:
+        """How the output is: the worst that is true, in the order of the wire's `OUTPUTS`.
+
+        Without a guard or a device, or while a fault is told that was reset and is not mended, it is faulted.
+        """
+        view, ownership, device = self._view, self._sessions.ownership, self._view.device
+        there = view.guarded and device.generation
+        if ownership.fault or device.fault or view.report.halted or not there:
+            return "faulted"
+        if ownership.permit.stopped:
+            return "stopped"
+        if device.sounding:
+            return "sounding"
+        return "stale" if ownership.armed and device.stale else "silent"
+
+    def state(self, now: float, restarts: dict[str, int]) -> State:
+        """The state at `now` [s], without hand updates."""
+        report, device, ownership = self._view.report, self._view.device, self._sessions.ownership
+        told = {k: v for k, v in report.state.items() if k not in OURS}
+        common: dict[str, Any] = {
+            "type": "state",
+            "sequence": self._sequence,
+            "time": now,
+            "output": self.output(),
+            "armed": ownership.armed,
+            "owner": ownership.owner.name if ownership.owner is not None else "",
+            "scene": ownership.owner.scene if ownership.owner is not None else "",
+            "backend": device.name[:LONGEST_NAME],
+            "frames": device.frames,
+            "longest_gap": device.longest_gap,
+            "restarts": restarts,
+            "clients": self._clients(now),
+        }
+        nothing = {
+            "solver": "",
+            "technique": "",
+            "intensity": 1.0,
+            "faults": tuple(self.faults),
+            "fault_count": self.fault_count,
+        }
+        try:
+            theirs = [fault[:LONGEST] for fault in told.pop("faults", ())]
+            told["faults"] = tuple([*theirs, *self.faults][-SHOWN:])
+            told["fault_count"] = told.get("fault_count", 0) + self.fault_count
+            return msgspec.convert({**nothing, **told, **common}, State)
+        except (TypeError, ValueError):  # what a plug-in has told is no state
+            self._view.unreadable += 1
+            return msgspec.convert({**nothing, **common}, State)
+
+    def published(self, now: float, restarts: dict[str, int]) -> State:
+        """The state to be published; each hand update that reached the device is in one of them."""
+        self._sequence += 1
+        return replace(self.state(now, restarts), inputs=self._new_inputs())
+
+    def _new_inputs(self) -> bytes:
+        device = self._view.device
+        if device.inputs_until < self._inputs:  # another guard
+            self._inputs = 0
+        new = min(device.inputs_until - self._inputs, len(device.inputs) // INPUT)
+        self._inputs = device.inputs_until
+        return device.inputs[len(device.inputs) - INPUT * new :]
+
+    def _clients(self, now: float) -> tuple[ClientState, ...]:
+        known, made = self._view.traffic.clients, list[ClientState]()
+        for session in self._sessions.all:
+            objects, commands, errors, dropped, age = known.get(
+                session.key.hex(), (0, 0, 0, 0, 0.0)
+            )
+            made.append(
+                ClientState(
+                    name=session.name,
+                    scene=session.scene,
+                    owner=session is self._sessions.ownership.owner,
+                    objects=objects,
+                    commands=commands,
+                    errors=errors,
+                    dropped=dropped,
+                    age=age,
+                    renewed=now - session.renewed,
+                )
+            )
+        return tuple(made)
+
+    def frame(self, now: float) -> FrameState:
+        """The levels that are emitted; empty in silence."""
+        view, rows, columns = self._view, self._view.frame.rows, self._view.frame.columns
+        size = 2 * columns  # [bytes] of a row
+        loud = view.device.sounding and rows > 0 and len(view.levels) == 2 * rows * size
+        end = rows * size if loud else 0
+        return FrameState(
+            sequence=view.frame.sequence,
+            time=now,
+            phases=view.device.phases,
+            amplitudes=view.device.amplitudes,
+            phase=view.levels[end - size : end] if loud else b"",
+            amplitude=view.levels[2 * end - size : 2 * end] if loud else b"",
+        )
+
+    def abilities(self, request: int) -> Abilities:
+        """What there is."""
+        settings, device = self._settings, self._view.device
+        limits = {
+            "gain": settings.gain,
+            "pressure": settings.safety.pressure,
+            "lease": settings.safety.lease,
+            "clients": settings.clients.most,
+            "objects": settings.clients.objects,
+            "objects_per_client": settings.clients.per_client,
+            "messages_per_second": settings.clients.rate,
+            "command_bytes": settings.clients.command_bytes,
+        }
+        if settings.power is not None:
+            limits["power"] = settings.power
+        return Abilities(
+            id=request,
+            solvers=self._view.report.solvers,
+            backends=device.backends,
+            techniques=techniques(),
+            presets=tuple(PRESETS),
+            positions=self._positions,
+            normals=self._normals,
+            frequency=self._frequency,
+            wavelength=self._wavelength,
+            phases=device.phases,
+            amplitudes=device.amplitudes,
+            device_rate=device.rate,
+            rate=settings.rate,
+            limits={name: float(value) for name, value in limits.items()},
+            sound=replace(self._sound, sizes=device.sizes),
+        )
+
+    def known(self) -> dict[str, tuple[str, ...]]:
+        """Names of solvers and backends that can be selected."""
+        return {
+            "solver": _names(self._view.report.solvers),
+            "backend": _names(self._view.device.backends),
+        }
+
+
+def sound(array: Array, medium: Air) -> Sound:
+    """How an array sounds in a medium."""
+    kind, response = array.transducer, array.response
+    names = [name for name, D in DIRECTIVITIES.items() if D is kind.directivity]
+    return Sound(
+        pressure=kind.pressure,
+        directivity=names[0] if names else "",
+        response=b"" if response is None else pack(response.view(np.float64)),
+        speed_of_sound=medium.speed_of_sound,
+        density=medium.density,
+        power=medium.power,
+        absorption=medium.beta(kind.frequency),
+        temperature=medium.temperature,
+    )
+
+
+def techniques() -> tuple[str, ...]:
+    """Names of all techniques."""
+    return tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique))
+
+
+def _names(plugins: Sequence[Any]) -> tuple[str, ...]:
+    return tuple(plugin.name for plugin in plugins)

@@ -1,0 +1,1 @@
+"""How the server's processes start, share memory, keep time, log and let each other in."""

@@ -1,0 +1,1 @@
+"""The render process: the loop, its copy of the active scene, solver plug-ins."""

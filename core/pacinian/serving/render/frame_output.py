@@ -1,0 +1,145 @@
+"""The renderer's backend in the server: frames go to the guard, which alone has the device."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+
+from pacinian.errors import ArgumentError, BackendError, describe_error
+from pacinian.plugins.backend import Backend, Capability
+from pacinian.serving.ipc.messages import FrameHead, check_rate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.plugins.backend import Frame
+    from pacinian.rendering.renderer import Renderer
+    from pacinian.serving.ipc.messages import Device, Permit
+    from pacinian.serving.ipc.shared_memory import Latest
+    from pacinian.serving.ipc.watching import Watched
+    from pacinian.types import Levels
+
+
+class Input(NamedTuple):
+    """The newest hands in a frame, as in `FrameHead`."""
+
+    input: int = 0
+    sent: float = 0.0
+    received: float = 0.0
+
+
+class Output(Backend):
+    """Writes frames for one device.
+
+    file: `frame`. device, permit: as read last. generation, capability: of the device that the frames are
+    for. tag: tells which hands are in the frame that is being sent.
+    """
+
+    name: ClassVar[str] = "output"
+
+    def __init__(
+        self,
+        file: Latest,
+        device: Watched[Device],
+        permit: Watched[Permit],
+        generation: int,
+        capability: Capability,
+        tag: Callable[[], Input],
+    ) -> None:
+        self.generation = generation
+        self._file, self._device, self._permit = file, device, permit
+        self._capability, self._tag = capability, tag
+        self._sequence, self._time, self._columns = 0, 0.0, 0
+
+    @property
+    def capability(self) -> Capability:
+        """Of the device."""
+        return self._capability
+
+    def open(self, array: Array) -> None:
+        """Nothing sounds before the first frame."""
+        self._columns = len(array)
+
+    def send(self, frame: Frame) -> None:
+        """Hand over a frame. Raises BackendError if the device has a fault."""
+        if fault := self._device.value.fault:
+            raise BackendError(fault)
+        self._sequence, self._time = frame.sequence, frame.time
+        head = self._head(len(frame.phase), self._tag())
+        self._file.write(head.pack(), _bytes(frame.phase), _bytes(frame.amplitude))
+
+    def silence(self) -> None:
+        """Hand over a frame without rows."""
+        self._file.write(self._head(0, Input()).pack())
+
+    def close(self) -> None:
+        """Silence."""
+        self.silence()
+
+    def _head(self, rows: int, tag: Input) -> FrameHead:
+        epoch = self._permit.value.epoch
+        return FrameHead(
+            self._sequence, self._time, epoch, self.generation, rows, self._columns, *tag
+        )
+
+
+class Outputs:
+    """Makes an output for each device that the guard has.
+
+    rate: of the loop [Hz]. file, device, permit, tag: as for `Output`.
+    """
+
+    def __init__(
+        self,
+        file: Latest,
+        device: Watched[Device],
+        permit: Watched[Permit],
+        rate: float,
+        tag: Callable[[], Input],
+    ) -> None:
+        self._file, self._device, self._permit, self._tag = file, device, permit, tag
+        self._rate = rate
+        self._tried = 0  # the last generation
+
+    def first(self) -> Output:
+        """For the device there is; or for none, and the loop then runs until one comes."""
+        try:
+            return self._made()
+        except ArgumentError:
+            self._tried = 0  # told when it is followed
+            return self._output(0, Capability(rate=self._rate))
+
+    def follow(self, renderer: Renderer) -> dict[str, str]:
+        """Let a renderer make frames for the device that is to have them; return what became of a new one."""
+        device = self._device.value
+        generation = device.next or device.generation
+        if generation in (0, self._tried):
+            return {}
+        self._tried = generation
+        try:
+            made = self._made()
+            made.open(renderer.session.array)
+            renderer.use(
+                made
+            )  # the one before is not closed: the guard goes on with its last frame
+        except ArgumentError as error:
+            return {f"device {generation}": describe_error(error)}
+        return {}
+
+    def _made(self) -> Output:
+        """For the device that is to have the next frames. Raises ArgumentError where the loop cannot serve it."""
+        device = self._device.value
+        generation = self._tried = device.next or device.generation
+        if not generation:
+            raise ArgumentError("backend", "must be open")
+        check_rate(device.rate, self._rate)
+        return self._output(generation, device.capability)
+
+    def _output(self, generation: int, capability: Capability) -> Output:
+        return Output(self._file, self._device, self._permit, generation, capability, self._tag)
+
+
+def _bytes(levels: Levels) -> memoryview:
+    return np.ascontiguousarray(levels, dtype="<u2").data.cast("B")

@@ -1,0 +1,277 @@
+"""The scene that is felt: changes from the bus, applied in order, all of a tick at once.
+
+Positions, velocities and times come checked from the bus; they are put into copies of the objects without being
+checked again, as this happens at each tick.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from weakref import WeakKeyDictionary
+
+from msgspec.structs import force_setattr
+
+from pacinian.errors import describe_error, shorten
+from pacinian.scene.objects import Object, Particles, Point
+from pacinian.scene.scene import Scene
+from pacinian.scene.time.technique import SIMULTANEOUS
+from pacinian.serving.ipc import messages
+from pacinian.serving.render import background_loader, taking
+from pacinian.serving.render.frame_output import Input
+from pacinian.solving.zone import Zone
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.scene import Workspace
+    from pacinian.scene.time.envelope import Timed
+    from pacinian.scene.time.technique import Technique
+    from pacinian.serving.render.background_loader import Loader
+
+KEPT = 256  # refused objects that are told
+
+
+class Given(NamedTuple):
+    """What an object was put with: it is felt with the intensity and the default technique of now."""
+
+    radiation_pressure: float | None
+    force: float | None
+    default: bool
+
+
+class FeltScene:
+    """Keeps a scene as the bus tells it.
+
+    workspace: of every scene. zones: until the bus tells. loader: for objects that take long: until one is
+    loaded, the one in whose place it comes is felt.
+    """
+
+    def __init__(
+        self, workspace: Workspace | None, loader: Loader, zones: tuple[Zone, ...] = ()
+    ) -> None:
+        self.start = 0.0
+        """What is time 0 of the scene, by the clock that changes are dated by [s]."""
+        self.scene = Scene(workspace=workspace)
+        self.zones = zones
+        """What is to stay quiet."""
+        self.refused: dict[str, str] = {}
+        """Objects that could not be put, and why; the last ones."""
+        self._loader = loader
+        self.number = 0
+        """Of the scene that it is."""
+        self._technique: Technique = SIMULTANEOUS
+        self._intensity = 1.0
+        self._items: dict[str, Object] = {}
+        self._given: dict[str, Given] = {}
+        self._turn = 0
+        self._loading: dict[str, tuple[int, list[messages.AnyChange]]] = {}  # and what came since
+        self._new: dict[str, Object] = {}  # since the scene was made
+        self._gone: dict[str, None] = {}
+        self._hands: tuple[Hand, ...] | None = None
+        self._input = Input()
+        self._inputs: WeakKeyDictionary[Scene, Input] = WeakKeyDictionary()
+        self._hushed: tuple[Scene, Scene] = self.scene, self.scene
+        self._does: dict[type, Callable[[Any], None]] = {
+            messages.Begin: self._begin,
+            messages.PutObject: self._put,
+            messages.MoveObject: self._move,
+            messages.Wrap: self._wrap,
+            messages.RemoveObject: self._remove,
+            messages.SetHands: self._set_hands,
+            messages.SetQuiet: self._set_quiet,
+        }
+
+    def apply(self, changes: Iterable[messages.AnyChange] = ()) -> None:
+        """Take these changes, and what has been loaded; what cannot be done is dropped, and told."""
+        for done in self._loader.done():
+            self._take(done)
+        for change in changes:
+            self._do(change)
+        scene = self.scene
+        if self._gone:
+            scene = scene.remove(*self._gone)
+        if self._new:
+            scene = self._with_new(scene)
+        if self._hands is not None:
+            scene = scene.held(*self._hands)
+        self._gone, self._new, self._hands = {}, {}, None
+        if scene is not self.scene:
+            self.scene = scene
+            if self._input.input:
+                self._inputs[scene] = self._input
+
+    def _with_new(self, scene: Scene) -> Scene:
+        """The scene with all that is new; an object that cannot be there is dropped."""
+        try:
+            return scene.put(*self._new.values())
+        except Exception:  # of one of them
+            for name, item in self._new.items():
+                try:
+                    scene = scene.put(item)
+                except Exception as error:
+                    self._drop(name)
+                    self.refuse(name, describe_error(error))
+            return scene
+
+    @property
+    def hushed(self) -> Scene:
+        """Without its objects, but held by the same hands: what sounds fades as it is felt. Always the same."""
+        if self._hushed[0] is not self.scene:
+            names = [item.name for item in self.scene.objects]
+            self._hushed = self.scene, self.scene.remove(*names)
+        return self._hushed[1]
+
+    def input(self, scene: Scene) -> Input:
+        """The newest hands in a scene that this was."""
+        return self._inputs.get(scene, Input())
+
+    def present(self, technique: Technique, intensity: float) -> None:
+        """The technique of objects that have none of their own, and the factor on all pressures, from now on."""
+        if (technique, intensity) == (self._technique, self._intensity):
+            return
+        self._technique, self._intensity = technique, intensity
+        for item in list(self._items.values()):
+            self._change(item)
+            self._dressed(self._items[item.name])
+        self.apply()
+
+    def _do(self, change: messages.AnyChange) -> None:
+        name = getattr(change, "name", "")
+        waiting = self._loading.get(name)
+        if waiting is not None and isinstance(change, (messages.MoveObject, messages.Wrap)):
+            kept = [old for old in waiting[1] if type(old) is not type(change)]
+            self._loading[name] = waiting[0], [*kept, change]
+        try:
+            self._does[type(change)](change)
+        except Exception as error:  # whatever it is, the loop goes on
+            self.refuse(name, describe_error(error))
+
+    def _drop(self, name: str) -> None:
+        self._forget(name)
+        for there in (self._items, self._given):
+            there.pop(name, None)
+
+    def _forget(self, name: str) -> None:
+        """What is being loaded under that name is not wanted any more."""
+        if self._loading.pop(name, None) is not None:
+            self._loader.drop(name)
+
+    def refuse(self, name: str, problem: str) -> None:
+        """Tell that an object could not be put, or "" for none in particular."""
+        self.refused.pop(name, None)
+        self.refused[name] = shorten(problem)
+        while len(self.refused) > KEPT:
+            del self.refused[next(iter(self.refused))]
+
+    def _begin(self, change: messages.Begin) -> None:
+        self._gone = dict.fromkeys(item.name for item in self.scene.objects)
+        for name in list(self._loading):
+            self._forget(name)
+        for there in (self._items, self._given, self._new):
+            there.clear()
+        self.refused.clear()
+        self.number = change.scene
+        self._hands, self._input = (), Input()
+
+    def _put(self, change: messages.PutObject) -> None:
+        name, data, default = change.name, change.item, change.default
+        self.refused.pop(name, None)
+        self._forget(name)
+        if len(data) > background_loader.LIGHT:
+            self._load(change, lambda: background_loader.loaded(background_loader.item_of(data)))
+            return
+        item = background_loader.item_of(data)
+        if background_loader.light(item):
+            self._enter(name, item, default)
+        else:
+            self._load(change, lambda: background_loader.loaded(item))
+
+    def _enter(self, name: str, item: Object, default: bool) -> None:
+        """An object that is ready. It is nobody else's: it is changed in place."""
+        force_setattr(item, "name", name)
+        if item.motion is not None:
+            motion = copy.copy(item.motion)
+            force_setattr(motion, "time", motion.time - self.start)
+            force_setattr(item, "motion", motion)
+        self._given[name] = Given(item.radiation_pressure, item.force, default)
+        self._new[name] = self._items[name] = self._dressed(item)
+
+    def _dressed(self, item: Object) -> Object:
+        given = self._given[item.name]
+        if given.radiation_pressure is not None:
+            force_setattr(item, "radiation_pressure", self._intensity * given.radiation_pressure)
+        if given.force is not None:
+            force_setattr(item, "force", self._intensity * given.force)
+        if given.default:
+            force_setattr(item, "technique", self._technique)
+        return item
+
+    def _load(self, change: messages.AnyChange, job: Callable[[], Object | Timed]) -> None:
+        name = getattr(change, "name", "")
+        self._turn += 1
+        self._loading[name] = self._turn, [change]
+        self._loader.ask(name, self._turn, job)
+
+    def _take(self, done: background_loader.Loaded) -> None:
+        turn, (change, *later) = self._loading.get(done.name, (0, [messages.Begin()]))
+        if turn != done.turn:
+            return  # something else has come since
+        del self._loading[done.name]
+        if done.made is None:
+            self.refuse(done.name, done.problem)
+        elif isinstance(change, messages.PutObject):
+            self._enter(done.name, cast("Object", done.made), change.default)
+        elif done.name in self._items:
+            self._change(self._items[done.name], envelope=done.made)
+        for change in later:
+            self._do(change)
+
+    def _move(self, change: messages.MoveObject) -> None:
+        item = self._items.get(change.name)
+        if item is None:
+            return
+        motion = taking.motion(change, self.start)
+        if isinstance(item, Point):
+            self._change(item, position=change.position, motion=motion)
+        else:
+            self._change(item, pose=taking.pose(change), motion=motion)
+
+    def _wrap(self, change: messages.Wrap) -> None:
+        item, data = self._items.get(change.name), change.envelope
+        if item is None:
+            return
+        if len(data) > background_loader.LIGHT:
+            self._load(change, lambda: background_loader.ready(background_loader.envelope_of(data)))
+            return
+        envelope = background_loader.envelope_of(data)
+        if isinstance(envelope, background_loader.SLOW):
+            self._load(change, lambda: background_loader.ready(envelope))
+        else:
+            self._change(item, envelope=envelope)
+
+    def _change(self, item: Object, **fields: Any) -> None:
+        """Other fields of an object that is there, checked already."""
+        changed = copy.copy(item)
+        if isinstance(item, Particles):
+            vars(changed).update(vars(item))  # how far it reaches, which takes long to find
+        for field, value in fields.items():
+            force_setattr(changed, field, value)
+        self._new[item.name] = self._items[item.name] = changed
+
+    def _remove(self, change: messages.RemoveObject) -> None:
+        name = change.name
+        self._drop(name)
+        self._new.pop(name, None)
+        self.refused.pop(name, None)
+        self._gone[name] = None
+
+    def _set_hands(self, change: messages.SetHands) -> None:
+        self._hands = tuple(taking.hand(info, self.start) for info in change.hands)
+        if change.felt and not self._hands:
+            self._hands = (taking.LOST,)
+        self._input = Input(change.input, change.sent, change.received)
+
+    def _set_quiet(self, change: messages.SetQuiet) -> None:
+        self.zones = tuple(Zone(*zone) for zone in change.zones)

@@ -1,0 +1,129 @@
+"""Solvers, made and tried out in threads, so that the loop goes on; it takes one over between two ticks."""
+
+from __future__ import annotations
+
+import functools
+import queue
+import time
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from pacinian.errors import describe_error
+from pacinian.rendering.warming import try_out
+from pacinian.scene.file import Choice as Configured
+from pacinian.serving.ipc import plugin_list
+from pacinian.serving.ipc.scheduling import beside
+from pacinian.session import Session
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.plugins.solver import Solver
+    from pacinian.wire.control import Choice
+
+SUPERSEDED = "another one was selected since"
+MAKING = 10.0  # [s] after which one that is not made yet gives way to another: its client waits no longer
+MAX_HANGING = 4  # threads in solvers that gave way: only the process's end takes them away
+
+
+class Made(NamedTuple):
+    """What has come of an order: a solver that has solved, or why there is none."""
+
+    order: int
+    solver: Solver | None
+    problem: str = ""
+
+
+class Solvers:
+    """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
+
+    chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread, clock: for
+    tests.
+
+    A solver that takes longer than `MAKING` gives way to the next one: it may hang.
+    """
+
+    def __init__(
+        self,
+        chosen: Solver,
+        array: Array,
+        medium: Air | None = None,
+        configured: str | Configured = "",
+        thread: Callable[[Callable[[], None]], object] | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.chosen = chosen
+        self._configured = configured
+        self._array, self._medium = array, medium
+        self._thread = thread or functools.partial(beside, name="solver")
+        self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
+        self._clock = clock
+        self._making = 0  # the order of the solver that is being made; 0 if none is
+        self._since = 0.0  # [s], when that began
+        self._hanging = 0  # gave way, and have not come back
+        self._next: tuple[int, Choice] | None = None  # once none is being made
+        self._results: dict[str, str] = {}
+
+    def order(self, number: int, choice: Choice) -> None:
+        """Begin to make a solver; the newest order wins."""
+        if self._next is not None:
+            self._results[f"solver {self._next[0]}"] = SUPERSEDED
+        self._next = number, choice
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin with what is next, unless one is being made."""
+        if self._making or self._next is None:
+            return
+        (number, choice), self._next = self._next, None
+        if self._hanging >= MAX_HANGING:
+            self._results[f"solver {number}"] = (
+                f"{self._hanging} solvers hang while they are made: restart the server"
+            )
+            return
+        self._making, self._since = number, self._clock()
+
+        def work() -> None:
+            try:
+                solver = make_solver(choice, self._configured)
+                try_out(Session(self._array, self._medium, solver))
+            except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
+                self._made.put(Made(number, None, f"{choice.name}: {describe_error(error)}"))
+            else:
+                self._made.put(Made(number, solver))
+
+        self._thread(work)
+
+    def poll(self) -> dict[str, str]:
+        """Take what has been made; return what became of orders."""
+        while not self._made.empty():
+            order, solver, problem = self._made.get()
+            if order != self._making:
+                self._hanging -= 1
+                continue
+            if solver is not None:
+                problem = self._take(solver)
+            self._end(problem)
+        if self._making and self._next is not None and self._clock() - self._since > MAKING:
+            self._hanging += 1
+            self._end(f"not made within {MAKING:g} s, and {SUPERSEDED}")
+        results, self._results = self._results, {}
+        return results
+
+    def _end(self, problem: str) -> None:
+        """No more is made of an order; begin with the next."""
+        self._results[f"solver {self._making}"], self._making = problem, 0
+        self._begin()
+
+    def _take(self, solver: Solver) -> str:
+        if self._next is not None:
+            return SUPERSEDED
+        self.chosen = solver
+        return ""
+
+
+def make_solver(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
+    """Make a solver. configured: as in `plugin_list.make_plugin`. Raises UnknownPlugin, PluginError, ArgumentError."""
+    whole, owners = (Configured(c) if isinstance(c, str) else c for c in (choice, configured))
+    return cast("Solver", plugin_list.make_plugin("solver", whole, owners))

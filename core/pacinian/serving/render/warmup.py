@@ -1,0 +1,88 @@
+"""Before the render process is ready: what the first ticks need is loaded."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from pacinian.acoustics.pose import Pose
+from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.rerender import Kept, Then
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Object, Path, Point, Volume
+from pacinian.scene.scene import Scene
+from pacinian.scene.shapes.curves import Circle
+from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.round import Sphere
+from pacinian.scene.time.noise import Noise
+from pacinian.scene.time.technique import AM, STM
+from pacinian.serving.render.background_loader import loaded
+from pacinian.solving.problem import Limits
+from pacinian.solving.zone import Zone
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Vector
+    from pacinian.plugins.backend import Capability
+    from pacinian.plugins.solver import Solver
+    from pacinian.types import Floats
+
+ABOVE = 0.15  # [m] in front of the array
+TICKS = 4  # of each scene: the first bring all that the later ones need
+QUIET = 1.0  # [Pa] of sound in a quiet zone
+POWER = 1e-3  # less than points take, so that the solver has to see to it
+PRESSURE: Any = {"radiation_pressure": 1.0}
+NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
+
+
+def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, rate: float) -> None:
+    """Render a few scenes of all kinds, with and without quiet zones and a limit of power, for nobody."""
+    away = array.normals.mean(axis=0)
+    place: Floats = array.positions.mean(axis=0) + ABOVE * away
+    x, y, z = (place + 0.1).tolist()
+    kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), QUIET),))
+    for scene, limits in product(_scenes(place), kinds):
+        _render(array, medium, solver, capability, rate, scene, limits)
+
+
+def _render(
+    array: Array, medium: Air, solver: Solver, capability: Capability, rate: float, scene: Scene,
+    limits: Limits,
+) -> None:  # fmt: skip
+    renderer = Renderer(
+        array,
+        scene,
+        medium=medium,
+        solver=solver,
+        backend=Kept(capability),
+        rate=rate,
+        limits=limits,
+        clock=Then(),
+    )
+    with renderer:
+        for tick in range(TICKS):
+            renderer.tick(tick / rate)
+
+
+def _scenes(place: Floats) -> Iterator[Scene]:
+    x, y, z = place.tolist()
+    at, hand = Pose((x, y, z)), Hand.open(pose=Pose((x, y, z + 0.01)), time=0.0)
+    point = Point(position=(x, y, z), **PRESSURE)
+    other = Point(position=(x + 0.03, y, z), technique=AM(), **PRESSURE)
+    circle = Path(shape=Circle(0.02), pose=at, technique=STM(frequency=100.0), **PRESSURE)
+    ball = Volume(shape=Sphere(0.03), pose=at, envelope=NOISE, **PRESSURE)
+    solid = loaded(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
+    felt: tuple[Object, ...] = point, ball, solid
+    yield Scene((point, other))
+    yield Scene((circle,))
+    yield Scene(felt)
+    yield Scene(felt, hands=(hand,))
+
+
+def _tetrahedron() -> Mesh:
+    a, b = 0.03, -0.03
+    corners: tuple[Vector, ...] = (a, a, a), (a, b, b), (b, a, b), (b, b, a)
+    return Mesh(vertices=corners, faces=((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)))

@@ -1,0 +1,357 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pacinian.serving.bus.change_batcher import BYTES, MOST, Outbox
+from pacinian.serving.bus.shared_scene import Refusal, Room
+from pacinian.serving.bus.stored_object import HEAVY
+from pacinian.serving.ipc.messages import (
+    Begin,
+    Changes,
+    MoveObject,
+    PutObject,
+    RemoveObject,
+    SetHands,
+    Taken,
+)
+from pacinian.wire import objects, shapes
+from pacinian.wire.bulk import pack
+from pacinian.wire.commands import HandFrame
+from pacinian.wire.time import STEADY, Wave
+
+from ..fake_renderer import (
+    FakeRenderer,
+    Model,
+    client,
+    converted,
+    hands,
+    move,
+    point,
+    put,
+    remove,
+    room_of,
+    wrap,
+)
+
+bounded = settings(max_examples=200)
+NAMES = "abcdefgh"
+LONG = Wave(samples=pack(np.zeros(HEAVY)), rate=1000.0)
+SLOW = 80  # [Pa]; what is stronger has a long envelope
+name = st.sampled_from(NAMES)
+names = st.lists(name, max_size=3, unique=True)
+steps = st.lists(
+    st.one_of(
+        st.tuples(st.just("put"), names, st.integers(1, 100), st.booleans()),
+        st.tuples(st.just("move"), names, st.integers(1, 8)),
+        st.tuples(st.just("wrap"), names, st.sampled_from([0.25, 0.5, 0.75])),
+        st.tuples(st.just("remove"), names),
+        st.tuples(st.just("leave")),
+        st.tuples(st.just("publish")),
+        st.tuples(st.just("take")),
+        st.tuples(st.just("convert")),
+        st.tuples(st.just("restart")),
+    ),
+    max_size=60,
+)
+
+
+def command(step: tuple[Any, ...]) -> Any:
+    kind, chosen = step[0], tuple(step[1])
+    if kind == "put":
+        envelope = LONG if step[2] > SLOW else STEADY
+        items = {n: point(float(step[2]), envelope=envelope) for n in chosen}
+        return put(items, id=int(step[3]))
+    if kind == "move":
+        return move(chosen, step[2] / 8)
+    if kind == "wrap":
+        return wrap(chosen, step[2])
+    return remove(*chosen)
+
+
+def done(room: Room, who: Any, made: Any, size: int = 100) -> None:
+    try:
+        room.do(who, made, 0.0, 0.0, size)
+    except Refusal as refusal:
+        assert refusal.code == "unknown"  # noqa: PT017
+
+
+def felt(room: Room, run: int = 7) -> Outbox:
+    outbox = Outbox(run)
+    outbox.feel(room)
+    return outbox
+
+
+@bounded
+@given(steps, st.data())
+def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
+    taken: list[tuple[Any, ...]], data: st.DataObject
+) -> None:
+    room, model, renderer = room_of(), Model(), FakeRenderer()
+    outbox, clients = felt(room), [client(1), client(2), client(3)]
+    slow: set[str] = set()
+    file = None  # what was published last: whichever renderer runs may take it
+    for step in taken:
+        who = data.draw(st.sampled_from(clients))
+        if step[0] == "publish":
+            file = outbox.next() or file
+        elif step[0] == "take":
+            if file is not None and (file.number, file.run) != (
+                renderer.last.number,
+                renderer.last.bus,
+            ):
+                renderer.take(file)
+            outbox.taken(renderer.last)
+        elif step[0] == "convert":
+            converted(room)
+        elif step[0] == "leave":
+            room.clear(who)
+            model.leave(who)
+        elif step[0] == "restart":
+            renderer = FakeRenderer(renderer.run + 1)
+        else:
+            made = command(step)
+            heavy = step[0] == "put" and step[2] > SLOW
+            slow |= set(step[1]) if heavy else set()
+            done(room, who, made)
+            model.do(who, made, 0.0)
+        assert len(room.news) <= 2 * len(NAMES) + 3
+    if file is not None and renderer.last.number != file.number:
+        renderer.take(file)
+    outbox.taken(renderer.last)
+    renderer.drain(outbox)
+    assert renderer.scene == model.scene
+    assert [n for n in renderer.scene if n not in slow] == [n for n in model.scene if n not in slow]
+    assert not outbox.errors
+    assert set(room.news.known) == set(model.scene)
+    for who in clients:
+        own = [t for t in room.things.values() if t.owner is who]
+        assert (who.objects, who.bytes) == (len(own), sum(t.size for t in own))
+
+
+def test_nothing_more_is_sent_before_the_last_was_taken() -> None:
+    room = room_of()
+    outbox, who = felt(room), client()
+    first = outbox.next()
+    assert first is not None
+    assert first.number == 1
+    assert isinstance(first.changes[0], Begin)
+    done(room, who, put({"a": point()}))
+    assert outbox.waits
+    assert outbox.next() is None
+    outbox.taken(Taken(1, 5, 7))
+    second = outbox.next()
+    assert second is not None
+    assert [type(c) for c in second.changes] == [PutObject]
+    done(room, who, move(("a",), 0.5))
+    for not_it in (Taken(1, 5, 7), Taken(2, 5, 99)):  # the last but one; of another bus
+        outbox.taken(not_it)
+        assert outbox.next() is None
+    outbox.taken(Taken(2, 5, 7))
+    assert outbox.next() is not None
+
+
+def test_a_renderer_that_says_nothing_of_the_first_batch_gets_it_again() -> None:
+    room = room_of()
+    outbox = felt(room)
+    assert outbox.next() is not None
+    outbox.taken(Taken(0, 5, 0))  # the one that took it, if any, was not seen and is gone
+    again = outbox.next()
+    assert again is not None
+    assert isinstance(again.changes[0], Begin)
+
+
+def test_many_updates_while_nothing_is_taken_take_no_room_and_the_newest_is_sent() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    done(room, who, put({f"o{i}": point() for i in range(40)}))
+    renderer.drain(outbox)
+    chosen = tuple(f"o{i}" for i in range(40))
+    for k in range(2000):
+        done(room, who, move(chosen, k / 2048))
+        done(room, who, put({"p": point(1.0 + k % 100)}))
+        done(room, who, put({f"q{k}": point()}))
+        done(room, who, remove(f"q{k}"))
+    assert len(room.news) == 41
+    assert room.news.superseded == 2000 * 40 - 40 + 1999 + 2000
+    batch = outbox.next()
+    assert batch is not None
+    assert len(batch.changes) == 41
+    outbox.taken(renderer.take(batch))
+    assert renderer.scene["o7"][1] == 1999 / 2048
+    assert set(renderer.scene) == {*chosen, "p"}
+
+
+def test_batches_are_bounded_moves_do_not_wait_for_puts_and_puts_not_for_moves() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    old = tuple(f"o{i}" for i in range(200))
+    done(room, who, put({n: point() for n in old}))
+    renderer.drain(outbox)
+    done(room, who, move(old, 0.5))
+    done(room, who, put({f"n{i}": point() for i in range(200)}))
+    kinds = []
+    while (batch := outbox.next()) is not None:
+        assert len(batch.changes) <= MOST
+        kinds.append({type(c) for c in batch.changes})
+        outbox.taken(renderer.take(batch))
+        done(room, who, move(old, 0.25)) if len(kinds) < 5 else None
+    assert kinds[0] == {MoveObject, PutObject}
+    assert list(renderer.scene) == [*old, *(f"n{i}" for i in range(200))]
+
+
+def mesh(rows: int) -> objects.Surface:
+    x, y = np.meshgrid(np.linspace(0, 0.1, rows), np.linspace(0, 0.1, rows))
+    vertices = np.stack([x, y, 0.1 * x * y], -1).reshape(-1, 3).astype("<f4")
+    i = np.arange(rows * rows).reshape(rows, rows)
+    a, b, c, d = (v.ravel() for v in (i[:-1, :-1], i[:-1, 1:], i[1:, 1:], i[1:, :-1]))
+    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).astype("<u4")
+    shape = shapes.Mesh(vertices=vertices.tobytes(), faces=faces.tobytes())
+    return objects.Surface(radiation_pressure=10.0, shape=shape)
+
+
+def test_an_object_that_takes_long_holds_up_nothing() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    done(room, who, put({"old": point(), "mesh": point()}))
+    renderer.drain(outbox)
+    before = renderer.scene["mesh"]
+    done(room, who, put({"mesh": mesh(40)}), 40_000)
+    done(room, who, put({"after": point()}))
+    done(room, who, move(("old",), 0.5))
+    done(room, who, hands(HandFrame()))
+    batch = outbox.next()
+    assert batch is not None
+    assert [type(c) for c in batch.changes] == [SetHands, MoveObject, PutObject]
+    outbox.taken(renderer.take(batch))
+    assert renderer.scene["mesh"] == before  # what it replaces is felt until then
+    assert outbox.next() is None
+    assert converted(room) == []
+    done(room, who, move(("mesh",), 0.25))
+    renderer.drain(outbox)
+    assert renderer.scene["mesh"][1] == 0.25
+    assert list(renderer.scene) == ["old", "mesh", "after"]
+
+
+def test_batches_have_no_more_bytes_than_they_may_but_for_one_object() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    renderer.drain(outbox)
+    values = np.zeros(190_000, "<f4").tobytes()
+    texture = objects.Texture(values=values, grid=(400, 475), size=(0.1, 0.1))
+    flat = objects.Surface(
+        radiation_pressure=1.0, shape=shapes.Rectangle(0.1, 0.1), texture=texture
+    )
+    for i in range(4):
+        done(room, who, put({f"t{i}": flat}), 760_000)
+    batches = []
+    while len(renderer.scene) < 4:
+        converted(room)
+        if (batch := outbox.next()) is not None:
+            batches.append([len(c.item) for c in batch.changes if isinstance(c, PutObject)])
+            outbox.taken(renderer.take(batch))
+    assert all(sum(sizes) <= BYTES or len(sizes) == 1 for sizes in batches)
+    assert list(renderer.scene) == [f"t{i}" for i in range(4)]
+
+
+def test_another_renderer_and_another_scene_begin_anew() -> None:
+    rooms = [room_of(), room_of()]
+    outbox, renderer = felt(rooms[0]), FakeRenderer()
+    for i, room in enumerate(rooms):
+        done(room, client(), put({f"o{i}": point()}))
+    renderer.drain(outbox)
+    assert renderer.begins == 1
+    done(rooms[0], client(), put({"late": point()}))
+    assert outbox.next() is not None  # taken by nobody: the renderer is killed
+    renderer = FakeRenderer(run=2)
+    outbox.taken(renderer.last)
+    renderer.drain(outbox)
+    assert list(renderer.scene) == ["o0", "late"]
+    outbox.feel(rooms[1])
+    renderer.drain(outbox)
+    assert list(renderer.scene) == ["o1"]
+    outbox.feel(rooms[1])
+    assert outbox.next() is None
+    outbox.feel(rooms[0])
+    renderer.drain(outbox)
+    assert list(renderer.scene) == ["o0", "late"]
+
+
+def test_an_object_that_cannot_be_meant_is_gone_and_its_client_is_told() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    done(room, who, put({"bad": point()}))
+    renderer.drain(outbox)
+    bad = objects.Surface(radiation_pressure=1.0, force=1.0, shape=shapes.Disc(0.1))
+    done(room, who, put({"bad": bad, "good": point()}))
+    renderer.drain(outbox)
+    assert list(renderer.scene) == ["good"]
+    [(whose, error)] = outbox.errors
+    assert whose is who
+    assert (error.code, error.id) == ("argument", 0)
+    assert error.path.startswith("$.objects[bad]")
+
+
+def test_one_that_is_superseded_is_never_converted() -> None:
+    room = room_of()
+    outbox, who = felt(room), client()
+    bad = objects.Surface(radiation_pressure=1.0, force=1.0, shape=shapes.Disc(0.1))
+    done(room, who, put({"a": bad}))
+    done(room, who, put({"a": point()}))
+    FakeRenderer().drain(outbox)
+    assert not outbox.errors
+
+
+def test_a_removed_object_that_comes_again_comes_last() -> None:
+    room = room_of()
+    outbox, renderer, who = felt(room), FakeRenderer(), client()
+    done(room, who, put({"a": point(), "b": point()}))
+    renderer.drain(outbox)
+    done(room, who, remove("a"))
+    done(room, who, put({"a": point(3.0)}))
+    batch = outbox.next()
+    assert batch is not None
+    assert [type(c) for c in batch.changes] == [RemoveObject, PutObject]
+    renderer.take(batch)
+    assert list(renderer.scene) == ["b", "a"]
+
+
+@bounded
+@given(st.booleans(), st.booleans(), st.booleans())
+def test_a_bus_that_begins_with_no_changes_goes_on_as_any(
+    seen: bool, early: bool, known: bool
+) -> None:
+    """seen: the renderer takes the empty ones; early: only after the first batch was made."""
+    room, who = room_of(), client()
+    outbox, renderer = felt(room, run=8), FakeRenderer()
+    renderer.scene["old"] = [b"of the bus before", None, None]
+    renderer.last = Taken(3, renderer.run, 7)
+    if known:
+        outbox.taken(renderer.last)
+    done(room, who, put({"a": point()}))
+    batch = outbox.next() if early else None
+    if seen:
+        renderer.take(Changes(0, outbox.run, (Begin(),)))  # as the loop takes it
+        outbox.taken(renderer.last)
+    if batch is not None:
+        outbox.taken(renderer.take(batch))
+    renderer.drain(outbox)
+    assert set(renderer.scene) == {"a"}
+    assert outbox.next() is None
+    done(room, who, move(("a",), 0.5))
+    renderer.drain(outbox)
+    assert renderer.scene["a"][1] == 0.5
+
+
+def test_a_batch_that_could_not_be_published_comes_anew() -> None:
+    room, who = room_of(), client()
+    outbox, renderer = felt(room), FakeRenderer()
+    done(room, who, put({"a": point()}))
+    assert outbox.next() is not None
+    outbox.lost()
+    renderer.drain(outbox)
+    assert set(renderer.scene) == {"a"}
+    assert renderer.begins == 1

@@ -1,0 +1,214 @@
+from __future__ import annotations
+
+import gc
+import weakref
+from concurrent.futures import Executor, Future
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from msgspec.structs import force_setattr
+
+from pacinian.serving.bus.change_batcher import Outbox
+from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.shared_scene import Refusal, Room
+from pacinian.serving.ipc.messages import PutObject
+from pacinian.serving.settings import Settings
+from pacinian.wire import objects, shapes
+from pacinian.wire.bulk import pack
+from pacinian.wire.commands import Envelopes
+from pacinian.wire.replies import Error, Ok
+from pacinian.wire.shapes import Polyline
+from pacinian.wire.time import STM, Constant, Wave
+
+from ..fake_renderer import (
+    KEY,
+    FakeRenderer,
+    client,
+    converted,
+    point,
+    put,
+    remove,
+    room_of,
+    wrap,
+)
+
+
+def mesh(radiation_pressure: float = 10.0, force: float | None = None) -> objects.Surface:
+    corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    shape = shapes.Mesh(vertices=pack(corners), faces=np.array([0, 1, 2], "<u4").tobytes())
+    return objects.Surface(radiation_pressure=radiation_pressure, force=force, shape=shape)
+
+
+def do(room: Any, who: Any, command: Any) -> bool:
+    return bool(room.do(who, command, 0.0, 0.0, 200))
+
+
+def test_with_an_id_it_is_answered_when_it_is_converted() -> None:
+    room, who = room_of(), client()
+    assert do(room, who, put({"light": point()}, id=1))
+    assert not do(room, who, put({"a": mesh(), "b": point()}, id=2))
+    assert room.things["a"].heavy
+    assert not room.things["b"].heavy
+    assert converted(room) == [(who, Ok(id=2))]
+    assert not room.things["a"].heavy
+    assert who.bytes == sum(thing.size for thing in room.things.values())
+    assert not do(room, who, put({"c": mesh()}))
+    assert converted(room) == []
+
+
+def test_one_that_cannot_be_meant_is_gone_and_its_client_is_told() -> None:
+    room, who = room_of(), client()
+    do(room, who, put({"a": point()}))
+    for ident in (0, 3):
+        do(room, who, put({"a": mesh(force=1.0)}, id=ident))
+        [(whose, error)] = converted(room)
+        assert whose is who
+        assert isinstance(error, Error)
+        assert (error.code, error.id) == ("argument", ident)
+        assert error.path.startswith("$.objects[a]")
+        assert not room.things
+        assert (who.objects, who.bytes) == (0, 0)
+
+
+def test_those_that_are_superseded_are_not_converted_and_take_no_memory() -> None:
+    room, who = room_of(), client()
+    for k in range(1000):
+        do(room, who, put({"a": mesh(force=1.0), f"b{k % 3}": mesh(force=1.0)}))
+    assert len(room._converter) <= 32
+    do(room, who, put({"a": mesh(), "b0": mesh(), "b1": mesh(), "b2": mesh()}, id=1))
+    assert converted(room) == [(who, Ok(id=1))]
+    assert len(room._converter) == 0
+
+
+def test_one_that_is_removed_while_it_is_converted_stays_removed() -> None:
+    room, who, renderer = room_of(), client(), FakeRenderer()
+    outbox = Outbox(7)
+    outbox.feel(room)
+    do(room, who, put({"a": mesh()}))
+    thing = room.things["a"]
+    do(room, who, remove("a"))
+    thing.accept(b"late")
+    assert converted(room) == []
+    renderer.drain(outbox)
+    assert not renderer.scene
+    assert (who.objects, who.bytes) == (0, 0)
+
+
+def test_small_shapes_that_take_long_are_known() -> None:
+    room, who = room_of(), client()
+    solids = shapes.Union((shapes.Box((0.1, 0.1, 0.1)), shapes.Sphere(0.1)))
+    do(room, who, put({"u": objects.Volume(force=0.1, shape=solids)}))
+    assert room.things["u"].heavy
+    outbox = Outbox(7)
+    outbox.feel(room)
+    batch = outbox.next()
+    assert batch is not None
+    assert not any(isinstance(c, PutObject) for c in batch.changes)
+
+
+class Later(Executor):
+    """Does nothing yet."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        return Future()
+
+
+def test_those_that_are_superseded_are_dropped_at_once_and_answered() -> None:
+    settings = Settings()
+    room, who = Room(settings, Converter(1e9, Later())), client()
+    items: list[Any] = []
+    for k in range(1, 201):
+        items.append(mesh())
+        do(room, who, put({"a": items[-1], f"b{k % 2}": point()}, id=k))
+        items[-1] = weakref.ref(room.things["a"])
+        assert len(room._converter) == 1
+    gc.collect()
+    assert sum(ref() is not None for ref in items) == 1
+    assert list(room._converter.round()) == [(who, Ok(id=k)) for k in range(1, 200)]
+    do(room, who, put({"a": mesh()}, id=300))  # the one before is being converted
+    assert list(room._converter.round()) == []
+    do(room, who, remove("a"))
+    do(room, who, put({"c": mesh()}, id=301))
+    assert list(room._converter.round()) == [(who, Ok(id=300))]
+
+
+@pytest.mark.parametrize("count", [1, 200])
+def test_each_object_is_judged_by_what_it_is_made_of(count: int) -> None:
+    room, who = room_of(), client()
+    wave = Wave(samples=pack(np.zeros(5000)), rate=1000.0)
+    particles = objects.Particles(radiation_pressure=1.0, positions=pack(np.zeros((1000, 3))))
+    run = Polyline(points=pack(np.linspace(0.0, 0.1, 1500).reshape(-1, 3)))
+    slow = {
+        "wave": point(envelope=wave),
+        "particles": particles,
+        "path": objects.Path(radiation_pressure=1.0, shape=run),
+        "run": point(technique=STM(frequency=100.0, along=run)),
+    }
+    many = {f"p{k}": point() for k in range(count)}
+    assert not room.do(who, put({**slow, **many}), 0.0, 0.0, 60_000)
+    assert {name for name, thing in room.things.items() if thing.heavy} == set(slow)
+    sizes = [room.things[name].size for name in slow]
+    assert min(sizes) > 6000
+    assert 60_000 - len(room.things) <= who.bytes <= 60_000
+    assert converted(room) == []
+    assert not any(thing.heavy for name, thing in room.things.items() if name in slow)
+
+
+def test_many_with_an_id_are_not_converted_while_commands_wait() -> None:
+    room, who = room_of(), client()
+    many: dict[str, Any] = {f"p{k}": point() for k in range(200)}
+    assert not do(room, who, put(many, id=1))
+    assert all(thing.item is not None for thing in room.things.values())
+    assert converted(room) == [(who, Ok(id=1))]
+    assert all(thing.packed for thing in room.things.values())
+
+
+def wave_of(names: tuple[str, ...], samples: int, ident: int = 0) -> Envelopes:
+    wave = Wave(samples=pack(np.full(samples, 0.5)), rate=1000.0)
+    return Envelopes(session=KEY, sequence=1, time=0.0, names=names, envelope=wave, id=ident)
+
+
+def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> None:
+    room, who, renderer = room_of(), client(), FakeRenderer()
+    outbox = Outbox(7)
+    outbox.feel(room)
+    do(room, who, put({"a": point(), "b": point()}))
+    for k in range(1, 21):
+        assert not do(room, who, wave_of(("a", "b"), 20_000 + k, k))
+        assert len(room._converter) == 1
+        assert not room.things["a"].wrapped
+        assert who.bytes == sum(thing.size for thing in room.things.values()) > 160_000
+    do(room, who, wrap(("b",), 0.25))
+    assert [reply for _, reply in converted(room)] == [Ok(id=k) for k in range(1, 21)]
+    renderer.drain(outbox)
+    a, b = (renderer.scene[name][2] for name in "ab")
+    assert isinstance(a, bytes)
+    assert len(a) > 9 * 20_000
+    assert b == msgspec.msgpack.encode(Constant(0.25))
+    assert who.bytes == sum(thing.size for thing in room.things.values())
+    do(room, who, wave_of(("a",), 20_000))
+    do(room, who, remove("a", "b"))
+    assert converted(room) == []
+    assert (who.objects, who.bytes) == (0, 0)
+    assert not room.things
+
+
+def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> None:
+    room, who = room_of(), client()
+    do(room, who, put({"a": point()}))
+    do(room, who, wrap(("a",), 0.25))
+    before = room.things["a"].wrapped, who.bytes
+    command = wave_of(("a",), 5000, 3)
+    force_setattr(command.envelope, "samples", bytes(4 * 5000 + 1))
+    do(room, who, command)
+    [(whose, error)] = converted(room)
+    assert whose is who
+    assert isinstance(error, Error)
+    assert error.id == 3
+    assert (room.things["a"].wrapped, who.bytes) == before
+    with pytest.raises(Refusal, match="'no'"):  # which is the answer: there is no other
+        do(room, who, wave_of(("a", "no"), 5000, 4))
+    assert converted(room) == []
+    assert room.things["a"].wrapped != before[0]

@@ -1,0 +1,296 @@
+"""Whose scene is felt, and how sound ends: every rule, on a clock that stands still."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pacinian.serving.control.output_lease import CLOSING
+from pacinian.serving.ipc.messages import scene_number
+from pacinian.wire.control import Arm, Bye, Disarm, Reset, Stop
+from pacinian.wire.replies import Ok
+
+from ..fake_clients import LEASE, Desk, Game, armed, code
+
+# ends
+
+
+def test_disarm_is_soft_and_then_silent() -> None:
+    desk, game = armed()
+    assert game.ask(Disarm) == Ok(id=7)
+    assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
+    assert desk.sessions.listed().owned == ""
+    assert desk.wait(CLOSING) == []
+    assert desk.permit[:4] == (0, 0.0, 1, 0)
+
+
+def test_a_soft_end_is_never_later_than_the_lease() -> None:
+    desk, game = armed()
+    desk.wait(LEASE - 0.005)
+    game.ask(Disarm)
+    assert desk.permit.until == pytest.approx(100.0 + LEASE)
+
+
+def test_arming_again_while_it_fades_waits_and_counts() -> None:
+    desk, game = armed()
+    game.ask(Disarm)
+    message = Arm(session=game.welcome.session, id=9)
+    assert desk.all(b"game", message) == []
+    assert desk.armed == 2
+    assert desk.wait(CLOSING) == [(b"game", Ok(id=9))]
+    assert desk.permit[:3] == (1, pytest.approx(100.0 + LEASE), 2)
+
+
+def test_arming_what_is_armed_extends_it() -> None:
+    desk, game = armed()
+    desk.wait(LEASE / 2)
+    assert game.arm() == Ok(id=7)
+    assert desk.permit[:3] == (1, pytest.approx(100.0 + 1.5 * LEASE), 1)
+    assert desk.wait(0.9 * LEASE) == []
+    assert desk.armed == 1
+
+
+def test_bye_is_soft_and_a_lost_link_is_not() -> None:
+    desk, game = armed()
+    assert game.ask(Bye) == Ok(id=7)
+    assert desk.armed == 2
+    assert not desk.sessions.all
+    desk.wait(1.0)
+    game = desk.hello()
+    game.arm()
+    desk.sessions.lost(b"game", desk.clock.time)
+    assert desk.armed == 0
+    assert not desk.sessions.all
+    assert desk.sessions.ownership.owner is None
+    desk.sessions.lost(b"game", desk.clock.time)  # twice is no error
+
+
+def test_another_client_that_is_lost_changes_nothing() -> None:
+    desk = Desk()
+    game, _other = desk.hello(), desk.hello(b"other")
+    game.arm()
+    before = desk.permit
+    desk.sessions.lost(b"other", desk.clock.time)
+    assert desk.permit == before
+
+
+def test_when_the_bus_has_gone_all_sessions_end_and_are_told() -> None:
+    desk = Desk()
+    desk.hello().arm()
+    desk.hello(b"other")
+    desk.sessions.end_all("gone", desk.clock.time)
+    assert sorted((to, code(reply)) for to, reply in desk.sessions.taken()) == [
+        (b"game", "session"),
+        (b"other", "session"),
+    ]
+    assert desk.armed == 0
+    assert not desk.sessions.all
+
+
+# ownership
+
+
+def test_the_output_is_taken_only_by_asking_and_only_if_allowed() -> None:
+    for allowed in (True, False):
+        desk = Desk(takeover=allowed)
+        desk.hello(b"old", scene="old").arm()
+        new = desk.hello(b"new", scene="new")
+        assert code(new.arm()) == "owner"
+        if not allowed:
+            assert code(new.arm(take=True)) == "owner"
+            assert desk.sessions.listed().owned == "old"
+            assert desk.armed == 1
+
+
+def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
+    desk = Desk()
+    old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
+    old.arm()
+    new.take()
+    ((peer, told),) = desk.sessions.taken()
+    assert (peer, told.id, code(told)) == (b"old", 0, "owner")
+    assert desk.permit[:4:2] == (2, 1)
+    assert desk.sessions.listed().owned == "new"
+    assert code(old.ask(Disarm)) == "owner"
+    assert not old.renew().owner
+    assert desk.permit.until == 100.0 + CLOSING, "the old one's renewals do not count"
+    assert desk.wait(CLOSING) == [(b"new", Ok(id=5))]
+    assert desk.permit[:4:2] == (1, 2)
+
+
+def test_of_two_that_take_the_last_one_owns() -> None:
+    desk = Desk()
+    a, b, c = desk.hello(b"a"), desk.hello(b"b"), desk.hello(b"c")
+    a.arm()
+    for game in (b, c):
+        game.take()
+    told = desk.sessions.taken()
+    assert [(to, reply.id, code(reply)) for to, reply in told] == [
+        (b"a", 0, "owner"),
+        (b"b", 5, "owner"),
+        (b"b", 0, "owner"),
+    ]
+    assert desk.wait(CLOSING) == [(b"c", Ok(id=5))]
+    assert desk.permit.epoch == 2
+
+
+def test_a_takers_renewals_do_not_lengthen_what_fades() -> None:
+    desk = Desk()
+    desk.hello(b"old").arm()
+    new = desk.hello(b"new")
+    desk.all(b"new", Arm(session=new.welcome.session, take=True))
+    desk.wait(0.01)
+    new.renew()
+    assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
+
+
+def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
+    desk = Desk()
+    desk.hello(b"old").arm()
+    new = desk.hello(b"new")
+    desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
+    told = desk.wait(LEASE)  # nobody looked all the time
+    assert [(to, reply.id, code(reply)) for to, reply in told] == [(b"new", 5, "expired")]
+    assert desk.armed == 0
+
+
+def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
+    desk = Desk()
+    desk.hello(b"a").arm()
+    desk.hello(b"b").take()
+    desk.sessions.lost(b"b", desk.clock.time)
+    desk.wait(1.0)
+    assert desk.permit[:4] == (0, 0.0, 1, 0)
+    assert desk.sessions.ownership.owner is None
+
+
+# stop, fault, reset
+
+
+def test_anyone_can_stop_without_a_session() -> None:
+    desk, game = armed()
+    desk.sessions.handle(b"anyone", "u", Stop(id=4), desk.clock.time)
+    assert desk.permit[:4] == (0, 0.0, 1, 1)
+    told = dict(desk.sessions.taken())
+    assert told[b"anyone"] == Ok(id=4)
+    assert code(told[b"game"]) == "stopped"
+    assert code(game.arm()) == "stopped"
+    assert code(desk.ask(b"anyone", Reset(session=bytes(16)))) == "session"
+    assert game.ask(Reset) == Ok(id=7)
+    assert desk.permit[:4] == (0, 0.0, 1, 0)
+    assert desk.sessions.resets == 1
+    assert game.arm() == Ok(id=7)
+    assert desk.permit.epoch == 2
+
+
+def test_a_stop_while_one_hands_over_holds() -> None:
+    desk = Desk()
+    desk.hello(b"a").arm()
+    desk.hello(b"b").take()
+    desk.sessions.taken()
+    desk.sessions.handle(b"x", "u", Stop(), desk.clock.time)
+    assert [code(reply) for to, reply in desk.sessions.taken() if to == b"b"] == ["stopped"]
+    desk.wait(1.0)
+    assert desk.permit[0] == 0
+
+
+def test_a_fault_holds_until_reset_and_is_told_once() -> None:
+    desk, game = armed()
+    for fault in ("device: unplugged", "device: unplugged", "another"):
+        desk.sessions.ownership.fail(fault)
+    ((_, told),) = desk.sessions.taken()
+    assert (code(told), told.message) == ("fault", "device: unplugged")
+    assert desk.armed == 0
+    reply = game.arm()
+    assert code(reply) == "stopped"
+    assert "unplugged" in reply.message
+    game.ask(Reset)
+    assert game.arm() == Ok(id=7)
+
+
+def test_a_renderer_that_is_started_again_needs_an_arm_but_no_reset() -> None:
+    desk, game = armed()
+    desk.sessions.ownership.interrupt("fault", "the renderer was killed")
+    assert [code(reply) for _, reply in desk.sessions.taken()] == ["fault"]
+    assert desk.armed == 0
+    assert game.arm() == Ok(id=7)
+    assert desk.permit.epoch == 2
+
+
+def test_a_reset_that_nothing_needs_changes_nothing() -> None:
+    desk = Desk()
+    game, other = desk.hello(), desk.hello(b"other")
+    game.arm()
+    before = desk.permit
+    assert other.ask(Reset) == Ok(id=7)
+    assert desk.permit == before
+    assert desk.sessions.resets == 0
+
+
+# whatever happens
+
+steps = st.lists(
+    st.tuples(
+        st.sampled_from(
+            ["hello", "renew", "arm", "take", "disarm", "bye", "lost", "stop", "reset", "fault"]
+        ),
+        st.sampled_from([b"a", b"b", b"c"]),
+        st.floats(0.0, 0.3),
+    ),
+    max_size=60,
+)
+
+
+@settings(max_examples=300)
+@given(steps)
+def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
+    script: list[tuple[str, bytes, float]],
+) -> None:
+    desk = Desk()
+    games: dict[bytes, Game] = {}
+    sign = dict.fromkeys((b"a", b"b", b"c"), -1e9)  # of life, at most then
+    for what, peer, seconds in script:
+        before = desk.permit
+        desk.wait(seconds)
+        if what == "hello":
+            games[peer] = desk.hello(peer)
+        elif what == "lost":
+            desk.sessions.lost(peer, desk.clock.time)
+        elif what == "stop":
+            desk.ask(peer, Stop())
+        elif what == "fault":
+            desk.sessions.ownership.fail("broken")
+        elif peer in games:
+            game, sign[peer] = games[peer], desk.clock.time
+            if what == "renew":
+                game.renew()
+            elif what in ("arm", "take"):
+                game.desk.all(peer, Arm(session=game.welcome.session, id=7, take=what == "take"))
+            else:
+                game.ask({"disarm": Disarm, "bye": Bye, "reset": Reset}[what])
+        after, owner = desk.permit, desk.sessions.ownership.owner
+        assert after.epoch >= before.epoch
+        if after.armed == 1:
+            assert owner is not None
+            assert owner in desk.sessions.all
+            assert not after.stopped
+            assert not desk.sessions.ownership.fault
+            assert after.until <= sign[owner.peer] + LEASE + 1e-9
+            assert desk.clock.time < after.until
+            if before.armed != 1:
+                assert after.epoch > before.epoch, "sound only begins with a new permit"
+        if after.armed == 2:
+            assert after.until <= desk.clock.time + CLOSING
+        assert desk.sessions.listed().owned == (owner.scene if owner else "")
+
+
+def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:
+    desk = Desk()
+    old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
+    old.arm()
+    assert desk.permit.scene == scene_number("old")
+    desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
+    assert desk.permit.scene == scene_number("old"), "that fades"
+    desk.wait(CLOSING)
+    assert desk.permit.scene == scene_number("new") != scene_number("old")

@@ -1,0 +1,261 @@
+"""What the control process must go on through: mistakes of ours, plug-ins that tell too much, strangers in crowds."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import psutil
+import pytest
+import zmq
+from msgspec.structs import replace
+
+from pacinian.errors import WireError
+from pacinian.serving.control import process as control_process
+from pacinian.serving.control.sockets import Doors
+from pacinian.serving.ipc.auth import Gate
+from pacinian.serving.ipc.scheduling import URGENT
+from pacinian.serving.settings import Network
+from pacinian.wire.codec import encode
+from pacinian.wire.control import Arm, Capabilities, Choice, Select, Status, Stop
+from pacinian.wire.emergency import StopSocket
+from pacinian.wire.replies import Error, Ok
+from pacinian.wire.state import State
+
+from ....waiting import eventually
+from ..processes import PATIENT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="threads of /proc")
+CROWD = 2000
+STRANGERS = """
+import resource, socket, sys
+most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+made = [socket.socket() for _ in range(int(sys.argv[2]))]
+for one in made:
+    one.setblocking(False)
+    one.connect_ex(("127.0.0.1", int(sys.argv[1])))
+print("all", flush=True)
+sys.stdin.read()
+"""
+
+
+# requests
+
+
+def test_the_longest_selections_can_be_ordered_together(server: Any) -> None:
+    """A renderer that is started anew is told all that was selected, at once."""
+    wide = "\U0001f44b"
+    options = {f"{n:02}{wide * 62}": wide * 200 for n in range(32)}
+    game = server.client().hello()
+    server.extra["render"] |= {"results": {"solver 1": ""}}
+    server.extra["guard"] |= {"results": {"backend 1": ""}}
+    for kind, name in (("solver", "gs"), ("backend", "pretended")):
+        assert isinstance(game.ask(Select, **{kind: Choice(name=name, options=options)}), Ok)
+    assert isinstance(game.ask(Arm), Ok)
+
+
+def test_a_mistake_of_ours_ends_a_request_only(
+    server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    game = server.client().hello()
+
+    def broken(message: Any) -> bytes:
+        if isinstance(message, Ok):
+            raise WireError("a mistake")
+        return encode(message)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(control_process, "encode", broken)
+        assert game.ask(Stop).code == "fault"
+        assert server.permit().stopped == 1, "it was done all the same"
+    assert isinstance(game.ask(Stop), Ok)
+
+
+# the other processes
+
+
+def test_while_the_renderer_starts_again_its_solvers_stay_known(server: Any) -> None:
+    game = server.client().hello()
+    before = game.ask(Capabilities).solvers
+    not_listed_yet = {"solvers": (), "state": {"ticks": 7}, "results": {"solver 1": ""}}
+    server.extra["render"] |= not_listed_yet
+    server.processes["render"][-1].code = -9
+    eventually(lambda: game.ask(Status).ticks == 7)
+    assert game.ask(Capabilities).solvers == before
+    assert isinstance(game.ask(Select, solver=Choice(name="gs")), Ok)
+
+
+def test_nothing_is_armed_while_the_bus_is_started_again(server: Any) -> None:
+    game = server.client().hello()
+    server.silent.add("bus")
+    server.processes["bus"][0].code = 1
+    reply = eventually(lambda: isinstance(said := game.hear(), Error) and said)
+    assert reply.code == "session"
+    assert game.ask(Arm).code == "session", "of a session that is over, that is told first"
+    game.hello()
+    assert game.ask(Arm).code == "fault"
+    assert server.permit().armed == 0
+    eventually(lambda: len(server.processes["bus"]) == 2)
+    assert game.ask(Arm).code == "fault", "it gives no sign of life yet"
+    server.processes["bus"][1].silent = False
+    eventually(lambda: isinstance(game.ask(Arm), Ok))
+
+
+def test_a_spare_of_the_guard_takes_over_and_another_is_started(server: Any) -> None:
+    game = server.client().hello()
+    assert isinstance(game.ask(Arm), Ok)
+    eventually(lambda: server.spares)
+    spare = server.spares[0]
+    server.processes["guard"][0].code = -9
+    assert eventually(lambda: isinstance(said := game.hear(), Error) and said).code == "fault"
+    assert server.processes["guard"][1] is spare
+    assert server.permit().armed == 0, "nothing sounds before it is armed again"
+    eventually(lambda: len(server.spares) == 2)
+    assert game.ask(Status).restarts["guard"] == 1
+    server.end()
+    assert server.spares[1].killed
+
+
+def test_a_spare_that_is_lost_is_replaced_and_disturbs_nobody(server: Any, logged: Any) -> None:
+    game = server.client().hello()
+    assert isinstance(game.ask(Arm), Ok)
+    eventually(lambda: server.spares)
+    server.spares[0].code = 1
+    eventually(lambda: len(server.spares) == 2)
+    logged.wait("spare guard lost")
+    assert server.permit().armed == 1
+    assert game.ask(Status).restarts["guard"] == 0
+
+
+@pytest.mark.parametrize("sounds", [True, False])
+def test_a_guard_that_may_sound_is_given_less_time(start_server: Any, sounds: bool) -> None:
+    server = start_server(replace(PATIENT, safety=replace(PATIENT.safety, hung=2.0)))
+    game = server.client().hello()
+    guard = server.processes["guard"][0]
+    if sounds:
+        assert isinstance(game.ask(Arm), Ok)
+        eventually(lambda: game.ask(Status).output == "sounding")
+    guard.silent = True
+    began = time.perf_counter()
+    eventually(lambda: guard.killed)
+    # it counts only what control has looked on, which is never more than there was
+    assert time.perf_counter() - began >= (0.2 if sounds else 1.9)
+
+
+def test_only_the_bus_is_told_secrets(server: Any) -> None:
+    told = {name: made[0].told.secrets for name, made in server.processes.items()}
+    assert told == {"guard": {}, "render": {}, "bus": {"token": server.connection.token}}
+
+
+@pytest.mark.parametrize(
+    ("process", "told"),
+    [
+        ("guard", {"name": "long" * 1000}),
+        (
+            "render",
+            {"state": {"solver": "auto", "faults": ["long" * 1000] * 20, "fault_count": 20}},
+        ),
+        ("render", {"state": {"solver": 7, "points": "x", "error": "much", "faults": 7}}),
+        ("render", {"state": {"solver": "auto", "fault_count": "many"}}),
+    ],
+)
+def test_what_they_tell_is_published_as_far_as_it_can_be(
+    server: Any, process: str, told: dict[str, Any]
+) -> None:
+    game, next_state = server.client().hello(), server.states()
+    before = next_state()
+    server.extra[process] |= told
+    state = eventually(lambda: (s := next_state()).sequence > before.sequence + 6 and s)
+    assert len(state.backend) <= 200
+    assert max(map(len, state.faults), default=0) <= 500
+    assert isinstance(game.ask(Status), State)
+
+
+def test_a_state_that_is_too_long_is_not_published(server: Any) -> None:
+    game, next_state = server.client().hello(), server.states()
+    long = {"state": {"solver": "long", "points": bytes(1_500_000)}}
+    server.extra["render"] |= long
+    eventually(lambda: isinstance(game.ask(Status), Error))
+    assert isinstance(game.ask(Arm), Ok)
+    server.extra["render"]["state"] = {"solver": "short"}
+    eventually(lambda: next_state().solver == "short")
+
+
+# strangers
+
+
+@pytest.fixture
+def few_files() -> Iterator[int]:
+    """Only so many may be open, unless more are asked for."""
+    resource = pytest.importorskip("resource")
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY and hard < 2 * CROWD:
+        pytest.skip("the system allows too few files")
+    few = psutil.Process().num_fds() + 200
+    resource.setrlimit(resource.RLIMIT_NOFILE, (few, hard))
+    yield few
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+def test_a_crowd_that_only_connects_keeps_nobody_from_being_answered(
+    few_files: int, start_server: Any
+) -> None:
+    server = start_server()
+    game = server.client().hello()
+    port = server.connection.control.rpartition(":")[2]
+    command = [sys.executable, "-c", STRANGERS, port, str(CROWD)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as crowd:
+        try:
+
+            def crowded() -> bool:
+                assert isinstance(game.ask(Status), State), "answered, and its session lives"
+                return psutil.Process().num_fds() > few_files
+
+            eventually(crowded)
+            assert isinstance(server.client().hello("late").ask(Stop), Ok)
+        finally:
+            crowd.kill()
+    assert isinstance(game.ask(Status), State)
+    assert server.error is None
+
+
+def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
+    """ZeroMQ's own thread, and so everybody's heartbeat, waits for who does not fetch them."""
+    with (
+        zmq.Context() as context,
+        Gate(context, {"token": "x"}) as gate,
+        StopSocket(tmp_path / "stop", "x") as stop,
+        Doors(context, gate, Network(), stop) as doors,
+        context.socket(zmq.PAIR) as news,
+        context.socket(zmq.PAIR) as monitor,
+    ):
+        news.bind("inproc://news")
+        monitor.connect("inproc://news")
+        for _ in range(1000):
+            news.send_multipart([struct.pack("=HI", zmq.EVENT_ACCEPTED, 0), b"somewhere"])
+        doors._monitors = [monitor]
+        doors.turned_away()
+        assert doors.counts["connections"] == 1000
+
+
+@linux
+def test_the_threads_of_its_sockets_are_as_urgent_as_it_is(server: Any) -> None:
+    (own,) = (t.native_id for t in threading.enumerate() if t is server._thread)
+    nice = {}
+    for stat in Path("/proc/self/task").glob("*/stat"):
+        with contextlib.suppress(OSError):  # it has just ended
+            name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
+            nice[int(stat.parent.name)] = name, int(rest.split()[16])
+    if nice[own][1] != -URGENT:
+        pytest.skip("may not be urgent here")
+    assert ("ZMQbg/IO/0", -URGENT) in nice.values()

@@ -1,0 +1,522 @@
+"""Starting, watching, starting again and ending the other processes."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from pacinian.errors import ServerError
+from pacinian.serving.control.supervisor import (
+    FIRST,
+    LONGEST,
+    STARTING,
+    WELL,
+    Supervisor,
+)
+from pacinian.serving.ipc.child_process import HASTE, LATE, hang_limit
+from pacinian.testing import ManualClock
+from pacinian.wire.connection import Connection
+
+from ....waiting import PATIENCE, eventually
+from ..processes import runs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals")
+NAMES = "guard", "bus", "render"
+LOOK = 0.02  # [s]
+
+CHILD = """
+import sys, time, threading
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.messages import Device, Report, Traffic, pack
+from pacinian.wire.replies import Plugin
+ended = threading.Event()
+parent, name = child_process.Parent(), sys.argv[1]
+told = parent.told
+if told.spare:
+    parent.wait()
+parent.watch(ended.set)
+with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
+    while not ended.is_set():
+        now = time.perf_counter()
+        file.write(pack({
+            "guard": Device(1, 0, "", 16, 16, 1e3, None, now, False),
+            "bus": Traffic(1, now), "render": Report(1, now, {}, solvers=(Plugin(name="auto"),)),
+        }[name]))
+        time.sleep(0.005)
+print("ended", name, flush=True)
+"""
+PARENT = """
+import sys
+from pacinian.serving.ipc import child_process
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Log, Safety, Settings
+def start(name, told):
+    process = child_process.launch([sys.executable, "-c", sys.argv[2], name], told)
+    name = "spare" if told.spare else name
+    print("started", name, process.pid, told.folder, flush=True)
+    return process
+settings = Settings(connection=sys.argv[1], safety=Safety(hung=3.0), log=Log(level="error"))
+serve(settings, lambda path: print("ready", path, flush=True), start)
+"""
+
+
+class Fake:
+    """A process that only has an exit code. log: of all that is done to any of them."""
+
+    stdin, pid = None, 7
+
+    def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
+        self.name, self.log, self.stubborn = name, log, stubborn
+        self.held = False  # by the system: even killed, it does not end
+        self.code: int | None = None
+
+    def poll(self) -> int | None:
+        return self.code
+
+    def call(self) -> None:
+        self.log.append(("call", self.name))
+
+    def kill(self) -> None:
+        self.log.append(("kill", self.name))
+        self.code = None if self.held else -9
+
+    def wait(self, timeout: float | None = None) -> int:
+        self.log.append(("wait", self.name))
+        if self.code is None and (self.stubborn or self.held):
+            assert timeout is not None, "it would wait for ever"
+            raise subprocess.TimeoutExpired(self.name, timeout or 0.0)
+        self.code = self.code or 0
+        return self.code
+
+
+class Watch:
+    """A supervisor of fakes on a clock that stands still."""
+
+    def __init__(self, stubborn: tuple[str, ...] = ()) -> None:
+        self.clock = ManualClock(50.0)
+        self.log: list[tuple[str, str]] = []
+        self.started: list[Fake] = []
+        self.stubborn = stubborn
+        self.error: Exception | None = None  # why none can be started
+        self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
+        self.supervisor.trusted = True
+
+    def _start(self, name: str, spare: int) -> Fake:
+        if self.error is not None:
+            raise self.error
+        self.started.append(Fake(name, self.log, name in self.stubborn))
+        return self.started[-1]
+
+    def check(self, sound: bool = False, **beats: float) -> list[tuple[str, str]]:
+        now = self.clock.time
+        return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats}, sound)
+
+    def look(self, seconds: float, **beats: float) -> list[tuple[str, str]]:
+        """Look on for so long; who has ended."""
+        ended: list[tuple[str, str]] = []
+        for _ in range(round(seconds / LOOK)):
+            self.clock.advance(LOOK)
+            ended += self.check(**beats)
+        return ended
+
+    def newest(self, name: str) -> Fake:
+        return next(fake for fake in reversed(self.started) if fake.name == name)
+
+
+def test_the_guard_is_started_first_and_ended_last() -> None:
+    watch = Watch()
+    assert [fake.name for fake in watch.started] == ["guard", "bus", "render"]
+    assert watch.supervisor.end() == []
+    assert watch.log == [("wait", "render"), ("wait", "bus"), ("wait", "guard")]
+
+
+def test_one_that_does_not_end_when_asked_is_killed_and_the_others_are_ended_all_the_same() -> None:
+    watch = Watch(stubborn=("render",))
+    assert watch.supervisor.end() == ["render"]
+    assert ("kill", "render") in watch.log
+    assert all(fake.code is not None for fake in watch.started)
+
+
+def test_one_that_ended_is_told_once_and_started_again_after_a_while() -> None:
+    watch = Watch()
+    assert watch.check() == []
+    watch.newest("bus").code = 3
+    assert watch.check() == [("bus", "ended with exit code 3")]
+    assert watch.check() == []
+    assert not watch.supervisor.alive("bus", watch.clock.time)
+    watch.clock.advance(FIRST)
+    assert watch.check() == []
+    assert watch.newest("bus").code is None
+    assert watch.supervisor.restarts == {"guard": 0, "bus": 1, "render": 0}
+    watch.newest("render").code = -9
+    assert watch.check() == [("render", "was killed by signal 9")]
+
+
+def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
+    watch = Watch()
+
+    def waited() -> float:
+        """How long it takes from an end to a new start."""
+        watch.newest("bus").code = 1
+        assert len(watch.check()) == 1
+        began = watch.clock.time
+        while watch.newest("bus").code is not None:
+            watch.clock.advance(0.001)
+            watch.check()
+        return watch.clock.time - began
+
+    waits = [waited() for _ in range(10)]
+    for a, b in itertools.pairwise(waits):
+        assert b == pytest.approx(min(LONGEST, 2.0 * a), abs=0.003)
+    watch.clock.advance(2.0 * WELL)
+    assert waited() == pytest.approx(FIRST, abs=0.003)
+
+
+def test_one_without_a_sign_of_life_is_killed() -> None:
+    watch = Watch()
+    watch.check()
+    beat = watch.clock.time
+    assert watch.look(0.98, render=beat) == [], "not yet"
+    assert watch.look(0.04, render=beat) == [("render", "hung, and was killed")]
+    assert watch.log == [("kill", "render")], "and nobody waits for that"
+
+
+def test_one_that_is_only_slow_is_left_alone() -> None:
+    watch = Watch()
+    for _ in range(10):
+        beat = watch.clock.time
+        assert watch.look(0.9, bus=beat, guard=beat, render=beat) == []
+
+
+@pytest.mark.parametrize("stood", [1.1, 5.0, 1e4])
+def test_where_nobody_looked_silence_proves_nothing(stood: float) -> None:
+    """The machine stood still, or did not let control run: then neither did it the others."""
+    watch = Watch()
+    watch.look(1.0)
+    beat = watch.clock.time
+    watch.clock.advance(stood)
+    assert watch.check(**dict.fromkeys(NAMES, beat)) == []
+    assert watch.look(0.8, **dict.fromkeys(NAMES, beat)) == [], "they may be woken later"
+    assert watch.look(0.5) == [], "and are well"
+    assert watch.log == []
+
+
+def test_one_that_hangs_is_found_however_late_the_looks_are() -> None:
+    watch = Watch()
+    watch.look(0.1)
+    beat, looks = watch.clock.time, 0
+    while not watch.log:
+        watch.clock.advance(0.7)
+        watch.check(guard=beat)
+        looks += 1
+    assert watch.log == [("kill", "guard"), ("call", "spare")]
+    assert looks <= math.ceil(1.0 / LATE) + 1
+
+
+def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_ends() -> None:
+    watch = Watch()
+    old = watch.newest("bus")
+    old.held = True
+    beat = watch.clock.time
+    assert watch.look(1.1, bus=beat) == [("bus", "hung, and was killed")]
+    watch.clock.advance(LONGEST)
+    assert watch.check(bus=beat) == []
+    assert watch.newest("bus") is old, "its port is not free"
+    old.code = -9
+    assert watch.check(bus=beat) == []
+    assert watch.newest("bus") is not old
+    watch.newest("bus").held = True
+    assert watch.supervisor.end() == ["bus"]
+
+
+# the guard's spare
+
+
+def with_spare(ready: float = 0.0) -> tuple[Watch, Fake, Fake]:
+    """A supervisor, its guard, and the spare, which has been there for so long."""
+    watch = Watch()
+    assert watch.check() == []
+    assert watch.look(ready) == []
+    return watch, watch.newest("guard"), watch.newest("spare")
+
+
+def test_a_spare_is_started_once_all_are_trusted_and_the_guard_lives() -> None:
+    watch = Watch()
+    watch.supervisor.trusted = False
+    assert watch.look(1.0) == []
+    watch.supervisor.trusted = True
+    assert watch.look(0.5, guard=watch.clock.time - 10.0) == []
+    assert [fake.name for fake in watch.started] == ["guard", "bus", "render"]
+    watch.look(LOOK)
+    assert watch.newest("spare").code is None
+    assert watch.supervisor.restarts == dict.fromkeys(NAMES, 0)
+    watch.look(1.0)
+    assert len(watch.started) == 4
+
+
+def test_the_spare_takes_over_in_the_same_look() -> None:
+    watch, guard, spare = with_spare()
+    assert not watch.supervisor.ended
+    guard.code = -9
+    assert watch.supervisor.ended
+    assert watch.check() == [("guard", "was killed by signal 9")]
+    assert watch.log == [("call", "spare")]
+    assert watch.supervisor.children["guard"].process is spare
+    assert watch.supervisor.restarts["guard"] == 1
+    assert not watch.supervisor.ended
+    old = watch.clock.time - LOOK
+    assert watch.look(10 * FIRST, guard=old) == []
+    assert len(watch.started) == 4, "first it must live"
+    watch.look(LOOK)
+    assert watch.newest("spare") is not spare
+    spare.code = 1
+    assert watch.check() == [("guard", "ended with exit code 1")]
+    assert watch.supervisor.restarts["guard"] == 2
+
+
+def test_spares_of_a_guard_that_ends_again_and_again_are_started_later_and_later() -> None:
+    watch, guard, spare = with_spare()
+    waits: list[float] = []
+    for _ in range(5):
+        guard.code = 1
+        assert len(watch.check()) == 1
+        began, guard = watch.clock.time, spare
+        while (spare := watch.newest("spare")) is guard:
+            watch.clock.advance(0.001)
+            assert watch.check() == []
+        waits.append(watch.clock.time - began)
+    assert waits == pytest.approx([2**k * FIRST for k in range(5)], abs=0.003)
+
+
+def test_a_spare_that_ends_is_told_and_replaced_and_the_guard_goes_on() -> None:
+    watch, guard, spare = with_spare()
+    spare.code = -9
+    assert watch.check() == [("spare", "was killed by signal 9")]
+    assert watch.look(FIRST + LOOK) == []
+    assert watch.newest("spare") is not spare
+    assert watch.supervisor.children["guard"].process is guard
+    assert watch.supervisor.restarts["guard"] == 0
+
+
+def test_without_a_spare_the_guard_is_started_as_the_others_are() -> None:
+    watch, guard, spare = with_spare()
+    spare.code = guard.code = -9
+    assert [name for name, _ in watch.check()] == ["guard", "spare"]
+    assert not watch.log, "one that has ended is not called"
+    assert watch.look(FIRST + LOOK) == []
+    assert watch.newest("guard") is not guard
+    assert watch.supervisor.restarts["guard"] == 1
+
+
+@pytest.mark.parametrize("sound", [True, False])
+def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
+    watch, guard, _ = with_spare()
+    beat, since = watch.clock.time, watch.clock.time
+    ended: list[tuple[str, str]] = []
+    while not ended:
+        watch.clock.advance(LOOK)
+        ended = watch.check(sound, guard=beat)
+    assert ended == [("guard", "hung, and was killed")]
+    assert watch.clock.time - since == pytest.approx(1.0 / HASTE if sound else 1.0, abs=2 * LOOK)
+    assert guard.code == -9
+    assert ("kill", "bus") not in watch.log
+
+
+def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
+    assert hang_limit(0.1, sound=True) == 0.1
+    assert hang_limit(2.0, sound=True) == 0.25
+    assert hang_limit(2.0, sound=False) == 2.0
+
+
+def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
+    """The device must not be opened twice."""
+    watch, guard, _ = with_spare()
+    guard.held = True
+    beat = watch.clock.time
+    assert watch.look(2.0, guard=beat) == [("guard", "hung, and was killed")]
+    assert watch.log == [("kill", "guard")]
+    assert not watch.supervisor.ended
+    guard.code = -9
+    assert watch.supervisor.ended
+    assert watch.check() == []
+    assert watch.log[1:] == [("call", "spare")]
+
+
+def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_started() -> None:
+    """It may stand still, too."""
+    watch, guard, spare = with_spare(WELL + 1.0)
+    guard.code = -9
+    watch.check()
+    beat = watch.clock.time - LOOK
+    assert watch.look(1.1, guard=beat) == [("guard", "did not start, and was killed")]
+    assert watch.look(2 * FIRST + LOOK) == []
+    assert watch.newest("guard") is not guard
+    watch, guard, spare = with_spare()
+    guard.code = -9
+    watch.check()
+    beat = watch.clock.time - LOOK
+    assert watch.look(2.0, guard=beat) == [], "one that has just been started may be on its way"
+    assert spare.code is None
+
+
+def test_at_the_end_the_spare_goes_first() -> None:
+    watch, _, _ = with_spare()
+    watch.log.clear()
+    watch.supervisor.end()
+    assert watch.log[:3] == [("kill", "spare"), ("wait", "spare"), ("wait", "render")]
+
+
+@pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
+def test_a_spare_that_cannot_be_started_is_told(error: Exception) -> None:
+    watch = Watch()
+    watch.error = error
+    assert watch.check() == [("spare", f"could not be started: {error}")]
+    assert watch.look(FIRST - LOOK) == []
+    watch.error = None
+    assert watch.look(4 * FIRST) == []
+    assert watch.newest("spare").code is None
+
+
+@pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
+def test_one_that_cannot_be_started_again_is_tried_again_less_and_less_often(
+    error: Exception,
+) -> None:
+    watch = Watch()
+    watch.newest("bus").code = 1
+    assert len(watch.check()) == 1
+    watch.error = error
+    tries: list[float] = []
+    while len(tries) < 4:
+        watch.clock.advance(0.001)
+        if ended := watch.check():
+            assert ended == [("bus", f"could not be started: {error}")]
+            tries.append(watch.clock.time)
+    waits = [b - a for a, b in itertools.pairwise(tries)]
+    assert waits == pytest.approx([2 * FIRST, 4 * FIRST, 8 * FIRST], abs=0.003)
+    watch.error = None
+    watch.clock.advance(LONGEST)
+    assert watch.check() == []
+    assert watch.newest("bus").code is None
+    assert watch.supervisor.restarts["bus"] == 1
+
+
+def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() -> None:
+    watch = Watch()
+    old = watch.clock.time - 1.0
+    assert watch.look(STARTING - 1.0, render=old) == []
+    assert not watch.supervisor.alive("render", old)
+    assert watch.look(1.1, render=old) == [("render", "did not start, and was killed")]
+    assert watch.look(FIRST + LOOK) == []
+    new = watch.clock.time
+    assert watch.look(2.0, render=old) == [], "nor that of one before it"
+    watch.look(LOOK, render=new)
+    assert watch.look(1.1, render=new) == [("render", "hung, and was killed")]
+
+
+def test_before_all_were_ready_an_end_is_an_error() -> None:
+    watch = Watch()
+    watch.supervisor.trusted = False
+    watch.newest("guard").code = 2
+    with pytest.raises(ServerError, match="'guard' ended with exit code 2"):
+        watch.check()
+
+
+def test_if_one_cannot_be_started_those_before_are_ended() -> None:
+    log: list[tuple[str, str]] = []
+
+    def start(name: str, spare: int) -> Fake:
+        if name == "render":
+            raise OSError("no memory")
+        return Fake(name, log)
+
+    with pytest.raises(OSError, match="no memory"):
+        Supervisor(start, 1.0)
+    assert log == [("wait", "bus"), ("wait", "guard")]
+
+
+# real processes
+
+
+class Running:
+    """A server in a process of its own, with children that only give signs of life."""
+
+    def __init__(self, folder: Path, **env: str) -> None:
+        self.path, self.log = folder / "connection.json", folder / "log"
+        with self.log.open("wb") as out:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", PARENT, str(self.path), CHILD],
+                stdout=out,
+                env={**os.environ, **env},
+            )
+        eventually(lambda: "ready" in self.log.read_text())
+
+    @property
+    def started(self) -> list[tuple[str, int, Path]]:
+        words = [line.split() for line in self.log.read_text().splitlines()]
+        return [(w[1], int(w[2]), Path(w[3])) for w in words if w[0] == "started"]
+
+
+@pytest.fixture
+def running(tmp_path: Path) -> Iterator[Callable[..., Running]]:
+    made: list[Running] = []
+
+    def start(**env: str) -> Running:
+        made.append(Running(tmp_path, **env))
+        return made[-1]
+
+    yield start
+    for one in made:
+        one.process.kill()
+        one.process.wait()
+        for _, pid, _ in one.started:
+            with contextlib.suppress(psutil.Error):
+                psutil.Process(pid).kill()
+
+
+@posix
+def test_one_that_stands_still_is_replaced_and_sigterm_ends_all_in_order(
+    running: Callable[..., Running], tmp_path: Path
+) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(tmp_path / "notify"))
+        manager.settimeout(PATIENCE)
+        server = running(NOTIFY_SOCKET=str(tmp_path / "notify"))
+        assert manager.recv(100) == b"READY=1"
+        assert Connection.read(server.path).pid == server.process.pid
+        (pid,) = (pid for name, pid, _ in server.started if name == "render")
+        os.kill(pid, signal.SIGSTOP)
+        eventually(lambda: [name for name, _, _ in server.started].count("render") == 2)
+        assert not psutil.pid_exists(pid)
+        server.process.send_signal(signal.SIGTERM)
+        assert manager.recv(100) == b"STOPPING=1"
+    assert server.process.wait(PATIENCE) == 0
+    ended = [line.split()[1] for line in server.log.read_text().splitlines() if "ended" in line]
+    # the new renderer may not have come far enough to say so
+    assert [name for name in ended if name != "render"] == ["bus", "guard"]
+    assert ended in (["bus", "guard"], ["render", "bus", "guard"])
+    assert not server.path.exists()
+    assert not any(folder.exists() for _, _, folder in server.started)
+    assert not any(psutil.pid_exists(pid) for _, pid, _ in server.started)
+
+
+@posix
+def test_when_the_parent_is_killed_all_end_by_themselves(running: Callable[..., Running]) -> None:
+    server = running()
+    server.process.kill()
+    server.process.wait()
+    eventually(lambda: not any(map(runs, (pid for _, pid, _ in server.started))))

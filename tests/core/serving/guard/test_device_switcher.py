@@ -1,0 +1,487 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import ClassVar
+
+import pytest
+
+import pacinian as pc
+from pacinian.scene.file import Choice as Configured
+from pacinian.serving.guard.device_switcher import (
+    AGAIN,
+    KEPT,
+    MAX_HANGING,
+    OPENING,
+    SUPERSEDED,
+    Devices,
+)
+from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.ipc.messages import FrameHead, Orders, Permit
+from pacinian.testing import ManualClock
+from pacinian.wire.control import Choice
+
+from ....waiting import eventually
+
+ARRAY = pc.autd()
+N = len(ARRAY)
+
+
+class Named(pc.Backend):
+    name: ClassVar[str] = "named"
+
+    def __init__(self, called: str, broken: set[str]) -> None:
+        self.called, self.broken, self.log = called, broken, list[str]()
+        self.rate = 1000.0
+        self.opens: Callable[[], None] = lambda: None
+
+    @property
+    def capability(self) -> pc.Capability:
+        made = pc.Capability()
+        object.__setattr__(made, "rate", self.rate)  # whatever a plug-in says
+        return made
+
+    def _told(self, what: str) -> None:
+        self.log.append(what)
+        if what in self.broken:
+            raise OSError(f"{what} failed")
+
+    def open(self, array: pc.Array) -> None:
+        self._told("open")
+        self.opens()
+
+    def send(self, frame: pc.Frame) -> None:
+        self._told("send")
+
+    def silence(self) -> None:
+        self._told("silence")
+
+    def close(self) -> None:
+        self._told("close")
+
+
+class Bench:
+    """Devices whose threads run when they are told to."""
+
+    def __init__(self, choice: Choice | Configured | None = None) -> None:
+        self.clock = ManualClock()
+        self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
+        self.hang = ""  # the one that opens too late
+        self.busy = 0  # so often more none can be opened
+        self.broken: dict[str, set[str]] = {}
+        self.rates: dict[str, float] = {}
+        self.made: list[Named] = []
+        self.waiting: list[Callable[[], None]] = []
+        self.devices = Devices(
+            self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.waiting.append,
+            self.clock,
+        )  # fmt: skip
+
+    def make(self, choice: Choice | Configured) -> pc.Backend:
+        self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
+        self.made[-1].rate = self.rates.get(choice.name, 1000.0)
+        if self.busy:
+            self.busy -= 1
+            self.made[-1].broken = {"open"}
+        if choice.name == self.hang:
+            self.made[-1].opens = self.late
+        return self.made[-1]
+
+    def late(self) -> None:
+        """Meanwhile the guard goes on."""
+        self.clock.advance(1.1 * OPENING)
+        self.devices.poll()
+
+    def run(self) -> None:
+        self.devices.poll()
+        while self.waiting:
+            self.waiting.pop(0)()
+            self.devices.poll()
+
+    def frame(self) -> None:
+        """The renderer answers with a frame for the device that waits, or that is."""
+        device = self.guard.next or self.guard.generation
+        head = FrameHead(1, 0.0, 1, device, 1, N).pack()
+        for _ in range(2):
+            self.guard.step(Permit(1, 1.0, 1, 0), head + b"\x01\0" * 2 * N)
+        self.devices.poll()
+
+    @property
+    def now(self) -> str:
+        backend = self.guard.backend
+        return backend.called if isinstance(backend, Named) else ""
+
+
+@pytest.fixture
+def bench() -> Bench:
+    made = Bench()
+    made.devices.begin(Orders())
+    made.run()
+    return made
+
+
+def selected(number: int, name: str, reset: int = 0) -> Orders:
+    return Orders(backend=(number, Choice(name=name)), reset=reset)
+
+
+def test_it_begins_as_configured(bench: Bench) -> None:
+    assert bench.now == "a"
+    assert bench.guard.generation == 1
+    assert bench.devices.results == {"backend 0": ""}
+
+
+def test_a_guard_started_anew_begins_with_what_was_selected() -> None:
+    bench = Bench()
+    bench.devices.begin(selected(3, "b", reset=2))
+    bench.run()
+    bench.devices.follow(selected(3, "b", reset=2))
+    assert bench.now == "b"
+    assert bench.devices.results == {"backend 3": ""}
+    assert not bench.waiting
+
+
+def test_another_one_takes_over_with_its_first_frame_and_the_old_one_is_closed(
+    bench: Bench,
+) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.devices.follow(selected(1, "b"))
+    bench.frame()
+    assert bench.now == "a"  # while it opens
+    bench.run()
+    assert bench.now == "a"
+    assert "backend 1" not in bench.devices.results
+    bench.frame()
+    bench.run()
+    assert bench.now == "b"
+    assert bench.devices.results["backend 1"] == ""
+    assert [device.log for device in bench.made] == [
+        ["open", *["send"] * 4, "silence", "close"],
+        ["open", "send"],
+    ]
+
+
+def test_one_that_does_not_open_leaves_the_old_one_sounding(bench: Bench) -> None:
+    bench.broken["b"] = {"open"}
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "a"
+    assert bench.guard.sounding
+    assert bench.devices.results["backend 1"] == "b: OSError: open failed"
+    assert not bench.guard.fault
+    bench.made[0].broken.add("send")
+    bench.frame()
+    bench.made[0].broken.clear()
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    assert bench.now == "a"  # what there was is opened anew, not what did not open
+
+
+def test_one_is_opened_at_a_time_and_of_those_that_wait_the_newest(bench: Bench) -> None:
+    for number in range(1, 10):
+        bench.devices.follow(selected(number, f"b{number}"))
+    assert len(bench.waiting) == 1
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == "b9"
+    replaced = {f"backend {number}": SUPERSEDED for number in range(1, 9)}
+    assert bench.devices.results == {"backend 0": "", **replaced, "backend 9": ""}
+    assert [device.called for device in bench.made] == ["a", "b1", "b9"]
+    assert bench.made[1].log == ["open", "close"]
+
+
+def test_one_that_waits_for_its_first_frame_gives_way_to_one_selected_since(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.guard.next == 2
+    bench.devices.follow(selected(2, "c"))
+    bench.run()
+    assert bench.devices.results["backend 1"] == SUPERSEDED
+    bench.frame()
+    bench.run()
+    assert bench.now == "c"
+    assert bench.devices.results["backend 2"] == ""
+    assert bench.made[1].log == ["open", "close"]
+
+
+def test_one_that_is_opened_too_late_never_waits_for_a_frame(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.devices.follow(selected(2, "c"))  # while b opens
+    bench.waiting.pop(0)()
+    bench.devices.poll()
+    assert bench.guard.next == 0
+    assert bench.devices.results["backend 1"] == SUPERSEDED
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+    assert [device.called for device in bench.made] == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("opens", [True, False])
+@pytest.mark.parametrize("newer", [True, False])
+def test_a_reset_waits_for_what_is_being_opened(bench: Bench, opens: bool, newer: bool) -> None:
+    bench.frame()
+    bench.broken["b"] = set() if opens else {"open"}
+    bench.devices.follow(selected(1, "b"))
+    bench.made[0].broken.add("send")
+    bench.frame()
+    assert bench.guard.fault
+    bench.devices.follow(selected(1, "b", reset=1))
+    if newer:
+        bench.devices.follow(selected(2, "c", reset=1))
+    assert len(bench.waiting) == 1
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == ("c" if newer else "b" if opens else "a")
+    assert not bench.guard.fault
+    assert bench.devices.results["reset 1"] == ""
+    assert bench.made[0].log[-1] == "close"
+    bench.frame()
+    assert bench.guard.sounding
+
+
+@pytest.mark.parametrize("rate", [999.0, 64_600.0, math.nan, math.inf, -1000.0])
+def test_a_device_whose_rate_the_loop_cannot_serve_is_refused(bench: Bench, rate: float) -> None:
+    bench.rates["b"] = rate
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "a"
+    assert bench.guard.sounding
+    assert "frames a tick" in bench.devices.results["backend 1"]
+    assert bench.made[1].log == ["close"]
+
+
+def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
+    bench.frame()
+    bench.made[0].broken.add("send")
+    bench.frame()
+    assert bench.guard.fault
+    bench.devices.follow(Orders(reset=1))
+    bench.frame()  # there is none meanwhile
+    bench.run()
+    assert bench.made[0].log[-1] == "close"
+    assert not bench.guard.fault
+    assert bench.guard.generation == 2
+    assert bench.devices.results["reset 1"] == ""
+    bench.frame()
+    assert bench.guard.sounding
+
+
+def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
+    bench.broken["a"] = bench.made[0].broken
+    bench.broken["a"] |= {"open", "send", "silence", "close"}
+    bench.frame()
+    for k in (1, 2):
+        bench.devices.follow(Orders(reset=k))
+        bench.run()
+        assert bench.guard.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
+    bench.broken["a"].clear()
+    bench.devices.follow(Orders(reset=3))
+    bench.run()
+    assert not bench.guard.fault
+    assert bench.now == "a"
+
+
+def test_a_reset_without_a_fault_leaves_the_device_alone(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(Orders(reset=1))
+    bench.run()
+    assert bench.guard.sounding
+    assert bench.devices.results["reset 1"] == ""
+    assert len(bench.made) == 1
+
+
+def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.made[0].broken |= {"send", "silence", "close"}
+    bench.guard.fail("gone")
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.frame()  # the old one may sound until it is closed, which takes its time
+    assert bench.now == "b"
+    assert bench.guard.problem == "gone"
+    assert bench.made[1].log == ["open"]
+    bench.run()
+    assert not bench.guard.problem
+    bench.frame()
+    assert "send" in bench.made[1].log
+    assert bench.devices.results == {"backend 0": "", "reset 1": "", "backend 1": ""}
+    assert bench.made[0].log[-1] == "close"
+
+
+def test_a_first_device_that_does_not_open_is_a_fault() -> None:
+    bench = Bench()
+    bench.broken["a"] = {"open"}
+    bench.devices.begin(Orders())
+    bench.run()
+    assert "open failed" in bench.guard.fault
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.now == "b"
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    assert not bench.guard.fault
+
+
+@pytest.mark.parametrize("error", [SystemExit(1), KeyboardInterrupt(), OSError()])
+def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> None:
+    bench = Bench()
+
+    def make(choice: object) -> pc.Backend:
+        raise error
+
+    bench.devices._make = make
+    bench.devices.begin(Orders())
+    bench.run()
+    assert bench.guard.fault.startswith(f"a: {type(error).__name__}")
+
+
+def test_results_do_not_grow(bench: Bench) -> None:
+    for k in range(1, 3 * KEPT):
+        bench.devices.follow(Orders(reset=k))
+    assert len(bench.devices.results) == KEPT
+    assert f"reset {3 * KEPT - 1}" in bench.devices.results
+
+
+def test_real_threads_open_a_real_plug_in() -> None:
+    guard = Guard(N, gain=1.0, stale=0.02)
+    devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0)
+    devices.begin(Orders())
+    eventually(lambda: devices.poll() or guard.backend)
+    assert guard.device({}, ()).amplitudes == 32
+
+
+def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_selected(
+    bench: Bench,
+) -> None:
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    hangs = bench.waiting.pop(0)  # it does not go on
+    bench.clock.advance(0.9 * OPENING)
+    bench.devices.follow(selected(2, "c"))
+    bench.devices.poll()
+    assert not bench.waiting, "one is opened at a time"
+    bench.clock.advance(0.2 * OPENING)
+    bench.devices.poll()
+    assert "not open within" in bench.devices.results["backend 1"]
+    assert bench.guard.sounding, "as before"
+    bench.run()
+    bench.frame()
+    bench.run()
+    assert bench.now == "c"
+    hangs()  # it opens after all
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+    assert not bench.guard.next
+    late = bench.made[-1]
+    assert late.called == "b"
+    assert late.log == ["close"], "it has not even been opened"
+    assert bench.devices.results["backend 2"] == ""
+
+
+def test_one_that_has_opened_too_late_is_closed_and_never_sounds(bench: Bench) -> None:
+    bench.frame()
+    bench.hang = "b"
+    bench.devices.follow(selected(1, "b"))
+    bench.run()  # it opens too late
+    bench.frame()
+    bench.run()
+    assert "not open within" in bench.devices.results["backend 1"]
+    assert bench.made[1].log == ["open", "close"]
+    assert bench.now == "a"
+    assert bench.guard.sounding
+
+
+def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> None:
+    bench.frame()
+    bench.made[0].broken.add("send")
+    bench.frame()
+    bench.devices.follow(Orders(reset=1))
+    bench.waiting.clear()  # it does not go on
+    bench.clock.advance(1.1 * OPENING)
+    bench.devices.poll()
+    assert "not open within" in bench.devices.results["reset 1"]
+    assert "not open within" in bench.guard.fault
+    bench.devices.follow(Orders(reset=2))
+    bench.run()
+    assert bench.devices.results["reset 2"] == ""
+    assert not bench.guard.fault
+
+
+def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
+    hang = list[Callable[[], None]]()
+    for number in range(1, MAX_HANGING + 3):
+        bench.devices.follow(selected(number, "b"))
+        hang += bench.waiting
+        bench.waiting.clear()
+        bench.clock.advance(1.1 * OPENING)
+        bench.devices.poll()
+    assert len(hang) == MAX_HANGING
+    assert "hang" in bench.devices.results[f"backend {MAX_HANGING + 2}"]
+    for one in hang:
+        one()
+    bench.run()
+    bench.devices.follow(selected(number + 1, "c"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "c"
+
+
+def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
+    bench = Bench()
+    bench.busy = 3
+    bench.devices.begin(Orders(), Configured("a"))
+    bench.run()
+    assert bench.now == "a"
+    assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
+    bench = Bench()
+    bench.broken["a"] = {"open"}
+    bench.devices.begin(Orders(), Configured("a"))
+    bench.run()
+    assert "open failed" in bench.guard.fault
+    assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
+
+
+def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_opened() -> None:
+    bench = Bench()
+    bench.busy = 1  # the system holds it still
+    bench.devices.begin(selected(1, "b"), Configured("a", {"port": "x" * 1000}))
+    assert bench.devices.choice == Configured("a", {"port": "x" * 1000})
+    bench.run()
+    assert [(made.called, made.log) for made in bench.made] == [
+        ("a", ["open", "close"]), ("a", ["open", "close"]), ("b", ["open"]),
+    ]  # fmt: skip
+    assert bench.now == "b"
+    assert bench.devices.choice == Configured("b")
+
+
+def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() -> None:
+    configured = Configured("a", {"port": "usb-1"})
+    first, spare = Bench(configured), Bench(configured)
+    first.devices.begin(Orders())
+    first.run()
+    assert first.devices.choice == configured
+    orders = Orders(backend=(1, Choice(name="a", options={"phases": 8})))
+    first.devices.follow(orders)
+    first.run()
+    first.frame()
+    whole = Configured("a", {"port": "usb-1", "phases": 8})
+    assert first.devices.choice == whole
+    spare.devices.begin(orders, first.devices.choice)
+    spare.run()
+    assert [made.log for made in spare.made] == [["open"]], "the same device is opened once"
+    assert spare.devices.choice == whole
+    first.devices.follow(selected(2, "b"))
+    first.run()
+    first.frame()
+    assert first.devices.choice == Configured("b"), "which the owner's options are not for"

@@ -1,0 +1,153 @@
+"""A spare guard, with a clock that is told, and with real processes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from pacinian.scene.file import Choice
+from pacinian.serving.guard.spare import LOOK, Pulse
+from pacinian.serving.ipc.child_process import LATE
+from pacinian.serving.ipc.messages import Device, Orders, pack
+from pacinian.wire.control import Choice as Selected
+
+from ....waiting import eventually
+from ..guards import Server, log
+from ..processes import runs
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.serving.ipc import child_process
+
+__all__ = ["log"]
+
+linux = pytest.mark.skipif(
+    sys.platform != "linux", reason="only Linux tells a spare of the guard's end"
+)
+LIMIT = 0.25  # [s]
+
+
+# a clock that is told
+
+
+def looked(seconds: float, sound: bool, every: float = LOOK) -> float:
+    """How long it takes until a guard that gives no sign of life is missed, looked at for so long [s]."""
+    pulse, now = Pulse(LIMIT), 100.0
+    assert not pulse.missed(now, sound, now)
+    beat, since = now, now
+    while now < since + seconds:
+        now += every
+        if pulse.missed(beat, sound, now):
+            return now - since
+    return seconds
+
+
+def test_a_guard_without_a_sign_of_life_is_missed_while_there_may_be_sound() -> None:
+    assert LIMIT < looked(10.0, sound=True) <= LIMIT + 2 * LOOK
+    assert looked(10.0, sound=False) == 10.0
+
+
+def test_one_that_lives_is_not_missed() -> None:
+    pulse = Pulse(LIMIT)
+    assert not any(pulse.missed(0.2 * (k // 10), True, LOOK * k) for k in range(1000))
+
+
+def test_what_was_not_looked_at_proves_nothing() -> None:
+    """The machine stood still, or did not let this process run."""
+    assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / LATE
+
+
+# real processes
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    made = Server()
+    yield made
+    made.close()
+
+
+def begin(
+    server: Server, told: child_process.Told
+) -> tuple[child_process.Process, child_process.Process, Device]:
+    """A guard, a spare, which waits, and how the device is: it sounds."""
+    guard = server.start(told)
+    server.sound()
+    spare = server.start(replace(told, spare=guard.pid))
+    files = Path(f"/proc/{spare.pid}/fd")
+
+    def waits() -> bool:
+        """It holds what tells it of the guard's end."""
+        with contextlib.suppress(FileNotFoundError):  # it has just been closed
+            return any("pidfd" in os.readlink(file) for file in files.iterdir())
+        return False
+
+    eventually(waits)
+    return guard, spare, server.sound()
+
+
+@linux
+def test_a_spare_takes_over_by_itself_from_one_that_is_killed(server: Server, log: Path) -> None:
+    told = server.make_config(log)
+    guard, spare, before = begin(server, told)
+    assert log.read_text().count("open") == 1, "a spare opens nothing"
+    guard.send_signal(signal.SIGKILL)
+    after = server.until(lambda device: device.generation > before.generation)
+    assert not after.sounding
+    assert after.backends == before.backends
+    assert log.read_text().split()[-1] == "open"
+    assert spare.poll() is None
+    server.sound()
+
+
+@linux
+def test_a_spare_ends_a_guard_that_stands_still_while_it_may_sound(
+    server: Server, log: Path
+) -> None:
+    told = server.make_config(log, hung=2.0)
+    guard, _, before = begin(server, told)
+    guard.send_signal(signal.SIGSTOP)
+    server.until(lambda device: device.generation > before.generation)
+    assert guard.wait(1.0) == -signal.SIGKILL
+
+
+@linux
+def test_a_spare_first_silences_what_sounded_though_another_was_selected(
+    server: Server, log: Path
+) -> None:
+    told = server.make_config(log)
+    guard, _, before = begin(server, told)
+    assert before.choice == Choice("logged", {"log": str(log), "does": ""})
+    guard.send_signal(signal.SIGSTOP)  # it does not hear of the selection any more
+    server.memory["orders"].write(pack(Orders(backend=(1, Selected(name="simulated")))))
+    guard.send_signal(signal.SIGKILL)
+    after = server.until(lambda device: device.generation > before.generation)
+    assert after.name == "simulated"
+    assert log.read_text().split()[-2:] == ["open", "close"]
+
+
+@linux
+def test_a_spare_ends_with_its_parent_and_opens_nothing(server: Server, log: Path) -> None:
+    guard, spare, _ = begin(server, server.make_config(log))
+    assert spare.stdin is not None
+    spare.stdin.close()
+    eventually(lambda: not runs(spare.pid))
+    assert guard.poll() is None
+    assert log.read_text().count("open") == 1
+
+
+def test_a_spare_whose_guard_nobody_knows_begins_when_it_is_called(
+    server: Server, log: Path
+) -> None:
+    spare = server.start(replace(server.make_config(log), spare=1 << 30))
+    spare.call()
+    server.until(lambda device: device.generation == 1)
+    assert log.read_text().split() == ["open"]

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from pacinian.errors import ServerError
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.child_process import Told
+from pacinian.serving.settings import Settings
+
+from ....waiting import PATIENCE, eventually
+from ..processes import runs
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="the system kills orphans on Linux only")
+
+CHILD = """
+import ctypes, sys, threading, time
+from pathlib import Path
+from pacinian.serving.ipc import child_process
+gone = threading.Event()
+parent = child_process.Parent()
+told = parent.told
+if told.spare:
+    (told.path / "ready").touch()
+    parent.wait()
+parent.watch(gone.set, kill={kill})
+at = told.path
+(at / "told").write_text(repr((told.secrets, told.settings.rate, sys.stdin.read())))
+{work}
+"""
+WAITS = "gone.wait(); (at / 'orphaned').touch()"
+STUCK = (
+    "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"  # PyDLL: with the interpreter's lock
+)
+PARENT = """
+import sys, time
+from pacinian.serving.ipc import child_process
+from pacinian.serving.settings import Settings
+started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.Told(sys.argv[2], Settings()))
+print(started.pid, flush=True)
+time.sleep(600)
+"""
+
+
+def source(work: str, *, kill: bool = True) -> str:
+    return textwrap.dedent(CHILD).format(work=work, kill=kill)
+
+
+def launched(work: str, folder: Path, **secrets: str) -> subprocess.Popen[bytes]:
+    told = Told(str(folder), Settings(rate=500.0), secrets)
+    return child_process.launch([sys.executable, "-c", source(work)], told)
+
+
+def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -> None:
+    process = launched(WAITS, tmp_path, token="hidden")
+    eventually((tmp_path / "told").exists)
+    assert process.poll() is None
+    known = psutil.Process(process.pid)
+    assert "hidden" not in " ".join([*known.cmdline(), *known.environ().values()])
+    if os.name == "posix":  # so that an interrupt from the keyboard is its parent's affair
+        assert os.getpgid(process.pid) != os.getpgid(0)
+    assert child_process.end(process, PATIENCE) == 0
+    assert (tmp_path / "orphaned").exists()
+    # what runs in it, a plug-in say, finds nothing to read there
+    assert (tmp_path / "told").read_text() == repr(({"token": "hidden"}, 500.0, ""))
+
+
+@linux
+def test_a_child_that_does_not_end_is_killed(tmp_path: Path) -> None:
+    process = launched(STUCK, tmp_path)
+    eventually((tmp_path / "stuck").exists)
+    assert child_process.end(process, 0.05) == -signal.SIGKILL
+
+
+def test_a_child_that_dies_at_once_is_no_error_of_its_parent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), {"long": "x" * 500_000})
+    process = child_process.launch([sys.executable, "-c", "raise SystemExit(3)"], told)
+    assert child_process.end(process, PATIENCE) == 3
+
+
+def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), {"long": "x" * 900_000})  # more than a pipe holds
+    process = child_process.launch([sys.executable, "-c", "import time; time.sleep(600)"], told)
+    assert process.poll() is None, "it went on only once the child had ended"
+    process.kill()
+    child_process.end(process, PATIENCE)
+
+
+def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(rate=500.0), spare=1)
+    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    eventually((tmp_path / "ready").exists)
+    process.call()
+    eventually((tmp_path / "told").exists)
+    assert child_process.end(process, PATIENCE) == 0
+    assert (tmp_path / "orphaned").exists()
+
+
+def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), spare=1)
+    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    eventually((tmp_path / "ready").exists)
+    assert child_process.end(process, PATIENCE) == 0
+    assert not (tmp_path / "told").exists()
+
+
+def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Path) -> None:
+    """More than a pipe holds, told at once."""
+    told = Told(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
+    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    process.call()
+    eventually((tmp_path / "told").exists)
+    assert child_process.end(process, PATIENCE) == 0
+
+
+def test_secrets_are_not_shown() -> None:
+    assert "hidden" not in repr(Told("folder", Settings(), {"token": "hidden"}))
+
+
+def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
+    told = Told(str(tmp_path), Settings(), {"long": "x" * child_process.LONGEST})
+    with pytest.raises(ServerError, match="more than"):
+        child_process.launch(["nothing"], told)
+
+
+@pytest.mark.parametrize("data", [b"", b"\x05\0\0\0{", b"\x02\0\0\0{}", b"\xff\xff\xff\xff{}"])
+def test_a_child_that_is_told_nonsense_ends(data: bytes, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", source(WAITS)]
+    done = subprocess.run(command, input=data, capture_output=True, check=False, timeout=PATIENCE)
+    assert done.returncode == 1
+    assert b"not told" in done.stderr
+
+
+def orphan(folder: Path, code: str, mark: str) -> int:
+    """Start a child by a parent that is then killed; its process number."""
+    command = [sys.executable, "-c", PARENT, code, str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        number = int(parent.stdout.readline())
+        eventually((folder / mark).exists)
+        assert runs(number)
+        parent.kill()
+    return number
+
+
+@linux
+def test_a_child_that_holds_the_interpreter_lock_ends_with_its_parent(tmp_path: Path) -> None:
+    number = orphan(tmp_path, source(STUCK), "stuck")
+    eventually(lambda: not runs(number))
+
+
+def test_one_that_may_not_be_killed_is_told_that_its_parent_has_gone(tmp_path: Path) -> None:
+    number = orphan(tmp_path, source(WAITS, kill=False), "told")
+    eventually(lambda: not runs(number))
+    assert (tmp_path / "orphaned").exists()

@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pacinian.serving.ipc.clocks import BACK, WINDOW, Allowance, ClientClock
+from pacinian.wire.protocol import LATEST
+
+bounded = settings(max_examples=100)
+seconds = st.floats(-1e6, 1e6)
+ways = st.lists(st.tuples(st.floats(0.0, 0.2), st.floats(0.0, 0.1)), min_size=1, max_size=200)
+
+
+def sent(gaps: list[tuple[float, float]], start: float) -> list[tuple[float, float, float]]:
+    """Messages: sent [s], received [s] in the order sent, the way each took [s]."""
+    t, last, messages = start, start, []
+    for gap, way in gaps:
+        t += gap
+        last = max(last, t + way)
+        messages.append((t, last, last - t))
+    return messages
+
+
+@bounded
+@given(ways, seconds)
+def test_an_age_is_the_way_beyond_the_shortest_whatever_the_clocks_show(
+    gaps: list[tuple[float, float]], offset: float
+) -> None:
+    clock = ClientClock()
+    shortest = 10.0
+    begin = 0.0
+    for t, received, way in sent(gaps, 0.0):
+        shortest = min(shortest, way)
+        begin = begin or received
+        age = clock.age(t + offset, received)
+        assert age >= 0.0
+        assert age <= way + 1e-9
+        if received < begin + WINDOW:
+            assert age == pytest.approx(way - shortest, abs=1e-8)
+
+
+@bounded
+@given(st.floats(-500e-6, 500e-6))
+def test_a_clock_that_drifts_is_followed_within_the_window(drift: float) -> None:
+    clock = ClientClock()
+    ages = [clock.age(0.01 * i * (1.0 + drift), 0.01 * i) for i in range(10_000)]
+    assert max(ages) <= 2.0 * WINDOW * abs(drift) + 1e-9
+
+
+def test_a_clock_set_forward_is_believed_at_once() -> None:
+    clock = ClientClock()
+    clock.age(0.0, 100.0)
+    assert clock.age(1000.01, 100.01) == 0.0
+    assert clock.age(1000.02, 100.03) == pytest.approx(0.01)
+
+
+def test_a_clock_set_back_begins_anew() -> None:
+    clock = ClientClock()
+    clock.age(1000.0, 100.0)
+    assert clock.age(3.0, 100.01) == 0.0
+    assert clock.age(3.01, 100.03) == pytest.approx(0.01)
+
+
+def test_a_clock_set_back_a_little_is_late_until_the_window_has_passed() -> None:
+    clock = ClientClock()
+    back = 0.9 * BACK
+    clock.age(10.0, 10.0)
+    assert clock.age(11.0 - back, 11.0) == pytest.approx(back)
+    times = [12.0 + 0.1 * i for i in range(150)]
+    ages = [clock.age(t - back, t) for t in times]
+    assert ages[-1] == pytest.approx(0.0, abs=1e-9)
+    assert all(a < 1e-9 for t, a in zip(times, ages, strict=True) if t > 10.0 + 2.0 * WINDOW)
+
+
+def test_after_a_long_silence_nothing_old_counts() -> None:
+    clock = ClientClock()
+    clock.age(0.0, 0.0)
+    assert clock.age(100.0, 100.5) == 0.0
+
+
+@bounded
+@given(
+    st.lists(st.floats(0.0, 0.5), min_size=1, max_size=300),
+    st.floats(1.0, 100.0),
+    st.floats(1.0, 50.0),
+)
+def test_an_allowance_is_never_exceeded_and_never_withheld(
+    gaps: list[float], rate: float, burst: float
+) -> None:
+    allowance, now, taken = Allowance(rate, burst), 0.0, []
+    for gap in gaps:
+        now += gap
+        if allowance.take(now):
+            taken.append(now)
+        else:  # a second's worth later there is one again
+            assert len(taken) >= int(burst)
+    for i, begin in enumerate(taken):
+        for j in range(i, len(taken)):
+            assert j - i + 1 <= burst + rate * (taken[j] - begin) + 1e-6
+
+
+def test_an_allowance_comes_back_with_time_and_not_when_time_goes_back() -> None:
+    allowance = Allowance(10.0, 2.0)
+    assert [allowance.take(1.0) for _ in range(3)] == [True, True, False]
+    assert not allowance.take(0.0)
+    assert not allowance.take(1.05)
+    assert allowance.take(1.101)
+
+
+def test_what_is_old_is_never_young() -> None:
+    clock = ClientClock()
+    for i in range(100):
+        assert clock.age(0.1 * i, 0.1 * i) == pytest.approx(0.0)
+    assert clock.age(0.0, 11.5) == pytest.approx(11.5)  # 10 s old, and 1.5 s under way
+    assert clock.age(11.5, 11.6) == pytest.approx(0.1)
+    assert BACK >= LATEST

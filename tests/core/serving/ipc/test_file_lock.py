@@ -1,0 +1,93 @@
+"""A lock that is held by who lives."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import pytest
+
+from pacinian.errors import ServerError
+from pacinian.serving.ipc.file_lock import Lock, Locked
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HOLDER = """
+import sys
+from pathlib import Path
+from pacinian.serving.ipc.file_lock import Lock
+lock = Lock(Path(sys.argv[1]))
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_it_is_held_until_it_is_closed(tmp_path: Path) -> None:
+    path = tmp_path / "lock"
+    with Lock(path):
+        assert os.name != "posix" or stat.S_IMODE(path.stat().st_mode) == 0o600
+        with pytest.raises(Locked, match=f"process {os.getpid()}") as caught:
+            Lock(path)
+        assert caught.value.pid == os.getpid()
+    with Lock(path):
+        pass
+    assert os.name != "posix" or not path.exists()
+
+
+def test_it_is_let_go_by_whoever_is_killed(tmp_path: Path) -> None:
+    path = tmp_path / "lock"
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline()
+        with pytest.raises(Locked) as caught:
+            Lock(path)
+        assert caught.value.pid == process.pid
+        process.kill()
+    with Lock(path):
+        assert path.read_text() == str(os.getpid())
+
+
+def test_of_those_who_want_it_and_remove_it_again_one_has_it_at_a_time(tmp_path: Path) -> None:
+    path, inside, most = tmp_path / "lock", [0], [0]
+    counting = threading.Lock()
+
+    def want(_: int) -> int:
+        try:
+            with Lock(path):
+                with counting:
+                    inside[0] += 1
+                    most[0] = max(most[0], inside[0])
+                with counting:
+                    inside[0] -= 1
+                return 1
+        except Locked:
+            return 0
+
+    with ThreadPoolExecutor(4) as pool:
+        had = sum(pool.map(want, range(2000)))
+    assert most == [1]
+    assert had > 10
+
+
+def test_what_cannot_be_locked_is_told(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "none" / "lock"):
+        with pytest.raises(ServerError, match="cannot be locked") as caught:
+            Lock(path)
+        assert str(path) in str(caught.value)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links to files")
+def test_a_link_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "precious").write_text("all")
+    (tmp_path / "lock").symlink_to(tmp_path / "precious")
+    with pytest.raises(ServerError, match="cannot be locked"):
+        Lock(tmp_path / "lock")
+    assert (tmp_path / "precious").read_text() == "all"

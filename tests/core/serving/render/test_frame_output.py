@@ -1,0 +1,150 @@
+"""Frames on their way to the guard."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from msgspec.msgpack import Decoder
+
+import pacinian as pc
+from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.ipc import messages
+from pacinian.serving.ipc.messages import Device, FrameHead, Permit
+from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.watching import Watched
+from pacinian.serving.render.frame_output import Input, Output, Outputs
+from pacinian.testing import ManualClock
+
+ARRAY = pc.autd()
+N = len(ARRAY)
+GOOD = Device(3, 0, "fake", 16, 32, 2000.0, 0.1, 0.0, False)
+SCENE = pc.Scene((pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0),))
+
+
+class Wired:
+    """An output's files."""
+
+    def __init__(self, folder: Path) -> None:
+        self.files = {
+            "frame": Latest.create(folder / "frame", messages.frame_capacity(N)),
+            "device": Latest.create(folder / "device", messages.CAPACITIES["device"]),
+            "permit": Latest.create(folder / "permit", messages.CAPACITIES["permit"]),
+        }
+        self.device = Watched(self.files["device"], Decoder(Device).decode, GOOD)
+        self.permit = Watched(self.files["permit"], Permit.unpack, Permit())
+        self.input = Input()
+        self.outputs = Outputs(
+            self.files["frame"], self.device, self.permit, 1000.0, lambda: self.input
+        )
+
+    def set(self, device: Device) -> None:
+        self.files["device"].write(messages.pack(device))
+        self.device.look()
+
+    def read(self) -> tuple[FrameHead, bytes]:
+        found = self.files["frame"].read()
+        assert found is not None
+        return FrameHead.unpack(found[1]), found[1][messages.frame_capacity(0) :]
+
+
+@pytest.fixture
+def wired(tmp_path: Path) -> Iterator[Wired]:
+    made = Wired(tmp_path)
+    yield made
+    for file in made.files.values():
+        file.close()
+
+
+def frame(sequence: int = 7, rows: int = 2) -> pc.Frame:
+    levels = np.arange(rows * N, dtype=np.uint16).reshape(rows, N)
+    return pc.Frame(sequence, 1.5, levels % 16, levels % 32)
+
+
+def test_a_frame_arrives_with_all_that_the_guard_looks_at(wired: Wired) -> None:
+    output = wired.outputs.first()
+    assert output.capability == pc.Capability(16, 32, 2000.0, 0.1)
+    output.open(ARRAY)
+    wired.files["permit"].write(Permit(1, 9.0, 42).pack())
+    wired.permit.look()
+    wired.input = Input(5, 0.25, 0.5)
+    sent = frame()
+    output.send(sent)
+    head, levels = wired.read()
+    assert head == FrameHead(7, 1.5, 42, 3, 2, N, 5, 0.25, 0.5)
+    phase, amplitude = np.frombuffer(levels, "<u2").reshape(2, 2, N)
+    np.testing.assert_array_equal(phase, sent.phase)
+    np.testing.assert_array_equal(amplitude, sent.amplitude)
+
+
+@pytest.mark.parametrize("count", [2, 65, 1 << 16])
+def test_amplitudes_that_are_not_even_arrive_with_the_device(wired: Wired, count: int) -> None:
+    can = pc.Capability(16, tuple((np.linspace(0.0, 1.0, count) ** 0.8).tolist()), 2000.0, 0.1)
+    guard = Guard(N, gain=1.0, stale=0.1)
+    guard.take(pc.backend("simulated"), can)
+    wired.set(guard.device({}, ()))
+    assert wired.device.value.amplitudes == count
+    assert wired.outputs.first().capability == can
+
+
+def test_a_fault_of_the_device_is_raised_and_silence_has_no_rows(wired: Wired) -> None:
+    output = wired.outputs.first()
+    output.open(ARRAY)
+    wired.set(msgspec.structs.replace(GOOD, fault="it burns"))
+    with pytest.raises(pc.BackendError, match="it burns"):
+        output.send(frame())
+    output.silence()
+    head, levels = wired.read()
+    assert (head.rows, head.device, levels) == (0, 3, b"")
+    output.close()
+
+
+def renderer(wired: Wired, output: Output) -> pc.Renderer:
+    return pc.Renderer(ARRAY, SCENE, backend=output, rate=1000.0, clock=ManualClock())
+
+
+def test_the_loop_makes_frames_for_the_next_device_and_goes_back(wired: Wired) -> None:
+    with renderer(wired, wired.outputs.first()) as loop:
+        loop.tick()
+        for device, generation, rows in (
+            (msgspec.structs.replace(GOOD, next=4, rate=4000.0, phases=256), 4, 4),
+            (msgspec.structs.replace(GOOD, generation=4, rate=4000.0, phases=256), 4, 4),
+            (GOOD, 3, 2),
+        ):
+            wired.set(device)
+            assert wired.outputs.follow(loop) == {}
+            before = wired.files["frame"].number
+            loop.tick()
+            head, _ = wired.read()
+            assert (head.device, head.rows) == (generation, rows)
+            assert wired.files["frame"].number == before + 1
+        assert not loop.report.faults
+
+
+@pytest.mark.parametrize("rate", [500.0, 65_000.0])
+def test_a_device_that_does_not_fit_the_loop_is_refused_and_the_old_one_goes_on(
+    wired: Wired, rate: float
+) -> None:
+    with renderer(wired, wired.outputs.first()) as loop:
+        wired.set(msgspec.structs.replace(GOOD, next=4, rate=rate))
+        results = wired.outputs.follow(loop)
+        assert "frames a tick" in results["device 4"]
+        assert wired.outputs.follow(loop) == {}
+        loop.tick()
+        assert wired.read()[0].device == 3
+
+
+def test_without_a_device_the_loop_waits_for_one(wired: Wired) -> None:
+    none: Any = msgspec.structs.replace(GOOD, generation=0, fault="not plugged in")
+    wired.set(none)
+    with renderer(wired, wired.outputs.first()) as loop:
+        loop.tick()
+        assert loop.halted is not None
+        assert "not plugged in" in loop.halted.message
+        wired.set(GOOD)
+        assert wired.outputs.follow(loop) == {}
+        loop.reset()
+        loop.tick()
+        assert wired.read()[0].device == 3

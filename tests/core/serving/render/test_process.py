@@ -1,0 +1,568 @@
+"""The render process: its loop on a clock that stands still, then a real one."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, ClassVar
+
+import msgspec
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.plugins import registry
+from pacinian.plugins.registry import Offer
+from pacinian.scene.file import Units
+from pacinian.serving.ipc import child_process, messages
+from pacinian.serving.ipc.messages import (
+    AnyChange,
+    Begin,
+    Changes,
+    Device,
+    FrameHead,
+    HandInfo,
+    Orders,
+    Permit,
+    PutObject,
+    Report,
+    SetHands,
+    SetQuiet,
+    Taken,
+)
+from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.render.background_loader import Loader
+from pacinian.serving.render.loop import FILES, Loop
+from pacinian.serving.render.solver_switcher import Solvers, make_solver
+from pacinian.serving.settings import Safety, Settings, Zone
+from pacinian.testing import ManualClock
+from pacinian.wire.control import Choice
+from pacinian.wire.shapes import Polyline
+from pacinian.wire.time import AM, STM
+
+from ....waiting import PATIENCE, eventually
+
+ARRAY, AIR = pc.autd(), pc.Air()
+N = len(ARRAY)
+POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
+HEAD = messages.frame_capacity(0)
+NOWHERE = STM(frequency=100.0, along=Polyline(points=bytes(24)))  # a route that goes nowhere
+
+
+class Moody(pc.Solver):
+    """Raises, or takes long, when it is told to."""
+
+    name: ClassVar[str] = "moody"
+    mood: ClassVar[Callable[[], object]] = staticmethod(lambda: None)
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        Moody.mood()
+        out[:] = 0.5
+        return pc.Result()
+
+
+class Server:
+    """All that is around a loop, on a manual clock."""
+
+    def __init__(self, folder: Path, settings: Settings, solver: str = "auto") -> None:
+        sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
+        self.files = {name: Latest.create(folder / name, sizes[name]) for name in FILES}
+        self.clock = ManualClock(500.0)
+        self.device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        self.tell("device", self.device)
+        self.threads: list[Callable[[], None]] = []
+        solvers = Solvers(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
+        self.loader = Loader(lambda _: None)
+        self.loop = Loop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
+        self.number = 0
+        self.run = 11
+
+    def tell(self, name: str, value: Any) -> None:
+        self.files[name].write(messages.pack(value))
+
+    def arm(self, epoch: int = 1, armed: int = 1, until: float = 1e9, stopped: int = 0) -> None:
+        self.files["permit"].write(Permit(armed, until, epoch, stopped).pack())
+
+    def change(self, *changes: AnyChange) -> None:
+        self.number += 1
+        self.tell("changes", Changes(self.number, self.run, changes))
+
+    def put(self, item: Any = POINT, name: str = "a") -> None:
+        self.change(PutObject(name, msgspec.msgpack.encode(item), False))
+
+    def tick(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.loop.renderer.tick()
+            self.loop.between()
+            self.clock.advance(0.001)
+
+    @property
+    def frame(self) -> tuple[FrameHead, bool]:
+        """The newest frame's head, and whether it sounds."""
+        found = self.files["frame"].read()
+        assert found is not None
+        head = FrameHead.unpack(found[1])
+        levels = np.frombuffer(found[1][HEAD:], "<u2")
+        return head, bool(levels[len(levels) // 2 :].any())
+
+    @property
+    def sounds(self) -> bool:
+        return self.frame[1]
+
+    @property
+    def report(self) -> Report:
+        self.clock.advance(0.1)  # the next one is due
+        self.loop.between()
+        found = self.files["report"].read()
+        assert found is not None
+        return msgspec.msgpack.decode(found[1], type=Report)
+
+    @property
+    def taken(self) -> Taken:
+        found = self.files["taken"].read()
+        assert found is not None
+        return msgspec.msgpack.decode(found[1], type=Taken)
+
+    def close(self) -> None:
+        self.loop.close()
+        for file in self.files.values():
+            file.close()
+
+
+@pytest.fixture
+def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Server]]:
+    registry.installed().load()
+    offer = Offer("solver", Moody, "moody", "tests")
+    monkeypatch.setitem(registry.installed().offers, ("solver", "moody"), offer)
+    monkeypatch.setattr(Moody, "mood", staticmethod(lambda: None))
+    servers: list[Server] = []
+
+    def started(settings: Settings | None = None, solver: str = "auto") -> Server:
+        folder = tmp_path / str(len(servers))
+        folder.mkdir()
+        servers.append(Server(folder, settings or Settings(), solver))
+        servers[-1].loop.open()
+        return servers[-1]
+
+    yield started
+    for server in servers:
+        server.close()
+
+
+@pytest.fixture
+def server(make: Callable[..., Server]) -> Server:
+    return make()
+
+
+def test_without_a_permit_it_is_silent_and_takes_what_is_told(server: Server) -> None:
+    server.put()
+    server.tick(10)
+    head, sounds = server.frame
+    assert not sounds
+    assert (head.rows, head.columns, head.device, head.epoch) == (1, N, 1, 0)
+    assert server.taken == Taken(1, server.loop.run, server.run)
+
+
+def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> None:
+    server.put()
+    server.arm(epoch=5)
+    server.tick(10)
+    head, sounds = server.frame
+    assert sounds
+    assert head.epoch == 5
+    server.arm(epoch=6)
+    server.tick()
+    assert server.frame[0].epoch == 6
+
+
+def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
+    server.change(Begin(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
+    server.arm()  # of scene 0
+    server.tick(20)
+    assert not server.sounds
+    server.files["permit"].write(Permit(1, 1e9, 2, 0, scene=7).pack())
+    server.tick(20)
+    assert server.sounds
+
+
+@pytest.mark.parametrize("end", ["closing", "stopped", "expiry", "none"])
+def test_it_lets_go_softly(server: Server, end: str) -> None:
+    server.put()
+    server.arm(until=server.clock.now() + 0.1)
+    server.tick(20)
+    assert server.sounds
+    if end == "closing":
+        server.arm(armed=2, until=server.clock.now() + 0.02)
+    elif end == "stopped":
+        server.arm(stopped=1)
+    elif end == "none":
+        server.arm(armed=0)
+    else:
+        server.tick(69)  # the last but 10 ms
+    assert server.sounds
+    server.tick()
+    fading = [server.sounds]
+    for _ in range(10):
+        server.tick()
+        fading.append(server.sounds)
+    assert fading[0]
+    assert not fading[-1]
+    assert sorted(fading, reverse=True) == fading
+
+
+def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
+    joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.16))).joints
+    assert joints is not None
+    ball = pc.Volume(shape=pc.Sphere(0.03), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=3.0)
+    server.put(ball)
+    server.arm()
+    server.tick(3)
+    turns = server.loop.renderer.turns
+    played = []
+    for k in range(1, 9):
+        turns.taking, turns.samples, turns.solves = k > 4, k <= 4 or k % 2 == 1, k <= 4 or k % 2 == 0  # fmt: skip
+        moved = (joints + np.array([1e-3 * k, 0.0, 0.0])).astype("<f4").tobytes()
+        info = HandInfo("right", "a", moved, b"", b"", server.clock.now())
+        server.change(SetHands((info,), True, k, 0.1 * k, 0.2 * k))
+        server.loop.renderer.tick()
+        server.clock.advance(0.001)
+        head = server.frame[0]
+        assert (head.sent, head.received) == pytest.approx((0.1 * head.input, 0.2 * head.input))
+        played.append(head.input)
+    # from the fifth on by turns: sampled in one tick, solved and sent in the next
+    assert played == [1, 2, 3, 4, 4, 5, 5, 7]
+
+
+def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_anew(
+    make: Callable[..., Server],
+) -> None:
+    server = make()
+    server.put(name="old")
+    again = Loop(
+        server.files, Settings(), ARRAY, AIR, Solvers(make_solver("auto"), ARRAY, AIR),
+        server.loader, server.clock,
+    )  # fmt: skip
+    again.open()
+    assert server.taken == Taken(0, again.run, 0)
+    again.renderer.tick()
+    assert not again.felt.scene.objects
+    again.close()
+    server.tick()
+    server.run, server.number = 12, 0
+    server.put(name="new")
+    server.tick()
+    assert [item.name for item in server.loop.felt.scene.objects] == ["new"]
+    assert server.taken == Taken(1, server.loop.run, 12)
+
+
+def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
+    item = msgspec.msgpack.encode(POINT)
+    raw = [1, 11, [["Begin"], ["PutObject", "a", item, False], ["Put", 1], ["PutObject", 5, item, False]]]  # fmt: skip
+    server.files["changes"].write(msgspec.msgpack.encode(raw))
+    server.tick()
+    assert [one.name for one in server.loop.felt.scene.objects] == ["a"]
+    assert server.taken.number == 1
+    assert server.report.refused == {"": "2 changes were damaged"}
+    server.files["changes"].write(b"\xc1")
+    server.files["orders"].write(b"\xc1")
+    server.tick(2)
+    assert "Malformed" in server.report.refused[""] or "malformed" in server.report.refused[""]
+    assert server.loop.renderer.halted is None
+
+
+def test_technique_and_intensity_are_ordered(server: Server) -> None:
+    server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
+    server.tell("orders", Orders(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
+    server.tick(2)
+    (item,) = server.loop.felt.scene.objects
+    assert item.technique == pc.AM(frequency=50.0)
+    assert item.radiation_pressure == 2.5
+    assert server.report.results == {"technique 3": "", "intensity 4": ""}
+
+
+def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(10)
+    server.tell("orders", Orders(solver=(1, Choice(name="moody"))))
+    server.tick(5)
+    assert server.loop.renderer.session.solver.name == "auto"  # it is being made
+    before = server.files["frame"].number
+    server.threads.pop()()
+    server.tick(5)
+    assert server.files["frame"].number == before + 5
+    assert server.report.results == {"solver 1": ""}
+    assert server.report.state["solver"] == "moody"
+    assert server.sounds
+    server.tell("orders", Orders(solver=(2, Choice(name="nobody"))))
+    server.tick()
+    server.threads.pop()()
+    assert "nobody" in server.report.results["solver 2"]
+    assert server.loop.renderer.session.solver.name == "moody"
+
+
+def test_a_solver_that_raises_halts_until_reset(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+
+    def bad() -> None:
+        raise RuntimeError("no gains today")
+
+    Moody.mood = staticmethod(bad)
+    server.put(pc.Point(position=(0.01, 0.0, 0.15), radiation_pressure=4.0))
+    server.tick(3)
+    assert server.frame[0].rows == 0
+    assert server.report.halted == "solve: RuntimeError: no gains today"
+    Moody.mood = staticmethod(lambda: None)
+    server.tick(5)
+    assert server.frame[0].rows == 0
+    server.tell("orders", Orders(reset=1))
+    server.tick(10)
+    assert server.sounds
+    assert server.report.halted == ""
+    assert server.report.results == {"reset 1": ""}
+
+
+def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(10)
+    server.tell("device", msgspec.structs.replace(server.device, fault="gone"))
+    server.tick(2)
+    assert "gone" in server.report.halted
+    server.tell("orders", Orders(reset=1))
+    server.tick(3)
+    assert server.report.results == {}
+    server.tell("device", server.device)
+    server.tick(10)
+    assert server.report.results == {"reset 1": ""}
+    assert server.sounds
+
+
+def test_a_late_solver_makes_late_ticks_and_no_fault(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    Moody.mood = staticmethod(lambda: server.clock.advance(0.01))
+    server.tick(3)
+    state = server.report.state
+    assert state["late"] >= 1
+    assert state["fault_count"] == 0
+
+
+ZONE = Zone((0.08, 0.0, 0.2), 1.0, 0.006)
+
+
+def zones(*given: Zone) -> SetQuiet:
+    return SetQuiet(tuple((zone.position, zone.pressure, zone.radius) for zone in given))
+
+
+def wait_for_zones(server: Server, count: int) -> None:
+    """Until so many are kept: they are prepared beside the loop, which is silent until then."""
+
+    def are_kept() -> bool:
+        server.tick()
+        return len(server.loop.renderer.limits.zones) == count
+
+    eventually(are_kept)
+
+
+@pytest.mark.parametrize("solver", ["auto", "gs-pat", "greedy"])
+def test_quiet_zones_are_kept_whatever_the_solver(make: Callable[..., Server], solver: str) -> None:
+    server = make(solver=solver)
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+    around = np.array(ZONE.position) + np.random.default_rng(1).uniform(-0.006, 0.006, (200, 3))
+    before = np.abs(pc.field(ARRAY, server.loop.renderer.emitted, around))
+    server.change(zones(ZONE))
+    wait_for_zones(server, 1)
+    server.tick(10)
+    assert server.sounds
+    after = np.abs(pc.field(ARRAY, server.loop.renderer.emitted, around))
+    assert before.max() > 10.0 * ZONE.pressure
+    assert after.max() < 3.0 * ZONE.pressure  # rounding to levels, not the solver, and it is said
+    assert ("dB above" in server.report.state["status"]) <= (after.max() > 0.7 * ZONE.pressure)
+    server.change(zones())
+    server.tick(10)
+    assert not server.loop.renderer.limits.zones
+    assert server.loop.renderer.halted is None
+
+
+def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept(
+    make: Callable[..., Server],
+) -> None:
+    server = make(Settings(safety=Safety(zones=(ZONE,)), gain=0.5, power=30.0))
+    server.change(Begin(), zones(ZONE))
+    server.put()
+    server.arm()
+    server.tick()
+    kept = server.loop.renderer.limits.zones
+    assert kept or not server.sounds
+    wait_for_zones(server, 1)
+    server.tick(10)
+    limits = server.loop.renderer.limits
+    assert (limits.gain, limits.power) == (0.5, 30.0)
+    assert server.sounds
+    server.change(zones(ZONE, Zone((0.0, 0.0, 0.0), 1.0, 0.5)))  # the array is in it
+
+    def is_told() -> bool:
+        server.tick()
+        return "leave the array nothing" in server.report.state.get("status", "")
+
+    eventually(is_told)
+    server.tick(10)
+    assert not server.sounds
+    assert server.loop.renderer.halted is None
+    server.change(zones(ZONE))
+    wait_for_zones(server, 1)
+    server.tick(10)
+    assert server.sounds
+    assert "silent" not in server.report.state["status"]
+
+
+def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
+    before = server.files["report"].number
+    server.tick(1000)
+    assert 55 <= server.files["report"].number - before <= 62
+    assert server.report.run == server.loop.run
+
+
+@pytest.mark.parametrize("end", ["terminate", "orphan"])
+def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
+    sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
+    files = {name: Latest.create(tmp_path / name, sizes[name]) for name in FILES}
+    settings = Settings(array=Units(columns=1, rows=1))
+    process = child_process.start("render", child_process.Told(str(tmp_path), settings))
+    try:
+        device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        files["device"].write(messages.pack(device))
+        files["permit"].write(Permit(1, 1e12, 3).pack())
+        eventually(lambda: files["taken"].number > 0)
+        item = msgspec.msgpack.encode(POINT)
+        files["changes"].write(messages.pack(Changes(1, 1, (PutObject("a", item, False),))))
+
+        def sounding() -> bool:
+            found = files["frame"].read()
+            return bool(found and np.frombuffer(found[1][HEAD:], "<u2")[N:].any())
+
+        eventually(sounding)
+        if end == "terminate":
+            os.kill(process.pid, signal.SIGTERM)
+        else:
+            assert process.stdin is not None
+            process.stdin.close()
+        process.wait(PATIENCE)
+        if end == "terminate":
+            assert process.returncode == 0
+            assert FrameHead.unpack(files["frame"].read()[1]).rows == 0  # type: ignore[index]
+    finally:
+        process.kill()
+        process.wait()
+        if process.stdin is not None:
+            process.stdin.close()
+        for file in files.values():
+            file.close()
+
+
+def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
+    orders = Orders(technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody")))
+    server.tell("orders", orders)
+    server.tick()
+    report = server.report
+    assert "points" in report.results["technique 1"]
+    assert report.results["intensity 1"] == ""
+    assert report.state["intensity"] == 0.5
+    assert report.state["technique"] == ""  # as before
+    assert len(server.threads) == 1
+    server.tell("orders", msgspec.structs.replace(orders, technique=(2, AM(frequency=100.0))))
+    server.tick()
+    assert server.report.results["technique 2"] == ""
+    assert server.report.state["technique"] == "am"
+
+
+@pytest.mark.parametrize("damaged", [True, False])
+def test_it_begins_whatever_the_orders_are(
+    make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
+) -> None:
+    before = Loop.open
+
+    def opened(loop: Loop) -> None:
+        data = b"\xc1" if damaged else messages.pack(Orders(technique=(4, NOWHERE)))
+        loop._files["orders"].write(data)
+        before(loop)
+
+    monkeypatch.setattr(Loop, "open", opened)
+    server = make()
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+    assert damaged or "points" in server.report.results["technique 4"]
+
+
+@pytest.mark.parametrize("how", ["raises", "long", "odd"])
+def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
+    server: Server, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    def state(*_: object) -> dict[str, Any]:
+        if how == "raises":
+            raise RuntimeError("of ours")
+        return {"points": bytes(messages.CAPACITIES["report"]) if how == "long" else "\ud800"}
+
+    server.tick()
+    monkeypatch.setattr("pacinian.serving.render.status.state", state)
+    before = server.clock.now()
+    report = server.report
+    assert report.beat > before
+    assert report.state == {}
+    monkeypatch.undo()
+    assert server.report.state["solver"]
+    assert server.report.refused[""]
+
+
+def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def bad(*_: object) -> None:
+        raise OSError("no memory")
+
+    monkeypatch.setattr(server.loop, "_tell", bad)
+    server.clock.advance(0.1)
+    server.loop.between()
+
+
+def test_texts_are_told_in_part_whatever_is_in_them(make: Callable[..., Server]) -> None:
+    server = make(solver="moody")
+
+    def bad() -> None:
+        raise RuntimeError("\ud800" + 10_000_000 * "x")
+
+    Moody.mood = staticmethod(bad)
+    server.put()
+    server.arm()
+    server.tick(10)
+    for k in range(300):
+        server.loop.felt.refuse(f"a{k}", 10_000_000 * "y")
+    report = server.report
+    assert report.state["faults"]
+    assert len(report.halted) <= 500
+    assert max(map(len, report.refused.values())) <= 500
+
+
+def test_objects_of_a_bus_that_has_gone_do_not_sound_again(server: Server) -> None:
+    server.put()
+    server.arm()
+    server.tick(20)
+    assert server.sounds
+    server.tell("changes", Changes(0, server.run + 1, ()))
+    server.tick(20)
+    assert not server.sounds
+    assert not server.loop.felt.scene.objects
+    assert server.taken == Taken(0, server.loop.run, server.run + 1)

@@ -1,0 +1,91 @@
+"""Which quiet zones are kept, while they move and are prepared."""
+
+from __future__ import annotations
+
+import pytest
+
+import pacinian as pc
+from pacinian.serving.render.quiet_zones import ROOM, Quieting
+
+from ....waiting import eventually
+
+ARRAY, AIR = pc.autd(), pc.Air()
+FIXED = pc.Zone((0.1, 0.0, 0.25), 4.0, 0.005)
+
+
+def head(x: float = 0.0, pressure: float = 5.0, radius: float = 0.004) -> pc.Zone:
+    return pc.Zone((x, 0.1, 0.3), pressure, radius)
+
+
+@pytest.fixture
+def quieting() -> Quieting:
+    return Quieting(ARRAY, AIR, pc.Limits(gain=0.5), fixed=1)
+
+
+def covered(quieting: Quieting, *zones: pc.Zone) -> None:
+    """Each ball lies within the one that is kept for it, at the gain that was given."""
+    assert quieting.limits.gain == 0.5
+    for big, small in zip(quieting.limits.zones, zones, strict=True):
+        away = sum((a - b) ** 2 for a, b in zip(big.position, small.position, strict=True)) ** 0.5
+        assert away + small.radius <= big.radius
+        assert big.pressure <= small.pressure
+
+
+def test_zones_are_kept_once_they_are_prepared(quieting: Quieting) -> None:
+    assert quieting.keeps(())
+    zones = FIXED, head()
+    if not quieting.keeps(zones):
+        assert "being prepared" in quieting.note
+    eventually(lambda: quieting.keeps(zones))
+    covered(quieting, *zones)
+    assert quieting.limits.zones[0] == FIXED  # it never moves, and needs no room to
+    assert quieting.keeps(())
+    assert quieting.limits.zones == ()
+
+
+def test_a_zone_may_move_a_little_without_a_pause(quieting: Quieting) -> None:
+    eventually(lambda: quieting.keeps((FIXED, head())))
+    at = 0.0
+    for _ in range(8):
+        at += 0.4 * ROOM
+        assert quieting.keeps((FIXED, head(at)))
+        covered(quieting, FIXED, head(at))
+
+        def goes_on(x: float = at) -> bool:
+            zones = FIXED, head(x)
+            assert quieting.keeps(zones)  # while others are prepared
+            return quieting.limits.zones[1].position[0] > x - 0.5 * ROOM
+
+        eventually(goes_on)
+
+
+@pytest.mark.parametrize("zone", [head(0.1), head(pressure=1.0), head(radius=0.05)])
+def test_one_that_jumps_is_another_until_which_there_is_silence(
+    quieting: Quieting, zone: pc.Zone
+) -> None:
+    eventually(lambda: quieting.keeps((FIXED, head())))
+    before = quieting.limits
+    if not quieting.keeps((FIXED, zone)):
+        assert quieting.limits is before
+    eventually(lambda: quieting.keeps((FIXED, zone)))
+    covered(quieting, FIXED, zone)
+
+
+def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: Quieting) -> None:
+    around = pc.Zone((0.0, 0.0, 0.0), 1.0, 0.5)
+
+    def is_told() -> bool:
+        assert not quieting.keeps((FIXED, around))
+        return "leave the array nothing" in quieting.note
+
+    eventually(is_told)
+    zones = FIXED, head()
+    eventually(lambda: quieting.keeps(zones))
+    covered(quieting, *zones)
+
+
+def test_where_there_is_no_room_to_move_in_a_zone_is_kept_where_it_is(quieting: Quieting) -> None:
+    x, y, z = (ARRAY.positions[0] - [0.0, 0.0, -0.012]).tolist()
+    zone = pc.Zone((x, y, z), 50.0, 0.002)  # the wider ball holds a transducer
+    eventually(lambda: quieting.keeps((FIXED, zone)))
+    assert quieting.limits.zones[1] == zone

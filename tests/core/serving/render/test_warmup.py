@@ -1,0 +1,32 @@
+"""What is loaded before clients come."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+ONCE_MORE = """
+import sys
+from pacinian.plugins.backend import Capability
+from pacinian.scene.file import Units
+from pacinian.serving.render import warmup
+from pacinian.serving.render.solver_switcher import make_solver
+from pacinian.serving.settings import Settings
+
+settings = Settings(array=Units({side}, {side}))
+arguments = settings.array.make(), settings.medium.make(), make_solver("auto"), Capability(rate=1e3), 1e3
+warmup.warm_up(*arguments)
+before = set(sys.modules)
+warmup.TICKS = {ticks}
+warmup.warm_up(*arguments)
+print(sorted(set(sys.modules) - before))
+"""
+
+
+@pytest.mark.parametrize(("side", "ticks"), [(1, 10), (3, 100)])  # one unit tries hard at each
+def test_later_ticks_load_nothing_more_whatever_the_array(side: int, ticks: int) -> None:
+    code = ONCE_MORE.format(side=side, ticks=ticks)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
