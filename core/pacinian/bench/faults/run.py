@@ -30,9 +30,8 @@ TICK, ROUND = 1e-3, 2 * guard_process.ROUND  # [s]; of the guard: its pause, and
 LEAD = 2.5e-3  # [s] of `usb-autd`, and what is left of the row then
 LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
 OPENED = 0.1  # [s]: the guard's end is seen, and the spare opens the device
-HUNG = (
-    STATED.hung / child_process.HASTE + 0.05 + OPENED
-)  # [s]: in steps of 20 ms it is seen to hang
+# [s]: in steps of 20 ms it is seen to hang
+HUNG = STATED.hung / child_process.HASTE + 0.05 + OPENED
 
 
 class Fault(NamedTuple):

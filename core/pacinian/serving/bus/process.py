@@ -191,9 +191,8 @@ def main() -> None:
     told = child_process.begin(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
-    scheduling.urgent(
-        scheduling.EAGER - 1
-    )  # before who sends too much, but not before the renderer
+    # before clients that send too much, but not before the renderer
+    scheduling.urgent(scheduling.EAGER - 1)
     with opened(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()

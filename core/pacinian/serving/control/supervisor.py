@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.child_process import LATE, hang_limit
+from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -136,7 +136,7 @@ class Supervisor:
         """
         ended: list[tuple[str, str]] = []
         now = self._clock()
-        self._watched += min(now - self._last, LATE)
+        self._watched += min(now - self._last, MAX_LOOK_GAP)
         self._last = now
         for name, child in self.children.items():
             now = self._clock()

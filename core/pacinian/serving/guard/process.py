@@ -25,8 +25,7 @@ from pacinian.serving.guard.watchdog import Guard
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.messages import Device, Orders, Permit, pack
 from pacinian.serving.ipc.plugin_list import offers
-from pacinian.serving.ipc.shared_memory import Latest
-from pacinian.serving.ipc.watching import Watched
+from pacinian.serving.ipc.shared_memory import Latest, Watched
 
 if TYPE_CHECKING:
     from pathlib import Path

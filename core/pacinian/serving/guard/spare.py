@@ -10,7 +10,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.child_process import LATE, hang_limit
+from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,7 +30,7 @@ class Pulse:
 
     def missed(self, beat: float, sound: bool, now: float) -> bool:
         """Look at its last sign of life, `beat` [s], at `now` [s]. sound: there may be some."""
-        self._silent += min(now - self._last, LATE)
+        self._silent += min(now - self._last, MAX_LOOK_GAP)
         self._last = now
         if beat != self._beat or not sound:
             self._beat, self._silent = beat, 0.0

@@ -24,13 +24,10 @@ if TYPE_CHECKING:
 
 LONGEST = 1 << 20  # [bytes] of what a child is told
 PDEATHSIG = 1  # of Linux's prctl
-HASTE, SHORTEST = (
-    8,
-    0.1,
-)  # the guard has so much less time while there may be sound, but so much [s]
-LATE = (
-    0.05  # [s] that count at most between two looks: who is late himself cannot tell who is silent
-)
+HASTE = 8  # so many times less silence of the guard is waited for while there may be sound
+MIN_HANG_LIMIT = 0.1  # [s]
+# [s] that the time between two looks counts for: a process that is late cannot tell whether another one is
+MAX_LOOK_GAP = 0.05
 CALL = b"!"  # what a spare waits for
 
 
@@ -174,4 +171,4 @@ def _read(pipe: int, length: int) -> bytes:
 
 def hang_limit(hung: float, *, sound: bool) -> float:
     """Time without a sign of life after which a process is killed [s]. sound: of the guard, while there may be some."""
-    return min(hung, max(SHORTEST, hung / HASTE)) if sound else hung
+    return min(hung, max(MIN_HANG_LIMIT, hung / HASTE)) if sound else hung

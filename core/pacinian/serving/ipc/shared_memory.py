@@ -17,14 +17,16 @@ import tempfile
 import time
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.file_lock import Lock
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Callable, Generator
     from types import TracebackType
+
+T = TypeVar("T")
 
 PREFIX, LOCK = "pacinian-memory-", ".lock"  # of the folders' names, of the locks beside them
 LOOK = 0.005  # [s] between two tries to remove a folder
@@ -188,3 +190,27 @@ def _mapped(path: Path, flags: int, size: int) -> mmap.mmap:
             os.close(file)
     except (OSError, ValueError) as error:
         raise ServerError(f"{path}: shared memory: {error}") from error
+
+
+class Watched(Generic[T]):
+    """The newest value of a file, decoded once. decode: of its bytes. value: what holds until there is one."""
+
+    def __init__(self, file: Latest, decode: Callable[[bytes], T], value: T) -> None:
+        self.value = value
+        self._file, self._decode = file, decode
+        self._number = 0
+
+    def look(self) -> bool:
+        """Whether there was something new. Raises what `decode` raises, once for each value."""
+        if self._file.number == self._number:
+            return False
+        read = self._file.read(self._number)
+        if read is None:
+            return False
+        self._number, data = read
+        self.value = self._decode(data)
+        return True
+
+    def skip(self) -> None:
+        """What is there now is old."""
+        self._number = self._file.number

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Frame
     from pacinian.rendering.renderer import Renderer
     from pacinian.serving.ipc.messages import Device, Permit
-    from pacinian.serving.ipc.shared_memory import Latest
-    from pacinian.serving.ipc.watching import Watched
+    from pacinian.serving.ipc.shared_memory import Latest, Watched
     from pacinian.types import Levels
 
 

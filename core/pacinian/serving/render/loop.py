@@ -15,11 +15,11 @@ from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
-from pacinian.serving.ipc.watching import Watched
+from pacinian.serving.ipc.shared_memory import Watched
 from pacinian.serving.render import status
+from pacinian.serving.render.change_decoding import decode_changes
 from pacinian.serving.render.frame_output import Input, Outputs
 from pacinian.serving.render.quiet_zones import Quieting
-from pacinian.serving.render.salvage import changes_of
 from pacinian.serving.render.scene_replica import FeltScene
 from pacinian.solving.problem import Limits
 from pacinian.solving.zone import Zone
@@ -72,7 +72,7 @@ class Loop:
         self._permit = Watched(files["permit"], messages.Permit.unpack, messages.Permit())
         self._orders = Watched(files["orders"], Decoder(messages.Orders).decode, messages.Orders())
         self._device = Watched(files["device"], Decoder(messages.Device).decode, NO_DEVICE)
-        self._changes = Watched(files["changes"], changes_of, (messages.Changes(0, 0, ()), 0))
+        self._changes = Watched(files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0))
         zones = settings.safety.zones
         self.felt = FeltScene(
             settings.workspace, loader, tuple(Zone(z.position, z.pressure, z.radius) for z in zones)

@@ -17,7 +17,7 @@ from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
 from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
-from pacinian.serving.render import background_loader, taking
+from pacinian.serving.render import background_loader, change_decoding
 from pacinian.serving.render.frame_output import Input
 from pacinian.solving.zone import Zone
 
@@ -232,11 +232,11 @@ class FeltScene:
         item = self._items.get(change.name)
         if item is None:
             return
-        motion = taking.motion(change, self.start)
+        motion = change_decoding.decode_motion(change, self.start)
         if isinstance(item, Point):
             self._change(item, position=change.position, motion=motion)
         else:
-            self._change(item, pose=taking.pose(change), motion=motion)
+            self._change(item, pose=change_decoding.decode_pose(change), motion=motion)
 
     def _wrap(self, change: messages.Wrap) -> None:
         item, data = self._items.get(change.name), change.envelope
@@ -268,9 +268,9 @@ class FeltScene:
         self._gone[name] = None
 
     def _set_hands(self, change: messages.SetHands) -> None:
-        self._hands = tuple(taking.hand(info, self.start) for info in change.hands)
+        self._hands = tuple(change_decoding.decode_hand(info, self.start) for info in change.hands)
         if change.felt and not self._hands:
-            self._hands = (taking.LOST,)
+            self._hands = (change_decoding.LOST,)
         self._input = Input(change.input, change.sent, change.received)
 
     def _set_quiet(self, change: messages.SetQuiet) -> None:

@@ -24,7 +24,7 @@ from pacinian.serving.control.supervisor import (
     WELL,
     Supervisor,
 )
-from pacinian.serving.ipc.child_process import HASTE, LATE, hang_limit
+from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, hang_limit
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
 
@@ -225,7 +225,7 @@ def test_one_that_hangs_is_found_however_late_the_looks_are() -> None:
         watch.check(guard=beat)
         looks += 1
     assert watch.log == [("kill", "guard"), ("call", "spare")]
-    assert looks <= math.ceil(1.0 / LATE) + 1
+    assert looks <= math.ceil(1.0 / MAX_LOOK_GAP) + 1
 
 
 def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_ends() -> None:

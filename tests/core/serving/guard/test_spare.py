@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from pacinian.scene.file import Choice
 from pacinian.serving.guard.spare import LOOK, Pulse
-from pacinian.serving.ipc.child_process import LATE
+from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
 from pacinian.serving.ipc.messages import Device, Orders, pack
 from pacinian.wire.control import Choice as Selected
 
@@ -62,7 +62,7 @@ def test_one_that_lives_is_not_missed() -> None:
 
 def test_what_was_not_looked_at_proves_nothing() -> None:
     """The machine stood still, or did not let this process run."""
-    assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / LATE
+    assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / MAX_LOOK_GAP
 
 
 # real processes

@@ -13,8 +13,7 @@ import pacinian as pc
 from pacinian.serving.guard.watchdog import Guard
 from pacinian.serving.ipc import messages
 from pacinian.serving.ipc.messages import Device, FrameHead, Permit
-from pacinian.serving.ipc.shared_memory import Latest
-from pacinian.serving.ipc.watching import Watched
+from pacinian.serving.ipc.shared_memory import Latest, Watched
 from pacinian.serving.render.frame_output import Input, Output, Outputs
 from pacinian.testing import ManualClock
 

@@ -1,4 +1,4 @@
-"""Values in changes as those of the scene. start: what is its time 0, by the clock that changes are dated by [s]."""
+"""Changes from the bus, decoded to values of the scene. start: the scene's time 0 on the clock of the changes [s]."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import copy
 import math
 from typing import TYPE_CHECKING, Literal
 
+import msgspec
 import numpy as np
+from msgspec.msgpack import Decoder
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import UPRIGHT, Pose
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import STILL, Motion
+from pacinian.serving.ipc.messages import AnyChange, Changes
 
 if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import HandInfo, MoveObject
@@ -21,7 +24,29 @@ HERE, MOTION = Pose(), Motion()
 LOST = Hand(np.full((26, 3), math.nan))  # with no hand at all, objects are rendered whole
 
 
-def pose(change: MoveObject) -> Pose:
+_changes, _change = Decoder(Changes), Decoder(AnyChange)
+_parts = Decoder(tuple[int, int, list[msgspec.Raw]])
+
+
+def decode_changes(data: bytes) -> tuple[Changes, int]:
+    """The changes that are well formed, and how many are not.
+
+    Raises msgspec.DecodeError, msgspec.ValidationError where not even their list can be read.
+    """
+    try:
+        return _changes.decode(data), 0
+    except msgspec.ValidationError:
+        number, run, parts = _parts.decode(data)
+        found: list[AnyChange] = []
+        for part in parts:
+            try:
+                found.append(_change.decode(part))
+            except msgspec.ValidationError:
+                continue
+        return Changes(number, run, tuple(found)), len(parts) - len(found)
+
+
+def decode_pose(change: MoveObject) -> Pose:
     """Where an object is now, checked already."""
     made, rotation = copy.copy(HERE), change.rotation
     force_setattr(made, "position", change.position)
@@ -32,7 +57,7 @@ def pose(change: MoveObject) -> Pose:
     return made
 
 
-def motion(change: MoveObject, start: float) -> Motion | None:
+def decode_motion(change: MoveObject, start: float) -> Motion | None:
     """How it goes on, checked already; None where that is not known."""
     if change.velocity is None:
         return None
@@ -43,7 +68,7 @@ def motion(change: MoveObject, start: float) -> Motion | None:
     return made
 
 
-def hand(info: HandInfo, start: float) -> Hand:
+def decode_hand(info: HandInfo, start: float) -> Hand:
     """A hand; lost, where it has no joints. Raises ArgumentError, ValueError."""
     joints = _rows(info.joints, 3) if info.joints else LOST.joints
     radii = _rows(info.radii, 1)[:, 0] if info.radii else None
