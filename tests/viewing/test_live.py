@@ -218,6 +218,8 @@ def test_another_clients_scene_is_armed_by_its_name(url: str, server: Running) -
 
 def test_there_is_silence_when_a_page_that_sounds_goes(url: str, server: Running) -> None:
     with Page(url) as other, Game(server.connection):
+        # what it is told before is old
+        other.until(lambda: other.newest.get("state", {}).get("owner") == "game")
         with Page(url) as page:
 
             def sounds() -> bool:
@@ -250,6 +252,8 @@ def test_a_game_that_takes_the_output_back_is_not_disturbed_by_a_page_that_is_al
         page.until(lambda: page.newest.get("session", {}).get("mine"))
         with Game(server.connection) as game:  # which takes it, and sounds
             page.until(lambda: page.refusals)
+            # the state may come later
+            page.until(lambda: page.newest.get("state", {}).get("owner") == "game")
             for _ in range(10):
                 page.say("alive")
                 assert page.next("state")["owner"] == "game"
