@@ -14,8 +14,8 @@ from scipy import linalg
 from threadpoolctl import threadpool_limits
 
 import pacinian as pc
-from pacinian.paper import experiment
 from pacinian.solving.least_squares import LeastSquares, Reduced
+from pacinian_lab.paper import experiment
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 

@@ -13,8 +13,8 @@ import pytest
 import pacinian as pc
 from pacinian import native
 from pacinian.acoustics.propagation import Wave, matrix
-from pacinian.bench.regions.contacts import CONTACTS
 from pacinian.scene.sampling.sampler import Sampler
+from pacinian_lab.regions.contacts import CONTACTS
 
 ROOT = Path(__file__).parents[2]
 VARIANTS = [name.lstrip("_") for name in native.runnable()]

@@ -38,7 +38,7 @@ MOST = 4  # panels along a side
 TALL = 2.8  # [inch]
 
 
-Timed = Any  # one solver on one kind of problem: `pacinian.bench.summary.Cell`, or what a file has of it
+Timed = Any  # one solver on one kind of problem: `pacinian_lab.solvers.summary.Cell`, or what a file has of it
 
 
 def pareto(

@@ -12,9 +12,9 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics.propagation import field
-from pacinian.bench.skin import _fine as fine_skin
 from pacinian.scene.sampling.sources import FINEST
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.skin import _fine as fine_skin
 
 if TYPE_CHECKING:
     from collections.abc import Callable

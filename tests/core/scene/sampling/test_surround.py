@@ -9,11 +9,11 @@ import pytest
 from scipy.spatial import KDTree
 
 import pacinian as pc
-from pacinian.bench.skin import felt_on_skin
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.resolving import Resolving
 from pacinian.scene.sampling.surround import INNER, OUTER
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.skin import felt_on_skin
 
 AIR, ARRAY = pc.Air(), pc.autd(3, 3)
 
