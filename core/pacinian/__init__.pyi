@@ -6,7 +6,7 @@ from .acoustics.array import lattice as lattice
 from .acoustics.directivity import Piston as Piston
 from .acoustics.directivity import omni as omni
 from .acoustics.directivity import t4010a1 as t4010a1
-from .acoustics.facing import Facing as Facing
+from .acoustics.facing import SkinFacing as SkinFacing
 from .acoustics.intensity import intensity as intensity
 from .acoustics.intensity import normal_pressure as normal_pressure
 from .acoustics.pose import Pose as Pose
@@ -59,7 +59,7 @@ from .rendering.report import Report as Report
 from .rendering.rerender import rerender as rerender
 from .rendering.smooth import Smoothing as Smoothing
 from .scene.file import SceneFile as SceneFile
-from .scene.file import load as load
+from .scene.file import load_scene_file as load_scene_file
 from .scene.hands.hand import Hand as Hand
 from .scene.material import Material as Material
 from .scene.motion import Motion as Motion
@@ -105,7 +105,7 @@ from .scene.time.technique import STM as STM
 from .scene.time.technique import Simultaneous as Simultaneous
 from .session import Session as Session
 from .session import solve as solve
-from .solving.felt import Felt as Felt
+from .solving.felt import FeltRegion as FeltRegion
 from .solving.problem import Budget as Budget
 from .solving.problem import Limits as Limits
 from .solving.problem import Targets as Targets

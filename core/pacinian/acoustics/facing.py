@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import FAR, length, numbers
+from pacinian.checks import FAR, check_length, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.propagation import Wave
+    from pacinian.acoustics.propagation import KernelData
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices, Singles
 
 NO_HAND = np.empty((0, 8))
@@ -34,7 +34,7 @@ TINY = 1e-30  # keeps quotients finite
 
 
 @dataclass(frozen=True, eq=False)
-class Facing:
+class SkinFacing:
     """Which way the skin faces at M samples, and the hand that may be in the way.
 
     normals: outward, of unit length, (M, 3); zero where sound counts from every side.
@@ -53,12 +53,12 @@ class Facing:
     def __init__(
         self, normals: ArrayLike, capsules: ArrayLike = NO_HAND, edge: float = QUARTER
     ) -> None:
-        n = numbers("normals", normals, (None, 3))
+        n = check_numbers("normals", normals, (None, 3))
         size = np.sqrt(np.einsum("mk,mk->m", n, n))[:, None]
         if not ((np.abs(size - 1.0) < 0.01) | (size == 0.0)).all():
             raise ArgumentError("normals", "must be unit vectors, or zero where all sides count")
         n = n / np.maximum(size, 0.5)
-        c = numbers("capsules", capsules, (None, 8)).copy()
+        c = check_numbers("capsules", capsules, (None, 8)).copy()
         longest = np.abs(c[:, 3:6] - c[:, :3]).max(initial=0.0)
         if not (
             longest <= FAR and 0.0 <= c[:, 6:].min(initial=0.0) <= c[:, 6:].max(initial=0.0) <= FAR
@@ -69,10 +69,10 @@ class Facing:
         n.flags.writeable = c.flags.writeable = False
         object.__setattr__(self, "normals", n)
         object.__setattr__(self, "capsules", c)
-        object.__setattr__(self, "edge", length("edge", edge))
+        object.__setattr__(self, "edge", check_length("edge", edge))
 
     @classmethod
-    def of(cls, normals: Floats, capsules: Floats) -> Facing:
+    def of(cls, normals: Floats, capsules: Floats) -> SkinFacing:
         """As the constructor, of float64 that is known to be right, and not copied: for each tick."""
         made = object.__new__(cls)
         made.__dict__.update(normals=normals, capsules=capsules, edge=QUARTER)
@@ -81,9 +81,9 @@ class Facing:
     def __len__(self) -> int:
         return len(self.normals)
 
-    def only(self, rows: Indices | slice) -> Facing:
+    def only(self, rows: Indices | slice) -> SkinFacing:
         """Those samples, with the same hand."""
-        return Facing(self.normals[rows], self.capsules, self.edge)
+        return SkinFacing(self.normals[rows], self.capsules, self.edge)
 
     def weights(self, points: Floats, positions: Floats) -> Floats:
         """W, (M, N), in double precision: the reference for the kernel.
@@ -98,7 +98,7 @@ class Facing:
         """As `weights`, of sound that meets the skin at any angle: s_mn, 0 from behind, (M, N)."""
         return (self._cosines(points, positions) > 0.0) * self._passing(points, positions)
 
-    def weigh(self, points: Floats, wave: Wave, rows: Indices, out: Complexes) -> None:
+    def weigh(self, points: Floats, wave: KernelData, rows: Indices, out: Complexes) -> None:
         """Multiply rows of B in place by their weights. points: (K, 3) for `rows`, (K,). out: (M, N)."""
         if out.dtype == np.complex64:
             from pacinian.native.acoustics import weigh
@@ -109,7 +109,7 @@ class Facing:
         else:
             out[rows] *= self.only(rows).weights(points, wave.array.positions)
 
-    def moved(self, before: Facing, points: Floats) -> Flags:
+    def moved(self, before: SkinFacing, points: Floats) -> Flags:
         """Samples at `points`, (M, 3), for which other sound may count than `before`, (M,)."""
         new, old = self.capsules, before.capsules
         if len(new) == len(old) and self.edge == before.edge:
@@ -146,7 +146,7 @@ class Facing:
 
 
 @functools.lru_cache(maxsize=16)
-def _boxes(wave: Wave) -> Singles:
+def _boxes(wave: KernelData) -> Singles:
     """Boxes around equal tiles of the transducers: the middle and half of the sides, (tiles, 6) [m]."""
     N = wave.r.shape[1]
     starts = np.arange(0, N, -(-N // -(-N // TILE)))

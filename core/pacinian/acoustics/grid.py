@@ -35,7 +35,7 @@ PAYS = 0.7  # of the grid's points: with more nodes than that there is nothing t
 
 
 @dataclass(frozen=True)
-class Grid:
+class InterpolatedField:
     """Points origin + i steps[0] + j steps[1] + ... [m], for i < shape[0], j < shape[1], ..., the last one fastest."""
 
     origin: tuple[float, ...]

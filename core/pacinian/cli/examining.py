@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 SLEEPS, SLEEP = 200, 0.001  # how many, [s]
-PATIENCE = 1.0  # [s] for the server's answer
+MAX_ANSWER_TIME = 1.0  # [s] for the server's answer
 SHARED = Path("/dev/shm")
 EXTRAS = "plot", "view", "devices", "study", "autd3"
 DEVICES = 2241 * 4  # transducers that shared memory should have room for
@@ -138,11 +138,11 @@ def port() -> Finding:
 
 def memory() -> Finding:
     """Where the server's processes would share memory."""
-    from pacinian.serving.ipc.messages import CAPACITIES, frame_capacity
+    from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
     from pacinian.serving.ipc.shared_memory import SLOTS
 
     folder = SHARED if os.access(SHARED, os.W_OK) else Path(tempfile.gettempdir())
-    needed = SLOTS * (sum(CAPACITIES.values()) + frame_capacity(DEVICES))
+    needed = SLOTS * (sum(CAPACITIES.values()) + compute_frame_capacity(DEVICES))
     free = shutil.disk_usage(folder).free
     return findings.memory(str(folder), os.access(folder, os.W_OK), free, needed)
 
@@ -174,9 +174,9 @@ def permissions() -> Finding:
 
 def file(given: str | None) -> Finding:
     """The connection file."""
-    from pacinian.wire.connection import Connection, where
+    from pacinian.wire.connection import Connection, locate_connection
 
-    path, error = where(given or ""), ""
+    path, error = locate_connection(given or ""), ""
     if there := path.exists():
         try:
             Connection.read(path)
@@ -190,7 +190,7 @@ def server(given: str | None) -> Finding:
     from pacinian.client.client import Client
 
     try:
-        with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
+        with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
             return findings.server("", client.status().output, client.server)
     except PacinianError as error:
         return findings.server(str(error), "", "")
@@ -202,7 +202,7 @@ def air(given: str | None) -> Finding:
     from pacinian.client.client import Client
 
     try:
-        with Client(given, name="pacinian doctor", timeout=PATIENCE) as client:
+        with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
             return findings.air(describe_air(client.capabilities().sound))
     except PacinianError:  # which is a finding already
         return findings.air("no server tells")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-OLDEST = 3, 11
+MAX_STATE_AGE = 3, 11
 JITTER = 0.001  # [s] that a sleep may take too long, in 99 of 100
 VARIANTS = {"v4": "AVX-512", "v3": "AVX2", "plain": "all processors of its kind"}
 X86 = 1  # the least level of an x86-64
@@ -33,7 +33,7 @@ class Finding:
 def python(version: tuple[int, int, int], executable: str) -> Finding:
     """The interpreter."""
     told = f"{'.'.join(map(str, version))}, {executable}"
-    if version[:2] < OLDEST:
+    if version[:2] < MAX_STATE_AGE:
         return Finding("Python", "problem", told, "install Python 3.11 or newer")
     return Finding("Python", "ok", told)
 

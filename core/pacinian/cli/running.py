@@ -91,7 +91,7 @@ def _table(told: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from pacinian.solving.felt import Felt
+    from pacinian.solving.felt import FeltRegion
 
     table = Table(box=None, show_header=False, pad_edge=False)
     rows = {
@@ -101,7 +101,7 @@ def _table(told: dict[str, Any]) -> None:
         "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
         "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the sound pressures asked",
         **{
-            f"felt of {name}": str(Felt(**felt))
+            f"felt of {name}": str(FeltRegion(**felt))
             for name, felt in list(told["felt"].items())[:SHOWN]
         },
         "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",

@@ -10,9 +10,9 @@ import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
-from pacinian.checks import number
-from pacinian.client.dialogue import Dialogue
-from pacinian.client.keys import found
+from pacinian.checks import check_number
+from pacinian.client.dialogue import ServerSession
+from pacinian.client.keys import resolve_connection
 from pacinian.errors import ConnectionLost, ServerError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pacinian.wire.connection import Connection
 
 
-class Connected:
+class BaseClient:
     """Arguments as of `Client`; a context manager. Belongs to the thread that makes it."""
 
     def __init__(
@@ -40,7 +40,7 @@ class Connected:
         reconnect: bool = False,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self._timeout = number("timeout", timeout, low=0.0, above=True)
+        self._timeout = check_number("timeout", timeout, low=0.0, above=True)
         self._where, self._keys, self._again, self._clock = connection, keys, reconnect, clock
         self._hello: dict[str, Any] = {"client": name, "scene": scene, "lease": lease}
         self._owner = os.getpid(), threading.get_ident()
@@ -119,9 +119,9 @@ class Connected:
     def __reduce__(self) -> NoReturn:
         raise TypeError("a Client has sockets of its own: make one in each process")
 
-    def _connect(self) -> Dialogue:
-        given = found(self._where, self._keys)
-        return Dialogue(given, self._clock, self._timeout, self._ids, **self._hello)
+    def _connect(self) -> ServerSession:
+        given = resolve_connection(self._where, self._keys)
+        return ServerSession(given, self._clock, self._timeout, self._ids, **self._hello)
 
     def _check(self, closed: bool = False) -> None:
         if (os.getpid(), threading.get_ident()) != self._owner:
@@ -133,7 +133,7 @@ class Connected:
         with suppress(ConnectionLost):
             self._live(again=False).look()
 
-    def _live(self, *, again: bool = True) -> Dialogue:
+    def _live(self, *, again: bool = True) -> ServerSession:
         self._check()
         if self._dialogue.lost and again and self._again:
             self.reconnect()

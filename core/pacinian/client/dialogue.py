@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 import zmq
 from msgspec.structs import replace
 
-from pacinian.client.link import Link, connect, made, milliseconds
+from pacinian.client.link import Link, connect, make_socket, milliseconds
 from pacinian.client.outbox import Outbox
 from pacinian.client.timing import Timing
-from pacinian.client.watching import newest
+from pacinian.client.watching import read_newest
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Arm, Bye, Hello, Renew, Request
@@ -36,11 +36,11 @@ R = TypeVar("R", bound="AnyReply | State")
 
 SHARE = 0.25  # of the lease between two renewals
 FAREWELL = 0.2  # [s] that a bye may take
-KEPT = 100  # errors of commands that were not waited for
+MAX_ERRORS = 100  # errors of commands that were not waited for
 ENDED = "expired", "owner", "fault", "stopped"  # what ends the sound of an owner, unasked
 
 
-class Dialogue:
+class ServerSession:
     """A session. lost: why it ended, or "". armed, owner: as the server said last.
 
     errors: of what was not waited for, newest last. notices: why the sound ended, not told yet. Raises
@@ -57,7 +57,10 @@ class Dialogue:
     ) -> None:
         self.clock, self.timeout, self.timing = clock, timeout, Timing()
         self.lost, self.armed, self.owner = "", False, False
-        self.errors, self.notices = deque[Refused](maxlen=KEPT), deque[Refused](maxlen=KEPT)
+        self.errors, self.notices = (
+            deque[Refused](maxlen=MAX_ERRORS),
+            deque[Refused](maxlen=MAX_ERRORS),
+        )
         self.outbox = Outbox()
         self._come: deque[AnyReply | State] = deque()
         self._due = math.inf  # [s] when the session is to be renewed by itself
@@ -86,7 +89,7 @@ class Dialogue:
         sent = self.clock()
         welcome = self._call(
             self._control,
-            Hello(protocol=(MAJOR, MINOR), version=version(), **given),
+            Hello(protocol=(MAJOR, MINOR), version=read_version(), **given),
             Welcome,
             self.timeout,
         )
@@ -107,7 +110,7 @@ class Dialogue:
         request = kind(session=self.welcome.session, **fields)
         return self._call(self._control, request, answer, self.timeout)
 
-    def change(self, request: type[Request], timeout: float, **fields: Any) -> None:
+    def request_slow(self, request: type[Request], timeout: float, **fields: Any) -> None:
         """A request that takes up to `timeout` [s], in which the lease goes on, too, if it is armed."""
         message = request(session=self.welcome.session, **fields)
         self._call(self._control, message, Ok, timeout, lease=True)
@@ -123,7 +126,7 @@ class Dialogue:
         """As `ask`, with a message that needs no session."""
         self._call(self._control, message, Ok, self.timeout)
 
-    def start(self, kind: type[Request], **fields: Any) -> int:
+    def request_nowait(self, kind: type[Request], **fields: Any) -> int:
         """A request that is not waited for: an error of it goes to `errors`, with the number that is returned."""
         self.look()
         request = kind(session=self.welcome.session, id=self._number(), **fields)
@@ -131,7 +134,7 @@ class Dialogue:
             self.lose("the server takes no more requests")
         return request.id
 
-    def tell(self, command: AnyCommand, answer: type[R]) -> R:
+    def send_command(self, command: AnyCommand, answer: type[R]) -> R:
         """A command, and its answer."""
         self.look()
         if not self._flush(self.timeout):
@@ -139,7 +142,7 @@ class Dialogue:
         sequence = next(self._sequence)
         return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
 
-    def cast(self, command: AnyCommand) -> None:
+    def send_nowait(self, command: AnyCommand) -> None:
         """A command that is not waited for, and waits itself while there is no room: the newest for each object."""
         self.look()
         if self._flush() and self._post(command):
@@ -172,7 +175,7 @@ class Dialogue:
         end = self.clock() + timeout
         self.look()
         if self._states is None:
-            self._states = made(self._context, zmq.SUB, self._connection)
+            self._states = make_socket(self._context, zmq.SUB, self._connection)
             connect(self._states, self._connection.state)
             self._states.subscribe(STATE)
         watched = zmq.Poller()
@@ -181,7 +184,9 @@ class Dialogue:
             watched.register(link.socket, zmq.POLLIN)
             watched.register(link.monitor, zmq.POLLIN)
         while True:
-            found = newest(self._states, lambda state: self.timing.age(state.time, self.clock()))
+            found = read_newest(
+                self._states, lambda state: self.timing.age(state.time, self.clock())
+            )
             left = end - self.clock()
             if found or left <= 0.0:
                 return found
@@ -224,7 +229,7 @@ class Dialogue:
         if isinstance(found, Error):
             if found.code == "session":
                 self.lose(found.message)
-            raise _refused(found)
+            raise _refuse(found)
         if not isinstance(found, answer):
             raise WireError(f"`{what}` was answered by a {type(found).__name__}")
         return found
@@ -290,9 +295,9 @@ class Dialogue:
                 self.lose(reply.message)
             elif reply.id == 0 and reply.code in ENDED:
                 self.armed = False
-                self.notices.append(_refused(reply))
+                self.notices.append(_refuse(reply))
             else:
-                self.errors.append(_refused(reply))
+                self.errors.append(_refuse(reply))
 
     def _flush(self, timeout: float = 0.0) -> bool:
         """Send what waits, within `timeout` [s] in all; True if nothing is left."""
@@ -323,7 +328,7 @@ class Dialogue:
 
 
 @cache
-def version() -> str:
+def read_version() -> str:
     """Of Pacinian, as installed; "" where it is not."""
     try:
         return importlib.metadata.version("pacinian")
@@ -331,7 +336,7 @@ def version() -> str:
         return ""
 
 
-def _refused(error: Error) -> Refused:
+def _refuse(error: Error) -> Refused:
     advice = error.advice
     if error.code == "version" and not advice:
         advice = f"update the older of the two: this client speaks {MAJOR}.{MINOR}"

@@ -13,7 +13,9 @@ SERVER = "server.key"
 FIX = "`pacinian keys` makes one"
 
 
-def found(connection: Connection | Path | str | None, keys: Path | str | None) -> Connection:
+def resolve_connection(
+    connection: Connection | Path | str | None, keys: Path | str | None
+) -> Connection:
     """How to connect: as given, or as a file says; with the keys of a file or a folder.
 
     keys: NAME.key_secret, or a folder that has one; the server's public key is in the connection, or beside it.

@@ -22,7 +22,7 @@ SETTLE = 0.005  # [s] in which more would come
 PASSES = 50
 
 
-def newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> State | None:
+def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> State | None:
     """The newest state that has come; None if none has.
 
     age: how long ago a state was published [s]. Raises WireError.

@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def holders(device: Path | str, proc: Path = Path("/proc")) -> str:
+def find_users(device: Path | str, proc: Path = Path("/proc")) -> str:
     """Programs that have a device's file open, as `name (pid)`, as far as this user may know.
 
     device: as `/dev/ttyUSB0`. proc: where the system tells of processes; none are known where it does not (Linux

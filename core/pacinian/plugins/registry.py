@@ -21,7 +21,7 @@ from pacinian.errors import (
     describe_error,
     shorten,
 )
-from pacinian.notebook import MOST, Card, card
+from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
 from pacinian.plugins.solver import Solver
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import click
 
 GROUP = "pacinian"
-LONGEST_NAME = 64  # characters of a plug-in's name, as on the wire
+MAX_NAME = 64  # characters of a plug-in's name, as on the wire
 Kind = Literal["solver", "backend"]
 BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
 
@@ -135,7 +135,7 @@ class Plugins:
     def _repr_html_(self) -> Card:
         offers = self.list()
         head = "kind", "name", "settings", "shipped by"
-        table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MOST]]
+        table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MAX_ROWS]]
         return Card(f"{len(offers)} plug-ins", dict(self.failed), [head, *table], len(offers))
 
     def _read(self, point: EntryPoint) -> tuple[list[Offer], list[CommandOffer]]:
@@ -154,8 +154,8 @@ class Plugins:
                 name = getattr(cls, "name", None)
                 if inspect.isabstract(cls) or not isinstance(name, str):
                     raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
-                if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-                    problem = f"must be 1 to {LONGEST_NAME} characters that can be printed"
+                if not 0 < len(name) <= MAX_NAME or not name.isprintable():
+                    problem = f"must be 1 to {MAX_NAME} characters that can be printed"
                     raise TypeError(f"the name of {cls.__name__} {problem}: {shorten(repr(name))}")
                 offers.append(Offer(kind, cls, point.name, _origin(point)))
         commands = [
@@ -213,8 +213,8 @@ def _check_command(command: object) -> str:
     if not isinstance(command, click.Command):
         raise TypeError(f"register_commands must return click commands, not {command!r}")
     name = command.name or ""
-    if not 0 < len(name) <= LONGEST_NAME or not re.fullmatch(r"[\w.-]+", name):
-        problem = f"must be 1 to {LONGEST_NAME} letters, digits, dots, hyphens and underscores"
+    if not 0 < len(name) <= MAX_NAME or not re.fullmatch(r"[\w.-]+", name):
+        problem = f"must be 1 to {MAX_NAME} letters, digits, dots, hyphens and underscores"
         raise TypeError(f"the name of a command {problem}: {shorten(repr(name))}")
     return name
 

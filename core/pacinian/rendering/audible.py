@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import number, numbers
+from pacinian.checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ BAND = (20.0, 20_000.0)  # [Hz] that people hear
 SAMPLING = 96_000.0  # [Hz] at least
 
 
-def envelope(
+def compute_envelope(
     gains: Complexes, rate: float, array: Array, points: ArrayLike,
     medium: Air | None = None, bandwidth: float | None = BANDWIDTH,
 ) -> tuple[Floats, float]:  # fmt: skip
@@ -42,14 +42,14 @@ def envelope(
     g = np.asarray(gains)
     if g.ndim != 2 or not len(g) or g.shape[1] != len(array) or not np.isfinite(g).all():
         raise ArgumentError("gains", f"must be finite, of shape (T, {len(array)})")
-    rate = number("rate", rate, low=0.0, above=True)
+    rate = check_number("rate", rate, low=0.0, above=True)
     q = np.asarray(points)
     moving = q.ndim == 3
-    q = numbers("points", q, (len(g), None, 3) if moving else (None, 3))
+    q = check_numbers("points", q, (len(g), None, 3) if moving else (None, 3))
     held = math.ceil(SAMPLING / rate)  # samples of a frame
     rest = np.zeros(held + 1)  # of the frame before, from sample to sample
     if bandwidth is not None:
-        W = number("bandwidth", bandwidth, low=0.0, above=True)
+        W = check_number("bandwidth", bandwidth, low=0.0, above=True)
         tau = math.sqrt(3.0) / (math.pi * W)  # [s]: |1 / (1 + j pi W tau)| = 1/2
         rest = np.exp(-np.arange(held + 1) / (held * rate * tau))
     e = np.empty((len(g), held, q.shape[-2]))
@@ -63,11 +63,11 @@ def envelope(
     return e.reshape(-1, q.shape[-2]), held * rate
 
 
-def audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
+def measure_audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
     """Energy of an envelope within 20 Hz to 20 kHz over its mean square [dB]; -inf where there is none.
 
     e: |p|^2 [Pa^2], (S, M). sampling: its samples per second [Hz]. weighted: by the ear's sensitivity,
-    as `weighting` has it. Both by Hann's window, so that it does not matter where in a period e begins or
+    as `weigh_a` has it. Both by Hann's window, so that it does not matter where in a period e begins or
     ends. Some tenths of a second are needed to tell 20 Hz from slow motion. Returns (M,).
     """
     from scipy.signal import get_window, periodogram
@@ -77,13 +77,13 @@ def audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
     heard = (frequency >= BAND[0]) & (frequency <= BAND[1])
     power, frequency = power[heard], frequency[heard]
     if weighted:
-        power = power * 10.0 ** (weighting(frequency)[:, None] / 10.0)
+        power = power * 10.0 ** (weigh_a(frequency)[:, None] / 10.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = power.sum(axis=0) * sampling / len(e) * (window @ window) / (window**2 @ e**2)
         return np.asarray(10.0 * np.log10(np.nan_to_num(ratio)))
 
 
-def weighting(frequency: Floats) -> Floats:
+def weigh_a(frequency: Floats) -> Floats:
     """The A-weighting [dB] at frequencies [Hz] above 0; IEC 61672-1, annex E."""
     f = frequency * frequency
     a, b, c, d = 20.598997**2, 107.65265**2, 737.86223**2, 12194.217**2

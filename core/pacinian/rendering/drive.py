@@ -24,7 +24,7 @@ SURE = 1.0 / 256.0  # of a level; amplitudes this near to one are rounded to it
 PARTS = 4096  # of 0..1, in each of which the search for a level begins at another one
 
 
-def thresholds(count: int) -> Singles:
+def dither_thresholds(count: int) -> Singles:
     """From how far below a level amplitudes are rounded up to it, 0..1, for N transducers: fixed dithering.
 
     As many round up at each share of a level as should, in an order without a pattern. All that focus at one point
@@ -44,7 +44,7 @@ class Quantiser:
         self.capability = capability
         self._phase = np.zeros((rows, columns), dtype=np.uint16)
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
-        self._dither = np.tile(thresholds(columns), rows)
+        self._dither = np.tile(dither_thresholds(columns), rows)
         self._none = np.zeros_like(self._dither)
         # apart, so that a look at what is emitted leaves the frame alone
         self._look = np.zeros((2, columns), dtype=np.uint16)
@@ -52,7 +52,7 @@ class Quantiser:
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         self._size = capability.sizes.copy()  # kernels take none that is read-only
-        self._inverse = None if capability.even else inverse(self._size)
+        self._inverse = None if capability.even else invert_levels(self._size)
 
     def frame(
         self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
@@ -88,7 +88,7 @@ class Quantiser:
             kernels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
 
 
-def inverse(size: Singles) -> tuple[Singles, Singles, Levels]:
+def invert_levels(size: Singles) -> tuple[Singles, Singles, Levels]:
     """What `levels.quantise_by` looks amplitudes up in: size, slope, first."""
     slope = np.append(1.0 / np.diff(size.astype(np.float64)), 0.0).astype(np.float32)
     starts = np.arange(PARTS + 1, dtype=np.float32) / np.float32(PARTS)

@@ -11,16 +11,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend, Frame
-    from pacinian.rendering.report import Stage, Stages
+    from pacinian.rendering.report import Stage, StageTimer
 
 
-class Emitter:
+class FailSafeOutput:
     """Sends to a backend, and silences it.
 
     stages: say where a fault was, and have the report to count it in.
     """
 
-    def __init__(self, backend: Backend, stages: Stages) -> None:
+    def __init__(self, backend: Backend, stages: StageTimer) -> None:
         self.backend = backend
         self.halted: Fault | None = None
         """The fault that holds it silent."""

@@ -9,15 +9,15 @@ HIGH, LOW = 0.75, 0.5  # share of a tick above which the budget shrinks, below w
 RUN = 8  # ticks in a row that must be too long: a few may be the machine's doing
 FAR, SOON = 3.0, 2  # ticks that take so many times as long as they may need be only so many
 WAIT = 50  # ticks in a row that must be short before it grows
-LONGEST = (
+MAX_WAIT = (
     800  # of them, twice as many after each relapse; so many at its most, and all is forgotten
 )
-LEAST = 16  # samples: with fewer, it is not they that take the time
+MIN_BUDGET = 16  # samples: with fewer, it is not they that take the time
 AIM = 0.6  # share of a tick that the next ones are to take
 
 
 @dataclass
-class Governor:
+class BudgetController:
     """Lets a tick that would be late have fewer samples, and more again when there is time.
 
     period: of a tick [s]. most: samples at most. allowed: samples now.
@@ -43,13 +43,13 @@ class Governor:
         last = list(self._last)
         soon = min(last[-SOON:])
         slow = len(last) == RUN and min(last) > HIGH * self.period
-        if samples > LEAST and (slow or (len(last) >= SOON and soon > FAR * self.period)):
+        if samples > MIN_BUDGET and (slow or (len(last) >= SOON and soon > FAR * self.period)):
             share = (AIM * self.period / (min(last) if slow else soon)) ** 0.5
-            fewer = max(LEAST, int(samples * min(share, 0.9)))
+            fewer = max(MIN_BUDGET, int(samples * min(share, 0.9)))
             self.allowed = min(self.allowed, fewer)
             self._last.clear()
             if self._grown:
-                self._wait = min(2 * self._wait, LONGEST)
+                self._wait = min(2 * self._wait, MAX_WAIT)
             self._short, self._grown = 0, False
         elif seconds > LOW * self.period:
             self._short = 0
@@ -62,5 +62,5 @@ class Governor:
         if self.allowed < self.most and self._short >= self._wait:
             self.allowed = min(self.most, self.allowed + 1 + self.allowed // 8)
             self._short, self._grown = 0, True
-        elif self.allowed == self.most and self._short >= LONGEST:
+        elif self.allowed == self.most and self._short >= MAX_WAIT:
             self._wait = WAIT

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.mixing import (
@@ -17,16 +17,16 @@ from pacinian.rendering.mixing import (
     split_by_voice,
     voice_amplitudes,
 )
-from pacinian.rendering.smooth import Smoother
-from pacinian.rendering.voices import Voices, contributions
-from pacinian.scene.sampling.samples import BESIDE, joined, nothing
+from pacinian.rendering.smooth import SlewRateLimiter
+from pacinian.rendering.voices import EnvelopeGroups, split_contributions
+from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.solving.solution import Status
 
 if TYPE_CHECKING:
     from collections import Counter
 
     from pacinian.rendering.cycle import Part
-    from pacinian.rendering.reach import Reach
+    from pacinian.rendering.reach import ReachabilityFilter
     from pacinian.rendering.smooth import Smoothing
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # that is divided by
-KEPT = 32 << 20  # [bytes] of solutions of the steps of a modulation
+CACHE_BYTES = 32 << 20  # [bytes] of solutions of the steps of a modulation
 BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
 TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
 
@@ -44,7 +44,7 @@ Step = tuple[object, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class CachedSolution:
     """Gains for some samples.
 
     gains: at full envelope, (N,). voices: their amplitudes over time; None where they are in the gains.
@@ -54,7 +54,7 @@ class Solved:
     """
 
     gains: Gains
-    voices: Voices | None
+    voices: EnvelopeGroups | None
     parts: Gains | None
     solution: Solution
     samples: Samples
@@ -68,7 +68,7 @@ class Solved:
         return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
 
 
-class Player:
+class Modulator:
     """Turns samples into rows of gains.
 
     session: solves. times: of a tick's rows from its begin, (K,) [s]. gap: from row to row [s]. skipped:
@@ -87,21 +87,21 @@ class Player:
         self.session, self.skipped = session, skipped
         self.switches = False
         """Whether squares have steps: for a device that is on or off."""
-        self.smoother = Smoother(smoothing, len(session.array))
+        self.smoother = SlewRateLimiter(smoothing, len(session.array))
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
-        self.solved: list[Solved] = []
+        self.solved: list[CachedSolution] = []
         """What sounds: one solution for all rows, or one for each."""
-        self.fresh: list[Solved] = []
+        self.fresh: list[CachedSolution] = []
         """Those that were solved for this tick."""
-        self.placed: Solved | None = None
+        self.placed: CachedSolution | None = None
         """The one whose points the propagator has; None where it may have others."""
         self.cycle = cycle or Cycle(session)
         self._row = 0  # number of the next row
         self._key: tuple[object, ...] = ()
-        self._steps: dict[Step, Solved] = {}
-        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (nothing(), [])
-        self._followed: list[Solved] = []
-        self._before: Solved | None = None  # whose envelopes what still fades has
+        self._steps: dict[Step, CachedSolution] = {}
+        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
+        self._followed: list[CachedSolution] = []
+        self._before: CachedSolution | None = None  # whose envelopes what still fades has
         self._span = 0  # rows that are left of a change
         self._growth = 1.0
         self._limited = False  # anew: what kept other limits may not fade
@@ -110,7 +110,7 @@ class Player:
         self.retime(times, gap)
 
     @property
-    def reach(self) -> Reach:
+    def reach(self) -> ReachabilityFilter:
         """Which samples sound can be sent to."""
         return self.cycle.parts[0].reach
 
@@ -144,7 +144,7 @@ class Player:
             self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
             self._key, self._steps, self._parts = key, {}, _parts(samples)
             self._growth = _growth(samples)
-            alone = bool(self._parts[1]) or joins(limits)
+            alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
         self.fresh = []
         base, parts = self._parts
@@ -157,19 +157,19 @@ class Player:
             self.cycle.consider(found)
             self.solved = [found]
             return
-        solved: list[Solved] = []
+        solved: list[CachedSolution] = []
         for now in (t + self.times).tolist():
             step = tuple(item.technique.step(now) for item, _ in parts)
             kept = self._steps.get(step)
             if kept is None or not self._done(kept):
-                row = joined([base, *(_presented(item, part, now) for item, part in parts)])
+                row = join_samples([base, *(_presented(item, part, now) for item, part in parts)])
                 kept = self._found(step, row, t, limits, deadline / len(self.times))
             else:
                 self.skipped["solve, step of a modulation known"] += 1
             solved.append(kept)
         self.solved = solved
 
-    def _done(self, kept: Solved) -> bool:
+    def _done(self, kept: CachedSolution) -> bool:
         """Whether what is kept will do for now."""
         return kept.final or not self._further
 
@@ -205,7 +205,7 @@ class Player:
         self.steady = flat and solved[0].steady
         return self._rows
 
-    def _even(self, one: Solved, a: Singles) -> None:
+    def _even(self, one: CachedSolution, a: Singles) -> None:
         """Write rows of which nothing fades. a: amplitudes of the voices, (V, K)."""
         if one.parts is None:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
@@ -215,7 +215,7 @@ class Player:
         a = np.vstack([a, mean_amplitude(one, a)])
         np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
 
-    def _follow(self, solved: list[Solved], ticks: int) -> None:
+    def _follow(self, solved: list[CachedSolution], ticks: int) -> None:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
@@ -233,15 +233,15 @@ class Player:
 
     def _found(
         self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
-    ) -> Solved:
+    ) -> CachedSolution:
         """The solution for `samples`, at hand or new.
 
         Where limits join all gains (power, quiet zones, exact samples), gains cannot be put together from
         each voice's: their mean strength over the tick is then solved for.
         """
-        voices = Voices(samples)
+        voices = EnvelopeGroups(samples)
         P = samples.radiation_pressure
-        joint = len(voices) > 1 and joins(limits)
+        joint = len(voices) > 1 and limits_join(limits)
         if joint:
             strength = voices.strength(t + self.times).mean(axis=1)
             P, step = P * strength[voices.index], (*step, strength.tobytes())
@@ -256,19 +256,19 @@ class Player:
             made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
         self.fresh.append(made)
         self.placed = made
-        if (len(self._steps) + 1) * made.nbytes > KEPT:
+        if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
             self._steps = {}
         self._steps[step] = made
         return made
 
-    def _in_turn(self, limits: Limits, deadline: float) -> list[Solved]:
+    def _in_turn(self, limits: Limits, deadline: float) -> list[CachedSolution]:
         """What each row plays where a few frames make what is asked: one of these is solved anew, if any needs it."""
         cycle, samples = self.cycle, self.cycle.samples
         part = cycle.due()
         if part is None:
             self.skipped["solve, nothing moved"] += 1
         elif self._further or not cycle.sounding:
-            P, voices = samples.radiation_pressure, Voices(samples)
+            P, voices = samples.radiation_pressure, EnvelopeGroups(samples)
             made = self._made(part, samples, P, voices, False, limits, deadline)
             cycle.keep(part, made)
             cycle.consider(made)
@@ -278,9 +278,9 @@ class Player:
         return [solved for solved in rows if solved is not None]
 
     def _made(
-        self, part: Part, samples: Samples, P: Floats, voices: Voices, joint: bool, limits: Limits,
+        self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
         deadline: float,
-    ) -> Solved:  # fmt: skip
+    ) -> CachedSolution:  # fmt: skip
         """A new solution for pressures P, (M,) [Pa], or for what the other parts of the cycle leave of them.
 
         joint: whether the voices' strengths are in P already.
@@ -293,13 +293,13 @@ class Player:
             sounded &= self.cycle.sounds(part)
         index = voices.index
         if limits.exact is not None:  # which of them, of those that are left
-            exact = limits.exactly(len(q))[sounded] if len(q) else None
+            exact = limits.exact_mask(len(q))[sounded] if len(q) else None
             limits = replace(limits, exact=exact)
         if not sounded.all():
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
         facing, self.placed = None, None
         if samples.capsules is not None and len(q):
-            facing = Facing.of(samples.normals, samples.capsules)
+            facing = SkinFacing.of(samples.normals, samples.capsules)
             P = P * part.reach.share(q, facing, self.skipped)
         if several:
             P = self.cycle.left(part, sounded, P, facing)
@@ -316,16 +316,16 @@ class Player:
         voices.index = index
         parts = None
         if len(voices) > 1 and not joint and len(q):
-            parts = contributions(solution, session.propagator, index, len(voices))
+            parts = split_contributions(solution, session.propagator, index, len(voices))
         late = solution.late and solution.targets.regions is not None
         final = not late and solution.status is not Status.deadline
         steady, sounding = voices.steady and final, None if joint else voices
-        return Solved(solution.gains, sounding, parts, solution, samples, steady, final)
+        return CachedSolution(solution.gains, sounding, parts, solution, samples, steady, final)
 
 
-def joins(limits: Limits) -> bool:
+def limits_join(limits: Limits) -> bool:
     """Whether limits join all gains, so that these cannot be put together from parts."""
-    return limits.power is not None or bool(limits.asked)
+    return limits.power is not None or bool(limits.solver_limits)
 
 
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

@@ -15,23 +15,23 @@ from pacinian.scene.sampling.resolving import WELL, grazing
 if TYPE_CHECKING:
     from collections import Counter
 
-    from pacinian.acoustics.facing import Facing
+    from pacinian.acoustics.facing import SkinFacing
     from pacinian.session import Session
     from pacinian.types import Flags, Floats
 
 TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
 CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
-SOME = 128  # transducers that stand for all in that
-TINY = 1e-300
+MAX_SUBSET = 128  # transducers that stand for all in that
+MIN_PRESSURE = 1e-300
 
 
-class Reach:
+class ReachabilityFilter:
     """Of one session's array."""
 
     def __init__(self, session: Session) -> None:
         array = session.array
         self._array, self._medium, self._propagator = array, session.medium, session.propagator
-        self._some = _some(array)
+        self._some = _choose_subset(array)
         self._powers: dict[tuple[float, ...], float] = {}
         away = np.abs(array.positions - self._propagator.origin)
         self._extent = away.max(axis=0) + TOUCHING  # [m]
@@ -54,9 +54,9 @@ class Reach:
                     skipped["samples on a transducer"] += 1
         return kept
 
-    def share(self, q: Floats, facing: Facing, skipped: Counter[str]) -> Floats:
+    def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
         """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
-        self._propagator.place(q, facing)
+        self._propagator.set_points(q, facing)
         seen = self._propagator.powers / self._free(q)
         if seen.min() >= WELL:
             return np.ones(len(q))
@@ -75,15 +75,15 @@ class Reach:
             try:
                 B = matrix(self._some, middles, self._medium)
             except PointOnTransducer:  # so near to it, all counts
-                return np.full(len(q), TINY)
+                return np.full(len(q), MIN_PRESSURE)
             share = len(self._array) / len(self._some)
-            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), TINY)
+            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
             self._powers.update(zip(new, powers.tolist(), strict=True))
         return np.array([self._powers[cell] for cell in cells])
 
 
-def _some(array: Array) -> Array:
+def _choose_subset(array: Array) -> Array:
     """Of many transducers a few, from all over it."""
-    step = -(-len(array) // SOME)
+    step = -(-len(array) // MAX_SUBSET)
     r, n, s = array.positions[::step], array.normals[::step], array.responses[::step]
     return Array(r, n, array.transducer, s)

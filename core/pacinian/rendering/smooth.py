@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import integer, kind, number
+from pacinian.checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -32,12 +32,12 @@ class Smoothing:
 
     def __post_init__(self) -> None:
         if self.rate is not None:
-            rate = number("rate", self.rate, low=0.0, high=1e9, above=True)
+            rate = check_number("rate", self.rate, low=0.0, high=1e9, above=True)
             object.__setattr__(self, "rate", rate)
-        kind("align", self.align, bool)
+        check_kind("align", self.align, bool)
 
 
-class Smoother:
+class SlewRateLimiter:
     """Follows solved gains smoothly, from silence on.
 
     Where the limit binds, or a change is spread over more rows, the output fades from the row before to the
@@ -50,9 +50,9 @@ class Smoother:
     def __init__(self, settings: Smoothing, columns: int) -> None:
         from pacinian.native import rendering as kernels
 
-        kind("settings", settings, Smoothing)
+        check_kind("settings", settings, Smoothing)
         self.settings = settings
-        self.gains: Gains = np.zeros(integer("columns", columns, low=1), dtype=np.complex64)
+        self.gains: Gains = np.zeros(check_integer("columns", columns, low=1), dtype=np.complex64)
         """The last row given out, (N,)."""
         self.settled = False
         """Whether that row is what was asked: with the same gains, nothing is left to do."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.scene.file import SceneFile
 
 
-def renderer_of(file: SceneFile, path: Path | str) -> Renderer:
+def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
     """A renderer of a scene file's scene. Raises SceneFileError, with `path` and the key."""
     solver = _make("solver", file.solver, path)
     backend = _make("backend", file.backend, path)

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-class Tape:
+class RecordingClock:
     """A clock that notes what it told, or tells what was noted.
 
     now: the clock that it listens to.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-LONG = 0.8  # share of a tick from which it is long
+LONG_SHARE = 0.8  # share of a tick from which it is long
 SEEN, MANY = 64, 12  # of so many ticks that solved so many may be long before turns are taken
 SHORT = 0.75  # share of a tick within which both must fit to go back
 WAIT, LONGEST = 256, 4096  # pairs that must; twice as many after each relapse
@@ -13,7 +13,7 @@ BACK = 8  # pairs that one which does not fit takes away: a few may be the machi
 
 
 @dataclass
-class Turns:
+class TickAlternation:
     """Lets one tick look at the scene and the next solve: each then has time, and all still send.
 
     period: of a tick [s]. taking: whether turns are taken. samples, solves: what the next tick does.
@@ -32,7 +32,7 @@ class Turns:
         """Look at a tick that took `seconds` [s], and whether it solved; return whether turns begin."""
         if not self.taking:
             if solved:
-                self._long.append(seconds > LONG * self.period)
+                self._long.append(seconds > LONG_SHARE * self.period)
             if sum(self._long) < MANY:
                 return False
             self._long.clear()

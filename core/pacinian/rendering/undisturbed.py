@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def undisturbed() -> Generator[None]:
+def realtime_section() -> Generator[None]:
     """One thread of linear algebra, and nothing old to search for garbage: both cost milliseconds."""
     gc.collect()
     gc.freeze()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MU = 1e-6  # of the mean square pressure at full drive: the regularisation of the contributions
 
 
-class Voices:
+class EnvelopeGroups:
     """The distinct amplitudes of `samples`.
 
     items: one object for each. index: which voice each sample has, (M,).
@@ -41,7 +41,7 @@ class Voices:
         self.items.append(item)
         return len(self.items) - 1
 
-    def alike(self, other: Voices) -> bool:
+    def alike(self, other: EnvelopeGroups) -> bool:
         """Whether both are one and the same voice."""
         return len(self) == len(other) == 1 and _alike(self.items[0], other.items[0])
 
@@ -74,7 +74,9 @@ def _alike(item: Object, other: Object) -> bool:
     return item.envelope == other.envelope and item.technique == other.technique
 
 
-def contributions(solution: Solution, propagator: Propagator, index: Indices, count: int) -> Gains:
+def split_contributions(
+    solution: Solution, propagator: Propagator, index: Indices, count: int
+) -> Gains:
     """What each voice adds to the gains of a solution, (voices + 1, N), so that their sum is the solution.
 
     The least-squares gains for the pressures that were achieved at the samples of that voice, and zero at

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.scene.time.envelope import resolve
 from pacinian.session import Session
 
@@ -22,10 +22,10 @@ def try_out(session: Session) -> Solution:
     points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
     up = np.array([[0.0, 0.0, -1.0]] * 2)
     spare.solve(points[:1], [1.0])
-    return spare.solve(points, [1.0, 1.0], facing=Facing(up))
+    return spare.solve(points, [1.0, 1.0], facing=SkinFacing(up))
 
 
-def load(scene: Scene, times: Floats) -> None:
+def load_envelopes(scene: Scene, times: Floats) -> None:
     """Load the envelopes of a scene, at a tick's rows' times (K,) [s]: a recorded wave takes 0.3 s."""
     held = {id(item.envelope): resolve(item.envelope) for item in scene.objects}
     for envelope in held.values():

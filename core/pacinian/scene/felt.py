@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import integer, kind, number
+from pacinian.checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.material import FIRM, Material
 from pacinian.scene.motion import Motion
@@ -18,12 +18,12 @@ from pacinian.scene.time.technique import AM, LM, SIMULTANEOUS, STM, Simultaneou
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-SMALLEST = 1e-12  # [m^2]
-MOST = 1e30  # [Pa], [N]
-MANY = 1_000_000
+MIN_AREA = 1e-12  # [m^2]
+MAX_PRESSURE = 1e30  # [Pa], [N]
+MAX_COUNT = 1_000_000
 
 
-class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What all objects have.
 
     radiation_pressure: [Pa], or force: [N] over the whole of it, or of a point's focus; with a hand, the most that it
@@ -57,17 +57,19 @@ class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
             raise ArgumentError("radiation_pressure", "or `force` must be given, and not both")
         for name in ("radiation_pressure", "force"):
             if (value := getattr(self, name)) is not None:
-                force_setattr(self, name, number(name, value, low=0.0, high=MOST))
+                force_setattr(self, name, check_number(name, value, low=0.0, high=MAX_PRESSURE))
         if self.envelope is not STEADY:
             force_setattr(self, "envelope", resolve(self.envelope))
         if self.technique is not SIMULTANEOUS:
-            kind("technique", self.technique, Simultaneous, AM, STM, LM)
+            check_kind("technique", self.technique, Simultaneous, AM, STM, LM)
         if self.material is not FIRM:
-            kind("material", self.material, Material)
+            check_kind("material", self.material, Material)
         if self.motion is not None:
-            kind("motion", self.motion, Motion)
+            check_kind("motion", self.motion, Motion)
         if self.priority != 0:
-            force_setattr(self, "priority", integer("priority", self.priority, low=-MANY))
+            force_setattr(
+                self, "priority", check_integer("priority", self.priority, low=-MAX_COUNT)
+            )
         if type(self.name) is not str:
             raise ArgumentError("name", f"must be a text, not {self.name!r}")
 
@@ -75,4 +77,4 @@ class Felt(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
         """Radiation pressure [Pa] over `area` [m^2]."""
         if self.radiation_pressure is not None:
             return self.radiation_pressure
-        return (self.force or 0.0) / max(area, SMALLEST)
+        return (self.force or 0.0) / max(area, MIN_AREA)

@@ -15,7 +15,7 @@ NEIGHBOURS = 8  # in order of one of them, among which equal columns are sought
 
 
 @dataclass(frozen=True, eq=False)
-class Shares:
+class ColumnGroups:
     """Orthonormal S, (N, r), with B = (B S) S^H: g = S h gives the columns of a group equal shares.
 
     kept: one column of each group, ascending, (r,). group: which group each column is in, (N,), -1 for
@@ -27,7 +27,7 @@ class Shares:
     root: Floats
 
     @classmethod
-    def of(cls, B: Complexes, tolerance: float) -> Shares:
+    def of(cls, B: Complexes, tolerance: float) -> ColumnGroups:
         """Of columns that differ by no more than `tolerance` times the largest. B: (M, N)."""
         W = np.random.default_rng(0).normal(size=(PROJECTIONS, len(B)))
         P = W.astype(B.dtype) @ B

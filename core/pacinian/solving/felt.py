@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ HOLE = 0.5  # of what was asked: less is a hole
 EVEN_FORCE, EVEN_RMS = 0.05, 0.10  # off by more is not what was asked
 
 
-class Felt(NamedTuple):
+class FeltRegion(NamedTuple):
     """What is felt of one region, against what was asked; pressures are radiation pressures.
 
     force: over what was asked, 1 if right. rms: root mean square of the difference, over that of what
@@ -54,8 +54,8 @@ class Felt(NamedTuple):
         return abs(self.force - 1.0) <= EVEN_FORCE and self.rms <= EVEN_RMS and not self.holes
 
 
-class Sums(NamedTuple):
-    """What `Felt` is made of, so that looks at different moments can be added.
+class FeltSums(NamedTuple):
+    """What `FeltRegion` is made of, so that looks at different moments can be added.
 
     places: how many, half way between samples. made, asked: sums of the squares of the sound pressure amplitudes
     [Pa^2]. errors, squares: sums of the squares of their difference, and of what was asked [Pa^4]. holes: places with
@@ -70,9 +70,9 @@ class Sums(NamedTuple):
     holes: int = 0
     beside: float = 0.0
 
-    def plus(self, other: Sums) -> Sums:
+    def plus(self, other: FeltSums) -> FeltSums:
         """Both together."""
-        return Sums(
+        return FeltSums(
             self.places + other.places,
             self.made + other.made,
             self.asked + other.asked,
@@ -83,17 +83,17 @@ class Sums(NamedTuple):
         )
 
     @property
-    def felt(self) -> Felt:
+    def felt(self) -> FeltRegion:
         """The figures."""
         if not self.asked:
-            return Felt()
+            return FeltRegion()
         rms = math.sqrt(self.errors / self.squares)
         mean = self.asked / self.places
-        return Felt(self.made / self.asked, rms, self.holes / self.places, self.beside / mean)
+        return FeltRegion(self.made / self.asked, rms, self.holes / self.places, self.beside / mean)
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class FeltPlaces:
     """Places between the samples of regions, and beside these.
 
     points: (K, 3) [m]. asked: square of the sound pressure amplitude, (K,) [Pa^2]; 0 beside. region: of
@@ -104,11 +104,11 @@ class Places:
     asked: Floats
     region: Longs
     beside: Flags
-    facing: Facing | None
+    facing: SkinFacing | None
     count: int
 
     @classmethod
-    def of(cls, points: Floats, targets: Targets, facing: Facing | None) -> Places:
+    def of(cls, points: Floats, targets: Targets, facing: SkinFacing | None) -> FeltPlaces:
         """For samples at `points`, (M, 3) [m]: half way between neighbours, and 3 to 5 mm beside the region.
 
         Half way, the mean of both is asked. A region of one sample is looked at there.
@@ -133,8 +133,13 @@ class Places:
 
     @classmethod
     def some(
-        cls, points: Floats, targets: Targets, facing: Facing | None, count: int, chance: Generator
-    ) -> Places | None:
+        cls,
+        points: Floats,
+        targets: Targets,
+        facing: SkinFacing | None,
+        count: int,
+        chance: Generator,
+    ) -> FeltPlaces | None:
         """At random a few of those that `of` has: `count` half way, fewer beside; None without a region.
 
         Beside is outward from a neighbour. Takes a tenth of a millisecond, where `of` takes tens.
@@ -171,9 +176,9 @@ class Places:
 
     @classmethod
     def _at(
-        cls, points: Floats, targets: Targets, facing: Facing | None,
+        cls, points: Floats, targets: Targets, facing: SkinFacing | None,
         pairs: tuple[Indices, Indices], outside: Floats, of: Indices,
-    ) -> Places:  # fmt: skip
+    ) -> FeltPlaces:  # fmt: skip
         """Half way between pairs of samples, and outside, beside the samples `of`."""
         assert targets.regions is not None
         P, (first, second) = targets.amplitudes**2, pairs
@@ -184,7 +189,7 @@ class Places:
             between = n[first] + n[second]
             size = np.sqrt((between * between).sum(axis=1, keepdims=True))
             between = np.where(size > 0.0, between / np.where(size > 0.0, size, 1.0), n[first])
-            seen = Facing(np.concatenate([between, n[of]]), facing.capsules, facing.edge)
+            seen = SkinFacing(np.concatenate([between, n[of]]), facing.capsules, facing.edge)
         region = targets.regions[np.append(first, of)]
         return cls(
             np.concatenate([(points[first] + points[second]) / 2.0, outside]),
@@ -195,10 +200,10 @@ class Places:
             int(targets.regions.max()) + 1,
         )
 
-    def heard_by(self, propagator: Propagator) -> Places:
+    def heard_by(self, propagator: Propagator) -> FeltPlaces:
         """Put the propagator's points here; what lies on a transducer is left out. Returns what is left."""
         try:
-            propagator.place(self.points, self.facing)
+            propagator.set_points(self.points, self.facing)
         except PointOnTransducer:
             from scipy.spatial import KDTree
 
@@ -208,25 +213,25 @@ class Places:
             return self
         facing = self.facing
         if facing is not None:
-            facing = Facing(facing.normals[left], facing.capsules, facing.edge)
+            facing = SkinFacing(facing.normals[left], facing.capsules, facing.edge)
         places = replace(
             self, points=self.points[left], asked=self.asked[left], region=self.region[left],
             beside=self.beside[left], facing=facing,
         )  # fmt: skip
-        propagator.place(places.points, facing)
+        propagator.set_points(places.points, facing)
         return places
 
-    def felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[Felt, ...]:
+    def felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[FeltRegion, ...]:
         """The figures of each region, in their order, for sound pressures p, (K,) [Pa].
 
         multiple: of the amplitudes that count as asked.
         """
         return tuple(sums.felt for sums in self.sums(p, multiple))
 
-    def sums(self, p: Complexes | Floats, multiple: float = 1.0) -> list[Sums]:
+    def sums(self, p: Complexes | Floats, multiple: float = 1.0) -> list[FeltSums]:
         """The sums of each region, in their order; arguments as for `felt`."""
         made, asked = np.abs(p).astype(np.float64) ** 2, self.asked * multiple**2
-        found: list[Sums] = []
+        found: list[FeltSums] = []
         for number in range(self.count):
             own = self.region == number
             inside = own & ~self.beside
@@ -235,7 +240,7 @@ class Places:
             holes = int(((HOLE * t > P) & (t > 0.0)).sum())
             beside = float(made[own & self.beside].max(initial=0.0))
             found.append(
-                Sums(
+                FeltSums(
                     len(t),
                     float(P.sum()),
                     float(t.sum()),

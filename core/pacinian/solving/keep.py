@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-5  # a gain this little over the limit is shortened, the others left as they are
 
 
-def keep(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:
+def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:
     """Scale gains (N,) as a whole, in place, down to the limits, or for "max" up to them too.
 
     Returns whether they were finite (if not, they are zero now) and whether they were over. Rounding

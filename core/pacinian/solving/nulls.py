@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from pacinian.acoustics.propagation import Wave
-from pacinian.checks import near
+from pacinian.acoustics.propagation import KernelData
+from pacinian.checks import check_near
 from pacinian.errors import ArgumentError, PointOnTransducer
 from pacinian.native import solving as kernels
 
@@ -39,18 +39,18 @@ FAINT = 0.15  # of the limit: V gets no row for what is fainter
 DISTINCT = 1e-4  # of a block's strongest row: fainter ones wait for the next block
 ROUNDS = 16  # of fresh points, at most
 LARGEST_SHARE = 0.8  # of all dimensions that zones may take
-LOWEST = 1e-5  # of what full drive makes in a zone: single precision keeps no lower limit
+MIN_LIMIT = 1e-5  # of what full drive makes in a zone: single precision keeps no lower limit
 REPAIRS = 32  # times that gains are shortened, and freed of V again
 SOFT = 0.1  # of the mean power of rows: with what regularisation pressures are corrected
 LEFT = 0.02  # of a limit: what gains may still make of V
 ROUNDING = 2e-6  # of ||g||: what single precision leaves of V
 SKETCHED = 16  # random mixtures of V's rows, which tell within a factor of 2 what gains hold of V
-MOST_PREPARED = 4  # sets of zones that stay prepared
+MAX_PREPARED = 4  # sets of zones that stay prepared
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
 @dataclass(frozen=True, eq=False)
-class Nulls:
+class QuietSubspace:
     """What gains may not contain for zones to be quiet.
 
     V: (R, N), orthonormal rows, complex64. sketch: mixtures of them, (S, N), by which ||sketch g|| is about ||V g||.
@@ -64,13 +64,13 @@ class Nulls:
     loudest: float
 
     @classmethod
-    def of(cls, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> Nulls:
+    def of(cls, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> QuietSubspace:
         """Those of an array's zones; rms: of gains, at most. They take a second, large ones several.
 
         Raises ArgumentError for zones that hold a transducer, or leave the array nothing to sound with.
         """
-        wave, N = Wave.prepare(array, medium), len(array)
-        near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
+        wave, N = KernelData.prepare(array, medium), len(array)
+        check_near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
         V, loudest = np.zeros((0, N), np.complex64), 0.0
         watched: list[Gains] = []
         for zone in zones:
@@ -79,7 +79,7 @@ class Nulls:
             for k, places in enumerate(zone.places()):
                 rest = _rows(wave, places)
                 strongest = float(_norms(rest).max())
-                limit = max(zone.pressure, LOWEST * math.sqrt(N) * rms * strongest)
+                limit = max(zone.pressure, MIN_LIMIT * math.sqrt(N) * rms * strongest)
                 loudest = max(loudest, strongest / limit)
                 rest *= np.float32(1.0 / limit)
                 some = rest[:WATCHED].copy()
@@ -134,7 +134,7 @@ class Nulls:
 
     def over(self, array: Array, medium: Air, g: Complexes) -> float:
         """The highest sound pressure that gains, (N,), make at fresh places of the zones, over its limit, less 1."""
-        wave, most = Wave.prepare(array, medium), 0.0
+        wave, most = KernelData.prepare(array, medium), 0.0
         for zone in self.zones:
             places = zone.places()
             for _ in range(ROUNDS + 1):
@@ -148,17 +148,17 @@ class Preparation:
     """Zones of a session, prepared beside it; and of all sessions, those that were prepared last are kept."""
 
     _pool = ThreadPoolExecutor(1, "quiet zones")
-    _kept: ClassVar[dict[object, Future[Nulls]]] = {}
+    _kept: ClassVar[dict[object, Future[QuietSubspace]]] = {}
     _lock = Lock()
 
     def __init__(self) -> None:
         self._key: object = None
-        self._made: Future[Nulls] | None = None
+        self._made: Future[QuietSubspace] | None = None
 
     def nulls(
         self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget
-    ) -> Nulls | None:
-        """What gains may not contain; None if the budget is spent before that is known. Raises as `Nulls.of`."""
+    ) -> QuietSubspace | None:
+        """The quiet subspace; None if the budget is spent before it is known. Raises as `QuietSubspace.of`."""
         key = array, medium, zones, rms
         if key != self._key or self._made is None:
             if self._made is not None:
@@ -174,18 +174,18 @@ class Preparation:
             return self.nulls(array, medium, zones, rms, budget)
 
     @classmethod
-    def _begun(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[Nulls]:
+    def _begun(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[QuietSubspace]:
         with cls._lock:
             made = cls._kept.pop(key, None)
             if made is None or made.cancelled():
-                made = cls._pool.submit(Nulls.of, *key)
+                made = cls._pool.submit(QuietSubspace.of, *key)
             cls._kept[key] = made
-            for old in list(cls._kept)[:-MOST_PREPARED]:
+            for old in list(cls._kept)[:-MAX_PREPARED]:
                 del cls._kept[old]
             return made
 
 
-def _rows(wave: Wave, places: Floats) -> Gains:
+def _rows(wave: KernelData, places: Floats) -> Gains:
     """B for places of a zone. Raises ArgumentError where one is on a transducer."""
     B = np.empty((len(places), len(wave.array)), dtype=np.complex64)
     try:

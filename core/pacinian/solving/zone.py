@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import number, numbers
+from pacinian.checks import check_number, check_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pacinian.types import Flags, Floats
 
-WIDEST = 10.0  # [m], a zone's radius at most
+MAX_RADIUS = 10.0  # [m], a zone's radius at most
 LOOKED_AT = 2048  # points of a zone at a time
 GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of points that spread evenly in a cube
 
@@ -31,11 +31,11 @@ class Zone:
     radius: float = 0.0
 
     def __post_init__(self) -> None:
-        x, y, z = numbers("zone.position", self.position, (3,)).tolist()
+        x, y, z = check_numbers("zone.position", self.position, (3,)).tolist()
         force = object.__setattr__
         force(self, "position", (x, y, z))
-        force(self, "radius", number("zone.radius", self.radius, low=0.0, high=WIDEST))
-        force(self, "pressure", number("zone.pressure", self.pressure, low=0.0, above=True))
+        force(self, "radius", check_number("zone.radius", self.radius, low=0.0, high=MAX_RADIUS))
+        force(self, "pressure", check_number("zone.pressure", self.pressure, low=0.0, above=True))
 
     def holds(self, points: Floats) -> Flags:
         """Which points, (M, 3) [m], are in it."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Singles
 
 
-FEW = 14  # numbers: so many are sooner checked one by one than all at once
+MIN_VECTORISED = 14  # numbers: so many are sooner checked one by one than all at once
 
 
 class Rows(NamedTuple):
@@ -72,7 +72,7 @@ class Indices(NamedTuple):
             raise ValueError(f"`{self.name}` must be indices of the {below} that there are")
 
 
-def check(message: Any) -> None:
+def check_arrays(message: Any) -> None:
     """Refuse a message that breaks one of these rules, which its class has as `BULK`. Raises ValueError."""
     for rule in message.BULK:
         rule.check(message)
@@ -87,7 +87,7 @@ def _check_rows(name: str, data: bytes, width: int, counts: tuple[int, ...]) -> 
 def _check_range(name: str, data: bytes, low: float | None, high: float) -> None:
     if low is None or not data:
         return
-    if len(data) <= 4 * FEW:
+    if len(data) <= 4 * MIN_VECTORISED:
         inside = all(low <= x <= high for x in struct.unpack(f"<{len(data) // 4}f", data))
     else:
         values = np.frombuffer(data, "<f4")

@@ -12,11 +12,11 @@ from pacinian.errors import WireError
 from pacinian.scene.shapes import combine, curves, flat, mesh, texture, voxels
 from pacinian.scene.shapes import height_map as maps
 from pacinian.scene.shapes import round as rounds
-from pacinian.scene.shapes.arrays import unpacked
+from pacinian.scene.shapes.arrays import decode_array
 from pacinian.wire import shapes
 from pacinian.wire.bulk import pack, pack_indices, unpack, unpack_indices
 from pacinian.wire.objects import Texture
-from pacinian.wire.within import within
+from pacinian.wire.within import locate_errors
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -84,7 +84,7 @@ def _map_to_scene(s: shapes.HeightMap) -> maps.HeightMap:
 
 
 def _map_to_wire(s: maps.HeightMap) -> shapes.HeightMap:
-    h = unpacked("heights", s.heights, s.file, 2)
+    h = decode_array("heights", s.heights, s.file, 2)
     R, C = h.shape
     return shapes.HeightMap(
         heights=pack(h), grid=(R, C), width=s.width, height=s.height, depth=s.depth
@@ -109,7 +109,7 @@ def _voxels_to_scene(s: shapes.Voxels) -> voxels.Voxels:
 
 
 def _voxels_to_wire(s: voxels.Voxels) -> shapes.Voxels:
-    values = unpacked("values", s.values, s.file, 3)
+    values = decode_array("values", s.values, s.file, 3)
     x, y, z = values.shape
     return shapes.Voxels(values=pack(values), grid=(x, y, z), pitch=s.pitch, level=s.level)
 
@@ -124,17 +124,17 @@ def _polyline_to_wire(s: curves.Polyline) -> shapes.Polyline:
 
 
 def _placed_to_scene(s: shapes.Placed) -> combine.Placed:
-    shape = within(".shape", shape_to_scene, s.shape)
-    return combine.Placed(shape, within(".pose", pose_to_scene, s.pose))
+    shape = locate_errors(".shape", shape_to_scene, s.shape)
+    return combine.Placed(shape, locate_errors(".pose", pose_to_scene, s.pose))
 
 
 def _placed_to_wire(s: combine.Placed) -> shapes.Placed:
     _flat(".shape", s.shape, combine.Placed, combine.Combination)
-    return shapes.Placed(within(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
+    return shapes.Placed(locate_errors(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
 
 
 def _each(key: str, solids: tuple[Any, ...], convert: Callable[[Any], Any]) -> tuple[Any, ...]:
-    return tuple(within(f".{key}[{i}]", convert, s) for i, s in enumerate(solids))
+    return tuple(locate_errors(f".{key}[{i}]", convert, s) for i, s in enumerate(solids))
 
 
 def _part_to_wire(s: Any) -> Any:
@@ -149,12 +149,12 @@ def _flat(path: str, shape: object, *kinds: type) -> None:
 
 
 def _difference_to_scene(s: shapes.Difference) -> combine.Difference:
-    of = within(".of", shape_to_scene, s.of)
+    of = locate_errors(".of", shape_to_scene, s.of)
     return combine.Difference(of, _each("less", s.less, shape_to_scene))
 
 
 def _difference_to_wire(s: combine.Difference) -> shapes.Difference:
-    of = within(".of", _part_to_wire, s.of)
+    of = locate_errors(".of", _part_to_wire, s.of)
     return shapes.Difference(of, _each("less", s.less, _part_to_wire))
 
 

@@ -60,17 +60,17 @@ class FieldSaid(NamedTuple):
     meaning: str
 
 
-def called(kind: type[Struct]) -> str:
+def name_class(kind: type[Struct]) -> str:
     """What a class is called on the wire: its `type`, or for a part that has none, its name."""
     return str(kind.__struct_config__.tag or kind.__name__)
 
 
-def summary(kind: type[Struct]) -> str:
+def summarise(kind: type[Struct]) -> str:
     """What a class is, without its fields."""
     return _split(kind)[0]
 
 
-def fields(kind: type[Struct], *, but: type[Struct] | None = None) -> list[FieldSaid]:
+def describe_fields(kind: type[Struct], *, but: type[Struct] | None = None) -> list[FieldSaid]:
     """All fields of a class, but those of its base `but`."""
     left = set(but.__struct_fields__) if but else set()
     info: Any = msgspec.inspect.type_info(kind)
@@ -112,7 +112,7 @@ def _default(field: Any) -> str:
     if value is msgspec.NODEFAULT:
         value = field.default_factory()
     if isinstance(value, msgspec.Struct):
-        return f"`{called(type(value))}`"
+        return f"`{name_class(type(value))}`"
     if value is None or isinstance(value, bool):
         return {None: "nil", True: "true", False: "false"}[value]
     if isinstance(value, (int, float)):
@@ -128,7 +128,7 @@ def _type(t: Type) -> str:
     if isinstance(t, UnionType):
         return _union(t)
     if isinstance(t, StructType):
-        return f"[`{called(t.cls)}`](#{called(t.cls).lower()})"
+        return f"[`{name_class(t.cls)}`](#{name_class(t.cls).lower()})"
     if isinstance(t, LiteralType):
         return " or ".join(f'`"{value}"`' for value in t.values) if len(t.values) < 6 else "str"
     if isinstance(t, TupleType):
@@ -151,7 +151,7 @@ def _union(t: UnionType) -> str:
             left -= kinds
             texts = {_type(msgspec.inspect.type_info(t)) for t in set(group.__args__) - kinds}
             words = [f"[{name}](#{name.replace(' ', '-')})", *(w for w in words if w not in texts)]
-    words += sorted(f"[`{called(kind)}`](#{called(kind).lower()})" for kind in left)
+    words += sorted(f"[`{name_class(kind)}`](#{name_class(kind).lower()})" for kind in left)
     return " or ".join(sorted(words, key=lambda word: word == "nil"))
 
 

@@ -9,7 +9,7 @@ import msgspec
 from msgspec.inspect import BytesType, Metadata, StructType, Type
 
 from pacinian.wire import commands, control, replies, state
-from pacinian.wire.described import called
+from pacinian.wire.described import name_class
 from pacinian.wire.protocol import MAJOR, MINOR
 
 if TYPE_CHECKING:
@@ -33,12 +33,14 @@ CHANNELS: dict[str, tuple[str, tuple[type[Struct], ...], tuple[type[Struct], ...
 }
 
 
-def document() -> dict[str, Any]:
+def make_asyncapi() -> dict[str, Any]:
     """The document."""
     kinds = list(dict.fromkeys(kind for _, to, back in CHANNELS.values() for kind in (*to, *back)))
     channels, operations = {}, {}
     for name, (text, to, back) in CHANNELS.items():
-        messages = {called(k): {"$ref": f"#/components/messages/{called(k)}"} for k in (*to, *back)}
+        messages = {
+            name_class(k): {"$ref": f"#/components/messages/{name_class(k)}"} for k in (*to, *back)
+        }
         channels[name] = {"address": name, "description": text, "messages": messages}
         for action, sent in (("receive", to), ("send", back)):
             if sent:
@@ -55,14 +57,14 @@ def document() -> dict[str, Any]:
         "channels": channels,
         "operations": operations,
         "components": {
-            "messages": {called(kind): _message(kind) for kind in kinds},
+            "messages": {name_class(kind): _message(kind) for kind in kinds},
             "schemas": _schemas(kinds),
         },
     }
 
 
 def _operation(action: str, channel: str, kinds: Iterable[type[Struct]]) -> dict[str, Any]:
-    messages = [{"$ref": f"#/channels/{channel}/messages/{called(kind)}"} for kind in kinds]
+    messages = [{"$ref": f"#/channels/{channel}/messages/{name_class(kind)}"} for kind in kinds]
     return {"action": action, "channel": {"$ref": f"#/channels/{channel}"}, "messages": messages}
 
 

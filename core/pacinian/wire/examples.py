@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.wire import commands, control, objects, shapes, time
 from pacinian.wire.bulk import pack, pack_indices
-from pacinian.wire.examples_back import CORNERS, FRAME, HAND, KEY, STATE, answers
+from pacinian.wire.examples_back import CORNERS, FRAME, HAND, KEY, STATE, make_answers
 from pacinian.wire.protocol import MAJOR, MINOR
 
 if TYPE_CHECKING:
@@ -71,31 +71,31 @@ TECHNIQUES: tuple[time.Technique, ...] = (
 )
 
 
-def kind(item: object) -> str:
+def kind_of(item: object) -> str:
     """What it is called on the wire: its `type`."""
     config = getattr(type(item), "__struct_config__", None)
     return str(config.tag) if config is not None else str(item)
 
 
-def examples() -> Iterator[tuple[str, str, Struct]]:
+def make_examples() -> Iterator[tuple[str, str, Struct]]:
     """Name, socket ("command", "control", "reply", "state") and message."""
     for message in _commands():
-        yield kind(message), "command", message
+        yield kind_of(message), "command", message
     for name, item in _objects():
         yield f"put {name}", "command", _put(item)
     for envelope in ENVELOPES:
         yield (
-            f"envelope {kind(envelope)}",
+            f"envelope {kind_of(envelope)}",
             "command",
             commands.Envelopes(session=KEY, sequence=7, time=2.5, names=("a",), envelope=envelope),
         )
     for message in _controls():
-        yield kind(message), "control", message
+        yield kind_of(message), "control", message
     for i, technique in enumerate(TECHNIQUES):
-        name = f"select {kind(technique)}" + (" along a curve" if i == 3 else "")
+        name = f"select {kind_of(technique)}" + (" along a curve" if i == 3 else "")
         yield name, "control", control.Select(session=KEY, id=9, technique=technique)
-    for message in answers():
-        yield kind(message), "reply", message
+    for message in make_answers():
+        yield kind_of(message), "reply", message
     yield "state", "state", STATE
     yield "state that was asked for", "reply", STATE
     yield "frame", "state", FRAME
@@ -109,7 +109,7 @@ def _objects() -> Iterator[tuple[str, objects.Object]]:
     yield "point", objects.Point(position=(0.0, -0.01, 0.2), force=0.005, area=0.0001)
     for curve in CURVES:
         yield (
-            f"path {kind(curve)}",
+            f"path {kind_of(curve)}",
             objects.Path(shape=curve, pose=AT, radiation_pressure=200.0, width=0.01),
         )
     yield (
@@ -118,11 +118,11 @@ def _objects() -> Iterator[tuple[str, objects.Object]]:
     )
     for shell in SHELLS:
         yield (
-            f"surface {kind(shell)}",
+            f"surface {kind_of(shell)}",
             objects.Surface(shape=shell, pose=AT, force=0.01, texture=TEXTURE, thickness=0.01),
         )
     for solid in SOLIDS:
-        name = f"volume {kind(solid)}"
+        name = f"volume {kind_of(solid)}"
         yield name, objects.Volume(shape=solid, pose=AT, radiation_pressure=250.0)
     yield (
         "with everything",

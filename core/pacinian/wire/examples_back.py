@@ -31,7 +31,7 @@ SOUND = replies.Sound(
 SIMULATED = replies.Plugin(name="simulated")
 
 
-def answers() -> tuple[Struct, ...]:
+def make_answers() -> tuple[Struct, ...]:
     """A reply of each kind."""
     return (
         replies.Welcome(

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import msgpack
 
 from pacinian.wire import codec
-from pacinian.wire.examples import examples
-from pacinian.wire.protocol import MOST_OBJECTS, MOST_PARTS
+from pacinian.wire.examples import make_examples
+from pacinian.wire.protocol import MAX_OBJECTS, MAX_PARTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,7 +24,7 @@ BOMBS = {
 }
 
 
-def tolerated() -> Iterator[tuple[str, str, bytes]]:
+def make_tolerated() -> Iterator[tuple[str, str, bytes]]:
     """Name, socket and bytes of messages that must be understood."""
     stop: dict[str, Any] = {"type": "stop", "id": 5}
     yield "unknown fields", "control", _pack(stop | {"later": {"a": [1, "b", None]}})
@@ -60,7 +60,7 @@ def tolerated() -> Iterator[tuple[str, str, bytes]]:
     yield "single precision", "command", single
 
 
-def malformed() -> Iterator[tuple[str, str, bytes]]:
+def make_malformed() -> Iterator[tuple[str, str, bytes]]:
     """Name, socket and bytes of what must be refused."""
     stop = _pack({"type": "stop", "id": 5})
     yield "nothing", "control", b""
@@ -140,10 +140,10 @@ def _commands() -> Iterator[tuple[str, str, bytes]]:
     yield (
         "too many objects",
         "command",
-        _pack(put | {"objects": {str(i): 0 for i in range(MOST_OBJECTS + 1)}}),
+        _pack(put | {"objects": {str(i): 0 for i in range(MAX_OBJECTS + 1)}}),
     )
     put = _example("put volume union")
-    put["objects"]["a"]["shape"]["parts"] = [{"type": "sphere", "radius": 0.1}] * (MOST_PARTS + 1)
+    put["objects"]["a"]["shape"]["parts"] = [{"type": "sphere", "radius": 0.1}] * (MAX_PARTS + 1)
     yield "too many parts", "command", _pack(put)
     put["objects"]["a"]["shape"]["parts"] = [{"type": "union", "parts": []}]
     yield "a union in a union", "command", _pack(put)
@@ -175,7 +175,7 @@ def _set(item: dict[str, Any], place: tuple[str, ...], value: object) -> None:
 
 def _example(name: str) -> Any:
     """An example as plain values, to be changed."""
-    return next(msgpack.unpackb(codec.encode(m)) for n, _, m in examples() if n == name)
+    return next(msgpack.unpackb(codec.encode(m)) for n, _, m in make_examples() if n == name)
 
 
 def _pack(value: object) -> bytes:

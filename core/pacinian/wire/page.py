@@ -7,7 +7,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any, get_args
 
 from pacinian.wire import commands, control, objects, protocol, replies, shapes, state, time
-from pacinian.wire.described import GROUPS, called, fields, summary
+from pacinian.wire.described import GROUPS, describe_fields, name_class, summarise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LEASE = 0.25  # [s], unless configured otherwise
 
 
-def page() -> str:
+def make_page() -> str:
     """The page, in Markdown."""
     text = (files("pacinian.wire") / "page.md").read_text(encoding="utf-8")
     parts = _parts()
@@ -58,7 +58,7 @@ def _parts() -> dict[str, str]:
         "techniques": sections(_kinds(time.Technique)),
     }
     limits = {
-        name: f"{getattr(protocol, name):,}" for name in ("LONGEST_COMMAND", "LONGEST_CONTROL")
+        name: f"{getattr(protocol, name):,}" for name in ("MAX_COMMAND_BYTES", "MAX_CONTROL_BYTES")
     }
     return made | limits | {f"group {name}": _links(group) for name, group in GROUPS.items()}
 
@@ -69,16 +69,18 @@ def _kinds(group: Any) -> list[type[Struct]]:
 
 
 def _links(group: Any) -> str:
-    return ", ".join(f"[`{called(kind)}`](#{called(kind).lower()})" for kind in _kinds(group))
+    return ", ".join(
+        f"[`{name_class(kind)}`](#{name_class(kind).lower()})" for kind in _kinds(group)
+    )
 
 
 def _section(kind: type[Struct], base: type[Struct] | None) -> str:
     inherited = base if base and issubclass(kind, base) else None
-    return f"### `{called(kind)}`\n\n{summary(kind)}\n\n{_table(kind, inherited)}".rstrip()
+    return f"### `{name_class(kind)}`\n\n{summarise(kind)}\n\n{_table(kind, inherited)}".rstrip()
 
 
 def _table(kind: type[Struct], base: type[Struct] | None = None) -> str:
-    said = fields(kind, but=base)
+    said = describe_fields(kind, but=base)
     if not said:
         return ""
     rows = [("field", "type", "bounds", "default", "meaning"), ("---",) * 5]

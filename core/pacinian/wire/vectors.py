@@ -16,8 +16,8 @@ import msgpack
 
 from pacinian.errors import WireError
 from pacinian.wire import codec
-from pacinian.wire.examples import examples
-from pacinian.wire.malformed import malformed, tolerated
+from pacinian.wire.examples import make_examples
+from pacinian.wire.malformed import make_malformed, make_tolerated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -30,16 +30,16 @@ DECODE: dict[str, Callable[[bytes], Any]] = {
 }
 
 
-def lines(value: Any, path: str = "$") -> Iterator[str]:
+def make_lines(value: Any, path: str = "$") -> Iterator[str]:
     """A value as lines of path, kind and content, in the order of its bytes."""
     if isinstance(value, dict):
         yield f"{path} map {len(value)}"
         for key, item in value.items():
-            yield from lines(item, f"{path}.{key}")
+            yield from make_lines(item, f"{path}.{key}")
     elif isinstance(value, list):
         yield f"{path} array {len(value)}"
         for i, item in enumerate(value):
-            yield from lines(item, f"{path}[{i}]")
+            yield from make_lines(item, f"{path}[{i}]")
     elif isinstance(value, bytes):
         yield f"{path} bin {value.hex()}".rstrip()
     elif value is None:
@@ -52,18 +52,18 @@ def lines(value: Any, path: str = "$") -> Iterator[str]:
         yield f"{path} {type(value).__name__} {value!r}"
 
 
-def vectors() -> dict[str, list[dict[str, Any]]]:
+def make_vectors() -> dict[str, list[dict[str, Any]]]:
     """All vectors, by the file that they are in."""
     files: dict[str, list[dict[str, Any]]] = {
         name: [] for name in ("command", "control", "reply", "state", "tolerated", "malformed")
     }
-    for name, socket, message in examples():
+    for name, socket, message in make_examples():
         data = codec.encode(message)
         files[socket].append(_vector(name, socket, data))
-    for name, socket, data in tolerated():
+    for name, socket, data in make_tolerated():
         meant = codec.encode(DECODE[socket](data))
         files["tolerated"].append(_vector(name, socket, data) | {"meant": meant.hex()})
-    for name, socket, data in malformed():
+    for name, socket, data in make_malformed():
         files["malformed"].append(
             {"name": name, "socket": socket, "path": _path(socket, data), "hex": data.hex()}
         )
@@ -71,7 +71,7 @@ def vectors() -> dict[str, list[dict[str, Any]]]:
 
 
 def _vector(name: str, socket: str, data: bytes) -> dict[str, Any]:
-    value = list(lines(msgpack.unpackb(data, strict_map_key=False)))
+    value = list(make_lines(msgpack.unpackb(data, strict_map_key=False)))
     return {"name": name, "socket": socket, "hex": data.hex(), "value": value}
 
 
@@ -83,15 +83,15 @@ def _path(socket: str, data: bytes) -> str:
     raise ValueError(f"{data!r} is a valid message")
 
 
-def text(made: list[dict[str, Any]]) -> str:
+def make_text(made: list[dict[str, Any]]) -> str:
     """The content of a file."""
     return json.dumps(made, indent=1, ensure_ascii=False) + "\n"
 
 
 def main(folder: Path) -> None:
     """Write all files to a folder."""
-    for name, made in vectors().items():
-        (folder / f"{name}.json").write_text(text(made), encoding="utf-8", newline="\n")
+    for name, made in make_vectors().items():
+        (folder / f"{name}.json").write_text(make_text(made), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":

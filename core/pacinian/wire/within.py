@@ -15,15 +15,15 @@ B = TypeVar("B")
 BROKEN = ValueError, ArithmeticError, MemoryError
 
 
-def within(path: str, convert: Callable[[A], B], value: A) -> B:
+def locate_errors(path: str, convert: Callable[[A], B], value: A) -> B:
     """What `convert` makes of a value that is at `path`. Raises WireError, which has the whole path."""
     try:
         return convert(value)
     except BROKEN as error:
-        raise located(path, value, error) from error
+        raise locate(path, value, error) from error
 
 
-def located(path: str, value: object, error: Exception) -> WireError:
+def locate(path: str, value: object, error: Exception) -> WireError:
     """An error about a value that is at `path`, with the path of the field that is wrong."""
     if isinstance(error, WireError):
         return WireError(error.problem, path + error.path)

@@ -15,8 +15,8 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Frame
-from pacinian.rendering.clock import SystemClock, paced
-from pacinian.rendering.undisturbed import undisturbed
+from pacinian.rendering.clock import SystemClock, pace
+from pacinian.rendering.undisturbed import realtime_section
 from pacinian_lab.solvers.tables import plain_table, short
 from pacinian_lab.solvers.timing import measure, quantile
 
@@ -97,8 +97,8 @@ def held(rate: float, rows: int, seconds: float) -> Held:
     late: list[float] = []
     took: list[float] = []
     missed = 0
-    with undisturbed():
-        for due, lost in paced(clock, 1.0 / rate, seconds):
+    with realtime_section():
+        for due, lost in pace(clock, 1.0 / rate, seconds):
             begin = clock.now()
             backend.send(frames[len(took) % len(frames)])
             took.append(clock.now() - begin)

@@ -14,7 +14,7 @@ import numpy as np
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.propagation import field, matrix
 from pacinian.plugins.backend import Capability
-from pacinian.rendering.drive import thresholds
+from pacinian.rendering.drive import dither_thresholds
 from pacinian.session import solve
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def nearest(g: Complexes, B: Complexes, can: Capability) -> Complexes:
 
 def fixed(g: Complexes, B: Complexes, can: Capability) -> Complexes:
     """Amplitudes by thresholds that differ from transducer to transducer, and stay: what is done."""
-    return _levels(g, thresholds(len(g)).astype(np.float64), can)[None]
+    return _levels(g, dither_thresholds(len(g)).astype(np.float64), can)[None]
 
 
 def golden(g: Complexes, B: Complexes, can: Capability) -> Complexes:

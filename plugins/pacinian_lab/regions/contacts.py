@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.rendering.renderer import Renderer
@@ -109,7 +109,7 @@ def _focused(array: Array, scene: Scene, spacing: float) -> tuple[Gains, int, fl
     solution = Session(array, AIR).solve(
         samples.positions,
         sound_pressure(samples.radiation_pressure, AIR),
-        facing=Facing.of(samples.normals, samples.capsules)
+        facing=SkinFacing.of(samples.normals, samples.capsules)
         if samples.capsules is not None
         else None,
     )

@@ -76,7 +76,7 @@ def measure_one(side: int, samples: int) -> Cost:
         warm.append(_time(partial(session.solve, at, t, regions=region)))
         steps.append(session.last.iterations)
     for n in range(TIMES):
-        built.append(_time(partial(session.propagator.place, q + n * MOVE)))
+        built.append(_time(partial(session.propagator.set_points, q + n * MOVE)))
     return Cost(
         len(array), samples, first.saturation,
         median(cold), median(warm), median(built), first.iterations, median(steps),

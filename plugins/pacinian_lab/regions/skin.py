@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import KDTree
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.rendering.reach import Reach
+from pacinian.rendering.reach import ReachabilityFilter
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.sampling.sources import FINEST
 from pacinian.session import Session
-from pacinian.solving.felt import HOLE, Felt
+from pacinian.solving.felt import HOLE, FeltRegion
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
@@ -29,7 +29,9 @@ BUDGET = 1_000_000  # samples: more than a hand has points
 NEAR, FAR = 3e-3, 10e-3  # [m]: skin so far from what is touched is beside it
 
 
-def felt_on_skin(array: Array, medium: Air, scene: Scene, t: float, gains: Gains) -> Felt | None:
+def felt_on_skin(
+    array: Array, medium: Air, scene: Scene, t: float, gains: Gains
+) -> FeltRegion | None:
     """What is felt of a scene at time t [s], against what its materials ask; None where no hand is in a region.
 
     Over the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the sampler.
@@ -44,14 +46,14 @@ def felt_on_skin(array: Array, medium: Air, scene: Scene, t: float, gains: Gains
     if samples.capsules is None or not len(samples):
         return None
     session = Session(array, medium)
-    q, facing = samples.positions, Facing(samples.normals, samples.capsules)
-    asked = samples.radiation_pressure * Reach(session).share(q, facing, Counter())
+    q, facing = samples.positions, SkinFacing(samples.normals, samples.capsules)
+    asked = samples.radiation_pressure * ReachabilityFilter(session).share(q, facing, Counter())
     if not asked.any():
         return None
-    session.propagator.place(q, facing)
+    session.propagator.set_points(q, facing)
     P, area = _pressed(session, gains), samples.area
     e, mean = P - asked, float(asked @ area) / float(area.sum())
-    return Felt(
+    return FeltRegion(
         force=float(P @ area) / float(asked @ area),
         rms=float(np.sqrt((e * e) @ area / ((asked * asked) @ area))),
         holes=float(area[HOLE * asked > P].sum() / area.sum()),
@@ -70,8 +72,8 @@ def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> fl
         beside = np.flatnonzero((away > NEAR) & (away < FAR))
         beside = beside[skin.exposed(placed, beside)]
         if len(beside):
-            facing = Facing(placed.normals[beside], placed.capsules)
-            session.propagator.place(placed.points[beside], facing)
+            facing = SkinFacing(placed.normals[beside], placed.capsules)
+            session.propagator.set_points(placed.points[beside], facing)
             most = max(most, float(_pressed(session, gains).max()))
     return most
 

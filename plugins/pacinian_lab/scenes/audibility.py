@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian import gallery
 from pacinian.plugins.registry import backend
-from pacinian.rendering.audible import audible, envelope
+from pacinian.rendering.audible import compute_envelope, measure_audible
 from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.rendering.smooth import Smoothing
 from pacinian.scene.objects import Point
@@ -102,5 +102,7 @@ def _heard(
             renderer.tick(k * renderer.period)
             if k >= WARM:
                 frames.append(renderer.sent.gains(device.capability))
-    e, rate = envelope(np.concatenate(frames), 1000.0 * ROWS, array, np.concatenate([FOCUS, EARS]))
-    return audible(e, rate, weighted=True)
+    e, rate = compute_envelope(
+        np.concatenate(frames), 1000.0 * ROWS, array, np.concatenate([FOCUS, EARS])
+    )
+    return measure_audible(e, rate, weighted=True)

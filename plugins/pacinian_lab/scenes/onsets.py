@@ -16,7 +16,7 @@ from pacinian import gallery
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
 from pacinian.plugins.registry import backend
-from pacinian.rendering.audible import audible, envelope
+from pacinian.rendering.audible import compute_envelope, measure_audible
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.objects import Point
 from pacinian.scene.scene import Scene
@@ -112,12 +112,14 @@ def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
 def evaluate(what: str, made: Gains, rows: int, array: Array) -> Coming:
     """Of rows of gains, (R, N)."""
     places = np.array([HERE, THERE, *FIVE_PLACES])
-    e, rate = envelope(made, 1000.0 * rows, array, places)
+    e, rate = compute_envelope(made, 1000.0 * rows, array, places)
     p = np.abs(made @ matrix(array, places).T)
     top = p.max(axis=0)
     loud = top > 0.3 * top.max()
     step = np.abs(np.diff(p[:, loud], axis=0)).max(axis=0) / top[loud]
-    return Coming(what, float(audible(e[:, loud], rate, weighted=True).max()), float(step.max()))
+    return Coming(
+        what, float(measure_audible(e[:, loud], rate, weighted=True).max()), float(step.max())
+    )
 
 
 def collect_gains(

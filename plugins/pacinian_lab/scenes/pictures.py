@@ -9,7 +9,7 @@ import numpy as np
 from pacinian import plot
 from pacinian.gallery import SCENES
 from pacinian.rendering.renderer import Renderer
-from pacinian.scene.sampling.samples import joined, nothing
+from pacinian.scene.sampling.samples import join_samples, no_samples
 from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
 def picture(array: Array, name: str) -> Figure:
     """A built-in scene, what is felt of it, and the field. Raises what went wrong in a tick."""
     at, clock = SCENES[name], ManualClock()
-    emitted, sounding, felt, t = [], [], [nothing()], 0.0
+    emitted, sounding, felt, t = [], [], [no_samples()], 0.0
     with Renderer(array, at, governed=False, clock=clock) as renderer:
         for tick in range(TICKS):
             t = clock.time = tick * renderer.period
@@ -49,6 +49,6 @@ def picture(array: Array, name: str) -> Figure:
     if all(item.technique.still for item in scene.objects):
         samples, gains = felt[-1], sounding[-1]
     else:
-        samples, gains = joined(felt[-TURN:]), np.array(emitted[-TURN:])
+        samples, gains = join_samples(felt[-TURN:]), np.array(emitted[-TURN:])
     title = f"{name}: {at.__doc__}".rstrip(".")
     return plot.scene(array, scene, samples, gains, t=t, title=title)

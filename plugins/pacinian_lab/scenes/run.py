@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.demo import alternate
@@ -18,7 +18,7 @@ from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.solving.felt import Felt
+from pacinian.solving.felt import FeltRegion
 from pacinian_lab.regions.skin import felt_on_skin
 
 if TYPE_CHECKING:
@@ -92,10 +92,10 @@ class Look:
         q = self.samples.positions
         B = matrix(array, q, medium)
         if self.samples.capsules is not None:
-            facing = Facing(self.samples.normals, self.samples.capsules)
+            facing = SkinFacing(self.samples.normals, self.samples.capsules)
             B = B * facing.weights(q, array.positions)
         p = B @ self.sounding.T
-        return self.targets.miss(np.sqrt((np.abs(p) ** 2).mean(axis=1)))
+        return self.targets.relative_error(np.sqrt((np.abs(p) ** 2).mean(axis=1)))
 
 
 class Run:
@@ -175,7 +175,7 @@ class Run:
         found = [felt for felt in every if felt is not None]
         if not found:
             return None
-        return Felt(*np.median(np.array(found), axis=0).tolist())._asdict()
+        return FeltRegion(*np.median(np.array(found), axis=0).tolist())._asdict()
 
 
 def measure(array: Array, name: str, seconds: float) -> Row:

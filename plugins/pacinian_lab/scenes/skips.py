@@ -15,7 +15,7 @@ from pacinian.gallery import TREMBLE
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Particles, Point
-from pacinian.scene.sampling.distances import Distances
+from pacinian.scene.sampling.distances import DistanceCache
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes.mesh import Mesh
@@ -132,7 +132,7 @@ class Forgetful(Sampler):
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """As any, having forgotten."""
-        self._distances = Distances()
+        self._distances = DistanceCache()
         return super().sample(scene, t)
 
 

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from pacinian.plugins import registry
 from pacinian.serving.guard.process import ROUND
-from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.guard.watchdog import OutputGate
 from pacinian.serving.ipc import scheduling
 from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian.serving.settings import Settings
@@ -95,7 +95,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
     array, clock = settings.array.make(), ManualClock()
     backend = registry.backend("simulated", keep=1)
     backend.open(array)
-    guard = Guard(len(array), gain=1.0, stale=settings.safety.stale, clock=clock.now)
+    guard = OutputGate(len(array), gain=1.0, stale=settings.safety.stale, clock=clock.now)
     guard.take(backend, backend.capability)
     data = levels(array)
     found: list[float] = []
@@ -127,7 +127,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
 
 def _sleeps(count: int) -> list[float]:
     """How long the machine sleeps when it is asked for one round."""
-    scheduling.urgent(0)
+    scheduling.raise_priority(0)
     found: list[float] = []
     for _ in range(count):
         begin = time.perf_counter()

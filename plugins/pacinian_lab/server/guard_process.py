@@ -15,12 +15,12 @@ from pacinian.errors import ServerError
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
-    Device,
+    DeviceStatus,
     FrameHead,
     Permit,
-    frame_capacity,
+    compute_frame_capacity,
 )
-from pacinian.serving.ipc.shared_memory import Latest, folder
+from pacinian.serving.ipc.shared_memory import SharedRegister, folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,11 +48,11 @@ class GuardProcess:
         self._levels = levels(self._array)
         self._stack = ExitStack()
         self._folder = self._stack.enter_context(folder())
-        sizes = {**CAPACITIES, "frame": frame_capacity(len(self._array))}
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(self._array))}
         names = "permit", "frame", "orders", "device"
-        self._memory = {n: Latest.create(self._folder / n, sizes[n]) for n in names}
+        self._memory = {n: SharedRegister.create(self._folder / n, sizes[n]) for n in names}
         self._epoch = self._sequence = 0
-        told = child_process.Told(str(self._folder), settings)
+        told = child_process.LaunchConfig(str(self._folder), settings)
         if orphan:
             text = msgspec.json.encode(told).decode()
             self.process = subprocess.Popen([sys.executable, "-c", PARENT, text])
@@ -68,12 +68,12 @@ class GuardProcess:
             memory.close()
         self._stack.close()
 
-    def wait(self, so: Callable[[Device], bool]) -> Device:
+    def wait(self, so: Callable[[DeviceStatus], bool]) -> DeviceStatus:
         """Until the guard says so."""
         due = time.perf_counter() + LONG
         while time.perf_counter() < due:
             if (read := self._memory["device"].read()) is not None:
-                device = msgspec.msgpack.decode(read[1], type=Device)
+                device = msgspec.msgpack.decode(read[1], type=DeviceStatus)
                 if so(device):
                     return device
             time.sleep(LOOK)
@@ -83,7 +83,7 @@ class GuardProcess:
         """Write the permit of this epoch."""
         self._memory["permit"].write(Permit(1, until, self._epoch, stopped).pack())
 
-    def sound(self) -> tuple[Device, float]:
+    def sound(self) -> tuple[DeviceStatus, float]:
         """Arm, and wait for a frame to sound; how it is, and when the frame was written [s]."""
         device = self.wait(lambda device: device.generation > 0 and not device.sounding)
         self._epoch += 1
@@ -101,7 +101,7 @@ class GuardProcess:
             if device.sounding and prompt:
                 return device, now
 
-    def silent(self, reason: str, before: Device) -> float | None:
+    def silent(self, reason: str, before: DeviceStatus) -> float | None:
         """When it was silent for this reason, by the guard's clock [s]; None if it was for another."""
         after = self.wait(lambda device: device.silences > before.silences)
         counted = after.reasons.get(reason, 0) > before.reasons.get(reason, 0)

@@ -177,7 +177,7 @@ class Watcher:
 
 def main() -> None:
     """In its own process, until the parent has gone."""
-    scheduling.urgent()  # it measures: what it waits for is to be the server
+    scheduling.raise_priority()  # it measures: what it waits for is to be the server
     context = zmq.Context[Any]()
     watcher = Watcher(context, worker_process.read_task(Watch))
     worker_process.answer(Watch("", ""))

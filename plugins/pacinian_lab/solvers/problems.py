@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -51,13 +51,13 @@ class Problem:
     @classmethod
     def make(cls, units: int, count: int, level: float, seed: int) -> Problem:
         """`count` points, 0.3..1 in proportion, at `level`. Raises ArgumentError."""
-        side = math.isqrt(integer("units", units, low=1))
+        side = math.isqrt(check_integer("units", units, low=1))
         if side * side != units:
             raise ArgumentError("units", f"must be a square number (1, 4, 9, ...), not {units}")
-        number("levels", level, low=0.0, above=True)
+        check_number("levels", level, low=0.0, above=True)
         r = autd(side, side).positions
         rng = np.random.default_rng(seed)
-        count = integer("points", count, low=1)
+        count = check_integer("points", count, low=1)
         q = np.c_[rng.uniform(-SIDE / 2, SIDE / 2, (count, 2)), np.full(count, DISTANCE)]
         t = rng.uniform(0.3, 1.0, count)
         t *= level * np.abs(matrix(r, q)).sum(axis=1).mean() / np.linalg.norm(t)

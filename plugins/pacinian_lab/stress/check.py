@@ -49,7 +49,7 @@ def check(case: Case, solver: Solver) -> Evidence:
             warnings.simplefilter("error")
             solution = case.solve(solver)
     except UnsupportedLimit as refusal:
-        told = {} if case.limits.asked - solver.keeps else {"raises": str(refusal)}
+        told = {} if case.limits.solver_limits - solver.keeps else {"raises": str(refusal)}
         return Evidence(case.name, name, told)
     except Exception as error:  # whatever a solver raises is the finding
         right = case.refused is not None and isinstance(error, case.refused)
@@ -83,7 +83,7 @@ def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float
 
 def _comparable(case: Case, near: Near, solution: Solution) -> bool:
     """Whether `near` says anything of this problem."""
-    plain = case.limits.power is None and not case.limits.asked and case.scale == "exact"
+    plain = case.limits.power is None and not case.limits.solver_limits and case.scale == "exact"
     given = solution.asked_phases is not None or not case.targets.free.any()
     phases = near.free or given or len(case.points) == 1
     done = solution.status is not Status.deadline and not solution.late

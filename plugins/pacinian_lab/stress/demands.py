@@ -86,7 +86,7 @@ def limits() -> Iterator[Case]:
                 name = f"limits: {kind}, level {level:g}, {what}"
                 case = Case(name, SMALL, q, t, phases, Limits(**given))
                 yield case
-                if not case.limits.asked:
+                if not case.limits.solver_limits:
                     yield replace(case, name=f"{name}, max", scale="max")
     few = Array(SMALL.positions[:9])
     for what, phases in {**PHASES, "half free": half(8)}.items():

@@ -12,7 +12,15 @@ from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.errors import PointOnTransducer
 from pacinian.solving.problem import BESIDE, ISOLATED, Limits
-from pacinian.testing.shapes import Shape, finger, line, of, points, ring, square
+from pacinian.testing.shapes import (
+    Shape,
+    make_finger,
+    make_line,
+    make_points,
+    make_ring,
+    make_square,
+    of,
+)
 from pacinian_lab.stress.asking import HEIGHT, NO_LIMIT, SMALL, asked, scattered
 from pacinian_lab.stress.case import Case
 
@@ -42,31 +50,33 @@ def regions() -> Iterator[Case]:
 @functools.cache
 def shapes() -> dict[str, Shape]:
     """Regions by name."""
-    disc, four, right = ring(0.0, 0.006), square(4), np.array([1.0, 0.0, 0.0])
+    disc, four, right = make_ring(0.0, 0.006), make_square(4), np.array([1.0, 0.0, 0.0])
     alone, lone = scattered(3, seed=1, height=0.11), np.full(3, ISOLATED)
-    around = ring(0.012, 0.016)
+    around = make_ring(0.012, 0.016)
     mixed = of(disc, four + 0.02 * right)
-    upright = points(four[:, 0], 0.002, HEIGHT + four[:, 1])
+    upright = make_points(four[:, 0], 0.002, HEIGHT + four[:, 1])
     return {
-        "a line": of(line(9)),
-        "a square": of(square(5)),
-        "half of a cylinder": of(finger()),
-        "a disc in a ring": of(ring(0.0, 0.004), ring(0.009, 0.012)),
+        "a line": of(make_line(9)),
+        "a square": of(make_square(5)),
+        "half of a cylinder": of(make_finger()),
+        "a disc in a ring": of(make_ring(0.0, 0.004), make_ring(0.009, 0.012)),
         "touching": of(four - 0.006 * right, four + 0.006 * right),
         "sharing an edge": of(four - 0.0045 * right, four + 0.0045 * right),
         "overlapping": of(four, four + 0.00451 * right),
         "the same samples twice": of(disc, disc),
         "each sample twice": of(np.repeat(disc, 2, axis=0)),
         "each sample twice, 1e-9 m apart": of(np.concatenate([disc, disc + 1e-9 * right])),
-        "1e-5 m apart": of(square(6, spacing=1e-5)),
+        "1e-5 m apart": of(make_square(6, spacing=1e-5)),
         "one sample": of(disc[:1]),
-        "two samples": of(line(2)),
+        "two samples": of(make_line(2)),
         "two samples in one place": of(np.repeat(disc[:1], 2, axis=0)),
-        "two samples a wavelength apart": of(line(2, spacing=0.0085)),
+        "two samples a wavelength apart": of(make_line(2, spacing=0.0085)),
         "all in one place": of(np.repeat(disc[:1], 40, axis=0)),
         "one behind another": of(disc, disc + np.array([0.0, 0.0, 0.0085])),
         "upright": of(upright),
-        "of uneven spacing": of(np.concatenate([square(5), square(4, 0.035, spacing=0.0085)])),
+        "of uneven spacing": of(
+            np.concatenate([make_square(5), make_square(4, 0.035, spacing=0.0085)])
+        ),
         "every sample a region": of(*(q[None] for q in disc)),
         "with isolated points": Shape(
             np.concatenate([mixed.points, alone]), np.append(mixed.regions, lone)
@@ -97,7 +107,7 @@ def _four(what: str, shape: Shape) -> Iterator[Case]:
 
 def _awkward_places() -> Iterator[Case]:
     """Behind the array, in its plane, on it, 10 m wide."""
-    four, even = square(4), Air(attenuation="none")
+    four, even = make_square(4), Air(attenuation="none")
     unit, below = autd(), [1.0, 1.0, -1.0]
     sides = four * np.where(np.arange(16)[:, None] < 8, 1.0, below)
     for what, q in (("behind", four * below), ("half behind", sides)):
@@ -109,7 +119,7 @@ def _awkward_places() -> Iterator[Case]:
     yield _case("before and behind", Shape(both, np.zeros(32, np.int64)))
     over = SMALL.positions[14]  # a transducer, half way between two of these samples
     for above in (0.0, 1.1e-6, 1e-4, 1e-3):
-        flat = over + square(4, z=above)
+        flat = over + make_square(4, z=above)
         case = _case(f"{above:g} m above the plane", of(flat))
         case = replace(case, amplitudes=np.full(16, 20.0))
         yield case
@@ -122,7 +132,7 @@ def _awkward_places() -> Iterator[Case]:
     yield replace(case, name=f"{case.name}, no attenuation", medium=even)
     wide = np.stack(np.meshgrid(*[np.linspace(-5.0, 5.0, 6)] * 2), axis=-1).reshape(-1, 2)
     yield from _four("10 m wide", of(np.c_[wide, np.full(36, 0.5)]))
-    yield _case("a line 10 m long", of(line(41, spacing=0.25)))
+    yield _case("a line 10 m long", of(make_line(41, spacing=0.25)))
 
 
 def _strengths() -> Iterator[Case]:
@@ -177,7 +187,7 @@ def _limits() -> Iterator[Case]:
         for level in (0.3, 3.0):
             case = replace(_case(f"{kind}, level {level:g}", shape, level), limits=Limits(**given))
             yield case
-            if not case.limits.asked and (case.limits.gain or case.limits.power):
+            if not case.limits.solver_limits and (case.limits.gain or case.limits.power):
                 yield replace(case, name=f"{case.name}, max", scale="max")
     M = len(shape.points)
     tilt = 100.0 * shape.points[:, 0]
@@ -201,7 +211,7 @@ def _limits() -> Iterator[Case]:
 
 def _sessions() -> Iterator[Case]:
     """Sessions in which samples move, come and go, regions split, merge, and are numbered anew."""
-    wide, disc = square(7), ring(0.0, 0.006)
+    wide, disc = make_square(7), make_ring(0.0, 0.006)
     M, whole = len(wide), np.zeros(len(wide), np.int64)
     halves = np.where(wide[:, 0] > 0.0, 1, 0)
     right = np.array([1.0, 0.0, 0.0])
@@ -236,10 +246,10 @@ def _sessions() -> Iterator[Case]:
 def _many() -> Iterator[Case]:
     """A thousand samples."""
     for what, shape in (
-        ("a square", of(square(32, spacing=0.00125))),
-        ("a line", of(line(1000, spacing=3e-5))),
-        ("one place", of(np.repeat(square(1), 1000, axis=0))),
-        ("one each", of(*(q[None] for q in square(32, spacing=0.00125)))),
+        ("a square", of(make_square(32, spacing=0.00125))),
+        ("a line", of(make_line(1000, spacing=3e-5))),
+        ("one place", of(np.repeat(make_square(1), 1000, axis=0))),
+        ("one each", of(*(q[None] for q in make_square(32, spacing=0.00125)))),
     ):
         for deadline in (0.0, 0.05, 3.0):
             case = _case(f"{len(shape.points)} samples, {what}, {deadline:g} s", shape, 3.0)

@@ -112,11 +112,11 @@ def drift(updates: int, points: int = 8) -> Evidence:
     for n in range(1, updates + 1):
         q = q.copy()
         q[rng.integers(points)] = rng.uniform((-0.05, -0.05, 0.05), (0.05, 0.05, 0.15))
-        kept.place(q)
+        kept.set_points(q)
         G = kept.gram
         if n % max(1, updates // LOOKS) == 0:
             new = Propagator(array, air)
-            new.place(q)
+            new.set_points(q)
             worst = max(worst, float(np.abs(G - new.gram).max()) / new.power)
             if not np.array_equal(kept.B, new.B):
                 broken["drift"] = f"B differs after {n} moves"

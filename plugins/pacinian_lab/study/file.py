@@ -10,9 +10,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.propagation import Precision
-from pacinian.checks import integer, length, number
+from pacinian.checks import check_integer, check_length, check_number
 from pacinian.devices.description import Element, Steps
-from pacinian.documents import decoded, json_schema
+from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.scene.file import Medium
@@ -43,7 +43,7 @@ class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         if self.phases is not None:
-            number("phases", self.phases)
+            check_number("phases", self.phases)
         for name, value in self.options.items():
             if value == ():
                 raise ArgumentError(f"options.{name}", "is swept over nothing: give a value")
@@ -73,8 +73,8 @@ class Picture(Struct, frozen=True, forbid_unknown_fields=True):
     step: float = 0.002
 
     def __post_init__(self) -> None:
-        length("side", self.side)
-        length("step", self.step)
+        check_length("side", self.side)
+        check_length("step", self.step)
         if not 3 <= self.side / self.step <= LONGEST:
             raise ArgumentError("step", f"must make 3 to {LONGEST} pixels along the side")
 
@@ -107,10 +107,10 @@ class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
                 raise ArgumentError(name, "must not be empty: there would be nothing to do")
         for i, level in enumerate(self.levels):
             if level != math.inf:
-                number(f"levels[{i}]", level, low=0.0, above=True)
-        integer("seed", self.seed, low=0)
+                check_number(f"levels[{i}]", level, low=0.0, above=True)
+        check_integer("seed", self.seed, low=0)
         if self.gain != math.inf:
-            number("gain", self.gain, low=1e-6, high=1e6)
+            check_number("gain", self.gain, low=1e-6, high=1e6)
             if self.emitted is not None and self.gain > 1.0:
                 raise ArgumentError("gain", "must be at most 1 where `emitted` is given")
         elif self.emitted is not None or math.inf in self.levels:
@@ -131,7 +131,7 @@ def read(path: str | Path) -> Study:
     Raises SceneFileError, which names the file, the key and the fix.
     """
     path = Path(path)
-    study = decoded(path, Study)
+    study = decode_document(path, Study)
     layouts = [a.found(path.parent) if isinstance(a, Device) else a for a in study.layouts]
     return replace(study, layouts=tuple(layouts))
 

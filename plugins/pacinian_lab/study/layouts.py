@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import integer, length, number
+from pacinian.checks import check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 from pacinian_lab.study import arrangements
@@ -48,7 +48,7 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
 
     def __post_init__(self) -> None:
         each("bowl", self.bowl, _length_or_none)
-        each("fold", self.fold, lambda n, v: number(n, v, low=-90.0, high=90.0))
+        each("fold", self.fold, lambda n, v: check_number(n, v, low=-90.0, high=90.0))
         each("facing", self.facing, _length_or_none)
         each("hinge", self.hinge, _axis)
 
@@ -98,7 +98,7 @@ class Spread(Layout, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("width", self.width, length)
+        each("width", self.width, check_length)
         each("height", self.height, _length_or_none)
 
     @property
@@ -146,7 +146,7 @@ class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
         super().__post_init__()
         each("count", self.count, _some)
         each("apart", self.apart, _length_or_none)
-        each("seed", self.seed, lambda n, v: integer(n, v, low=0))
+        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.scattered(*self.size, one(self.count), one(self.apart), rng)
@@ -161,7 +161,7 @@ class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
     def __post_init__(self) -> None:
         super().__post_init__()
         each("count", self.count, _some)
-        each("diameter", self.diameter, length)
+        each("diameter", self.diameter, check_length)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.sunflower(one(self.count), one(self.diameter))
@@ -175,7 +175,7 @@ class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("diameter", self.diameter, length)
+        each("diameter", self.diameter, check_length)
         each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
@@ -238,15 +238,15 @@ def _axis(name: str, value: str) -> None:
 
 
 def _some(name: str, value: float) -> None:
-    if integer(name, value, low=1) > MOST:
+    if check_integer(name, value, low=1) > MOST:
         raise ArgumentError(name, f"must be at most {MOST}, not {value}")
 
 
 def _pitch(name: str, value: float) -> None:
-    if length(name, value) < 1e-3:
+    if check_length(name, value) < 1e-3:
         raise ArgumentError(name, f"is {value:g} m: lengths are in metres")
 
 
 def _length_or_none(name: str, value: float) -> None:
-    if number(name, value, low=0.0):
-        length(name, value)
+    if check_number(name, value, low=0.0):
+        check_length(name, value)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import integer, length, number, numbers
+from pacinian.checks import check_integer, check_length, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian_lab.study.sweep import Count, Number, Word, each, one
 
@@ -65,7 +65,7 @@ class Circle(Pattern, frozen=True, tag="circle"):
     count: Count
 
     def __post_init__(self) -> None:
-        each("radius", self.radius, length)
+        each("radius", self.radius, check_length)
         each("count", self.count, _some)
 
     def _make(self, rng: np.random.Generator) -> Made:
@@ -84,7 +84,7 @@ class PointGrid(Pattern, frozen=True, tag="grid"):
     def __post_init__(self) -> None:
         each("columns", self.columns, _some)
         each("rows", self.rows, _some)
-        each("pitch", self.pitch, length)
+        each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> Made:
         counts = one(self.columns), one(self.rows)
@@ -102,8 +102,8 @@ class Letters(Pattern, frozen=True, tag="letters"):
 
     def __post_init__(self) -> None:
         each("text", self.text, _printable)
-        each("height", self.height, length)
-        each("dots", self.dots, lambda n, v: number(n, integer(n, v, low=5), high=64))
+        each("height", self.height, check_length)
+        each("dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64))
 
     def _make(self, rng: np.random.Generator) -> Made:
         dots = _dots(one(self.text), one(self.dots))
@@ -125,9 +125,9 @@ class RandomPoints(Pattern, frozen=True, tag="random"):
 
     def __post_init__(self) -> None:
         each("count", self.count, _some)
-        each("side", self.side, length)
-        each("low", self.low, lambda n, v: number(n, v, low=0.0, high=1.0, above=True))
-        each("seed", self.seed, lambda n, v: integer(n, v, low=0))
+        each("side", self.side, check_length)
+        each("low", self.low, lambda n, v: check_number(n, v, low=0.0, high=1.0, above=True))
+        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _make(self, rng: np.random.Generator) -> Made:
         half, count = one(self.side) / 2.0, one(self.count)
@@ -147,8 +147,8 @@ class Shape(Pattern, frozen=True, tag="shape"):
 
     def __post_init__(self) -> None:
         each("form", self.form, _form)
-        each("side", self.side, length)
-        each("pitch", self.pitch, length)
+        each("side", self.side, check_length)
+        each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> Made:
         side = one(self.side)
@@ -181,10 +181,10 @@ class Points(Pattern, frozen=True, tag="points"):
         self.make(np.random.default_rng(0))
 
     def _make(self, rng: np.random.Generator) -> Made:
-        uv = numbers("points", self.points, (None, 2))
+        uv = check_numbers("points", self.points, (None, 2))
         if not self.proportions:
             return uv, np.ones(len(uv))
-        share = numbers("proportions", self.proportions, (len(uv),))
+        share = check_numbers("proportions", self.proportions, (len(uv),))
         if share.min() < 0.0:
             raise ArgumentError("proportions", "must be 0 or more")
         return uv, share
@@ -222,5 +222,5 @@ def _form(name: str, form: str) -> None:
 
 
 def _some(name: str, value: float) -> None:
-    if integer(name, value, low=1) > MOST:
+    if check_integer(name, value, low=1) > MOST:
         raise ArgumentError(name, f"must be at most {MOST}, not {value}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import FAR, number
+from pacinian.checks import FAR, check_number
 from pacinian_lab.study.sweep import Number, each, one
 
 if TYPE_CHECKING:
@@ -36,9 +36,9 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "z"):
-            each(name, getattr(self, name), lambda n, v: number(n, v, low=-FAR, high=FAR))
+            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-FAR, high=FAR))
         for name in ("tilt", "azimuth"):
-            each(name, getattr(self, name), lambda n, v: number(n, v, low=-360.0, high=360.0))
+            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-360.0, high=360.0))
 
     @property
     def origin(self) -> Floats:

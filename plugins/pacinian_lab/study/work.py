@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pacinian.checks import integer
+from pacinian.checks import check_integer
 from pacinian_lab.study.file import Study, read
 from pacinian_lab.study.store import Folder, Table
 from pacinian_lab.study.tasks import Plan
@@ -42,7 +42,7 @@ def run(
     """
     plan = study if isinstance(study, Plan) else planned(study)
     if workers is not None:
-        integer("workers", workers, low=0)
+        check_integer("workers", workers, low=0)
     folder = Folder(Path(out))
     folder.open()
     batches = todo(plan, folder, retry=retry)

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import FAINT, QUARTER, Facing
-from pacinian.acoustics.propagation import Wave
-from pacinian.scene.hands.capsules import capsules
+from pacinian.acoustics.facing import FAINT, QUARTER, SkinFacing
+from pacinian.acoustics.propagation import KernelData
+from pacinian.scene.hands.capsules import make_capsules
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.hands.skin import skin_of
 
@@ -77,7 +77,7 @@ def test_weights_are_those_of_a_walk_along_each_capsule(seed: int) -> None:
     hand, q = rods(rng, 3), rng.uniform(-0.08, 0.08, (2, 3))
     n, r = directions(rng, 2), rng.uniform(-0.3, 0.3, (4, 3))
     edge = rng.uniform(0.001, 0.01)
-    w = Facing(n, hand, edge).weights(q, r)
+    w = SkinFacing(n, hand, edge).weights(q, r)
     exact = np.empty((2, 4))
     for m, k in np.ndindex(2, 4):
         cosine = (r[k] - q[m]) @ n[m] / np.linalg.norm(r[k] - q[m])
@@ -93,21 +93,21 @@ def test_a_convex_body_hides_nothing_from_its_own_outward_side(seed: int) -> Non
     hand = rods(rng, 1)
     q, n = on_skin(rng, hand, 8)
     r = rng.uniform(-0.4, 0.4, (50, 3))
-    bare = Facing(n).weights(q, r)
-    np.testing.assert_allclose(Facing(n, hand).weights(q, r), bare, atol=1e-9)
+    bare = SkinFacing(n).weights(q, r)
+    np.testing.assert_allclose(SkinFacing(n, hand).weights(q, r), bare, atol=1e-9)
     inside = q - hand[0, 6:].min() * rng.uniform(0.0, 0.9, (8, 1)) * n
-    bare = Facing(n).weights(inside, r)
-    np.testing.assert_allclose(Facing(n, hand).weights(inside, r), bare, atol=1e-9)
+    bare = SkinFacing(n).weights(inside, r)
+    np.testing.assert_allclose(SkinFacing(n, hand).weights(inside, r), bare, atol=1e-9)
 
 
 def test_what_is_behind_a_hand_or_beyond_the_transducers_does_not_count_or_matter() -> None:
     wall = [[-1.0, 0.0, 0.1, 1.0, 0.0, 0.1, 0.01, 0.01]]
     q, up, down = np.zeros((1, 3)), [[0.0, 0.0, 1.0]], [[0.0, 0.0, -1.0]]
     r = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.05], [0.0, 0.2, 0.2], [0.0, 0.0, -0.2]])
-    np.testing.assert_allclose(Facing(up, wall).weights(q, r), [[0, 1, np.sqrt(0.5), 0]])
-    np.testing.assert_allclose(Facing(down, wall).weights(q, r), [[0, 0, 0, 1]])
-    np.testing.assert_allclose(Facing([[0.0, 0.0, 0.0]], wall).weights(q, r), [[0, 1, 1, 1]])
-    np.testing.assert_allclose(Facing(up, wall).arriving(q, r), [[0, 1, 1, 0]])
+    np.testing.assert_allclose(SkinFacing(up, wall).weights(q, r), [[0, 1, np.sqrt(0.5), 0]])
+    np.testing.assert_allclose(SkinFacing(down, wall).weights(q, r), [[0, 0, 0, 1]])
+    np.testing.assert_allclose(SkinFacing([[0.0, 0.0, 0.0]], wall).weights(q, r), [[0, 1, 1, 1]])
+    np.testing.assert_allclose(SkinFacing(up, wall).arriving(q, r), [[0, 1, 1, 0]])
 
 
 @given(seeds)
@@ -120,7 +120,7 @@ def test_weights_do_not_jump_as_a_capsule_moves(seed: int) -> None:
     r = rng.uniform(-0.4, 0.4, (50, 3))
     step = rng.normal(0.0, 1e-4, 3)
     moved = hand + np.r_[step, step, 0.0, 0.0]
-    change = np.abs(Facing(n, hand).weights(q, r) - Facing(n, moved).weights(q, r))
+    change = np.abs(SkinFacing(n, hand).weights(q, r) - SkinFacing(n, moved).weights(q, r))
     assert change.max() <= 3.0 * np.linalg.norm(step) / QUARTER + 1e-9
 
 
@@ -133,26 +133,26 @@ def test_only_samples_said_to_have_moved_have_other_weights(seed: int) -> None:
     other, turned = hand.copy(), n.copy()
     other[rng.integers(4)] += 0.01 * rng.normal(size=8) ** 2
     turned[rng.integers(12)] *= -1.0
-    before = Facing(n, hand)
+    before = SkinFacing(n, hand)
     for after in (
-        Facing(n, other), Facing(turned, hand), Facing(n, hand[:3]), Facing(n),
-        Facing(n, hand, 0.01), Facing(n, hand),
+        SkinFacing(n, other), SkinFacing(turned, hand), SkinFacing(n, hand[:3]), SkinFacing(n),
+        SkinFacing(n, hand, 0.01), SkinFacing(n, hand),
     ):  # fmt: skip
         r = ARRAY.positions[::9] + np.array([0.0, 0.0, 0.2])
         same = (before.weights(q, r) == after.weights(q, r)).all(axis=1)
         assert (same | after.moved(before, q)).all()
-    assert not Facing(n, hand).moved(before, q).any()
+    assert not SkinFacing(n, hand).moved(before, q).any()
 
 
-def in_single(array: pc.Array, facing: Facing, q: np.ndarray) -> np.ndarray:
+def in_single(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> np.ndarray:
     """B weighted by the kernel."""
-    wave, out = Wave.prepare(array, pc.Air()), np.empty((len(q), len(array)), np.complex64)
+    wave, out = KernelData.prepare(array, pc.Air()), np.empty((len(q), len(array)), np.complex64)
     wave.matrix(q, out)
     facing.weigh(q, wave, np.arange(len(q)), out)
     return out
 
 
-def agree(array: pc.Array, facing: Facing, q: np.ndarray) -> None:
+def agree(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> None:
     """The kernel's B is the reference's to 1e-4 of its largest element."""
     B = pc.matrix(array, q)
     exact = facing.weights(q, array.positions) * B
@@ -170,7 +170,7 @@ def test_the_kernel_is_the_reference(seed: int, count: int) -> None:
     pose = pc.Pose.turned(axis, rng.uniform(-180, 180), rng.uniform(-0.3, 0.3, 3))
     array = ARRAY.moved(pose)
     if np.linalg.norm(q[:, None] - array.positions, axis=2).min() > 0.03:
-        agree(array, Facing(n, hand), q)
+        agree(array, SkinFacing(n, hand), q)
 
 
 @pytest.mark.parametrize(("turn", "away"), [(0.0, 0.0), (70.0, 1000.0), (180.0, 0.0)])
@@ -180,10 +180,10 @@ def test_the_kernel_is_the_reference_on_a_hand(turn: float, away: float) -> None
     hand = Hand.open(pose=pc.Pose.turned("y", turn, (0.02, 0.0, 0.2))).moved(shift)
     skin = skin_of(hand).place(hand)
     q, n = skin.points[:80], skin.normals[:80]
-    facing = Facing(n, capsules(hand))
+    facing = SkinFacing(n, make_capsules(hand))
     agree(array.moved(shift), facing, q)
     r = array.moved(shift).positions
-    assert 0.5 < facing.weights(q, r).sum() / Facing(n).weights(q, r).sum() < 0.999
+    assert 0.5 < facing.weights(q, r).sum() / SkinFacing(n).weights(q, r).sum() < 0.999
 
 
 def test_moving_and_turning_everything_changes_nothing() -> None:
@@ -191,8 +191,8 @@ def test_moving_and_turning_everything_changes_nothing() -> None:
     hand = Hand.open(pose=pc.Pose((0.0, 0.0, 0.2)))
     skin = skin_of(hand).place(hand)
     q, n = skin.points[:60], skin.normals[:60]
-    w = Facing(n, capsules(hand)).weights(q, ARRAY.positions)
-    moved = Facing(pose.directions(n), capsules(hand.moved(pose)))
+    w = SkinFacing(n, make_capsules(hand)).weights(q, ARRAY.positions)
+    moved = SkinFacing(pose.directions(n), make_capsules(hand.moved(pose)))
     there = moved.weights(pose.points(q), pose.points(ARRAY.positions))
     np.testing.assert_allclose(there, w, atol=1e-9)
 
@@ -200,7 +200,7 @@ def test_moving_and_turning_everything_changes_nothing() -> None:
 def test_a_sample_that_faces_nothing_has_a_row_of_zeros() -> None:
     array = pc.Array([[0.0, 0.0, 0.0]])
     n = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [1.0, 0.0, -5e-4], [1.0, 0.0, -2e-3]])
-    facing, q = Facing(n), np.array([[0.0, 0.0, 0.2]] * 4)
+    facing, q = SkinFacing(n), np.array([[0.0, 0.0, 0.2]] * 4)
     for B in (in_single(array, facing, q), facing.weights(q, array.positions)):
         np.testing.assert_array_equal(B[:, 0] != 0.0, [True, False, False, True])
 
@@ -208,7 +208,7 @@ def test_a_sample_that_faces_nothing_has_a_row_of_zeros() -> None:
 def test_only_the_rows_named_are_weighed() -> None:
     rng = np.random.default_rng(0)
     q, n = rng.uniform((-0.05, -0.05, 0.15), (0.05, 0.05, 0.25), (4, 3)), directions(rng, 4)
-    wave, facing = Wave.prepare(ARRAY, pc.Air()), Facing(n, rods(rng, 5) + 0.1)
+    wave, facing = KernelData.prepare(ARRAY, pc.Air()), SkinFacing(n, rods(rng, 5) + 0.1)
     for dtype in (np.complex64, np.complex128):
         out = np.ones((4, len(ARRAY)), dtype)
         facing.weigh(q[[2, 0]], wave, np.array([2, 0]), out)
@@ -235,16 +235,16 @@ def test_only_the_rows_named_are_weighed() -> None:
 )
 def test_a_bad_argument_is_named(argument: str, call: dict[str, object]) -> None:
     with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
-        Facing(**({"normals": [[0.0, 0.0, 1.0]]} | call))  # type: ignore[arg-type]
+        SkinFacing(**({"normals": [[0.0, 0.0, 1.0]]} | call))  # type: ignore[arg-type]
 
 
 def test_what_the_caller_does_later_changes_nothing() -> None:
     n, c = np.array([[0.0, 0.0, 1.0]]), np.ones((1, 8)) * 0.01
-    facing = Facing(n, c)
+    facing = SkinFacing(n, c)
     n[:], c[:] = 9.0, 9.0
     np.testing.assert_array_equal(facing.normals, [[0.0, 0.0, 1.0]])
     assert facing.capsules.max() == 0.01
     with pytest.raises(ValueError, match="read-only"):
         facing.normals[:] = 0.0
     assert len(facing) == 1
-    assert len(Facing(np.empty((0, 3)))) == 0
+    assert len(SkinFacing(np.empty((0, 3)))) == 0

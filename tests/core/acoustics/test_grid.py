@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics import grid
-from pacinian.acoustics.grid import Grid
+from pacinian.acoustics.grid import InterpolatedField
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
@@ -22,7 +22,7 @@ LIVE = pc.Array(
     UNIT.positions, UNIT.normals, pc.IDEAL, np.exp(1j * np.linspace(0.0, 6.0, len(UNIT)))
 )
 AIRS = pc.Air(), pc.Air(attenuation="absorbing", temperature=40.0)
-PLANE = Grid((-0.1, 0.0, 0.1), ((0.002, 0.0, 0.0), (0.0, 0.0, 0.002)), (100, 100))
+PLANE = InterpolatedField((-0.1, 0.0, 0.1), ((0.002, 0.0, 0.0), (0.0, 0.0, 0.002)), (100, 100))
 
 
 def focused(array: pc.Array, point: Any) -> Complexes:
@@ -30,12 +30,14 @@ def focused(array: pc.Array, point: Any) -> Complexes:
     return np.asarray(np.exp(-1j * phases))
 
 
-def plane(centre: Any, turn: Any, side: float, count: int) -> Grid:
+def plane(centre: Any, turn: Any, side: float, count: int) -> InterpolatedField:
     """A square slice with any orientation."""
     axes = np.linalg.qr(np.array(turn).reshape(3, 3) + np.eye(3))[0]
     steps = axes[:2] * side / (count - 1)
     first = np.array(centre) - (count - 1) / 2.0 * steps.sum(axis=0)
-    return Grid(tuple(first.tolist()), tuple(map(tuple, steps.tolist())), (count, count))
+    return InterpolatedField(
+        tuple(first.tolist()), tuple(map(tuple, steps.tolist())), (count, count)
+    )
 
 
 def squares(p: Any) -> Floats:
@@ -81,7 +83,9 @@ def test_a_slice_through_a_focus_takes_less_than_half_of_the_points(
 
     monkeypatch.setattr(grid, "field", counts)
     g = focused(array, (0.0, 0.0, 0.3))
-    where = Grid((-0.1, 0.0, 0.2), ((0.0016, 0.0, 0.0), (0.0, 0.0, 0.0016)), (126, 126))
+    where = InterpolatedField(
+        (-0.1, 0.0, 0.2), ((0.0016, 0.0, 0.0), (0.0, 0.0, 0.0016)), (126, 126)
+    )
     found = where.field(array, g, pc.Air())
     assert found is not None
     assert sum(counted) < 126 * 126 / 2
@@ -93,7 +97,7 @@ def test_a_volume_and_a_line_are_grids_too() -> None:
     g = focused(UNIT, (0.0, 0.0, 0.2))
     steps = (0.0004, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0004)
     for axes in (1, 3):
-        where = Grid((-0.01, -0.01, 0.19), steps[:axes], (60,) * axes)
+        where = InterpolatedField((-0.01, -0.01, 0.19), steps[:axes], (60,) * axes)
         assert where.points.shape == (60,) * axes + (3,)
         found = where.field(UNIT, g, pc.Air())
         assert found is not None
@@ -109,12 +113,12 @@ def test_detail_that_the_nodes_miss_is_noticed() -> None:
     assert on.field(UNIT, g, pc.Air()) is None
     piston = pc.Array(UNIT.positions, UNIT.normals, pc.T4010A1)
     edge = PLANE.points[:, :, 2].min() - 0.15  # sound ends behind the array
-    behind = Grid((-0.1, 0.3, edge), PLANE.steps, PLANE.shape)
+    behind = InterpolatedField((-0.1, 0.3, edge), PLANE.steps, PLANE.shape)
     assert behind.field(piston, g, pc.Air()) is None
 
 
 def test_few_points_and_silence_are_not_worth_it() -> None:
-    few = Grid((0.0, 0.0, 0.1), PLANE.steps, (20, 20))
+    few = InterpolatedField((0.0, 0.0, 0.1), PLANE.steps, (20, 20))
     assert few.field(UNIT, np.ones(len(UNIT)), pc.Air()) is None
     assert PLANE.field(UNIT, np.zeros(len(UNIT)), pc.Air()) is None
     with pytest.raises(pc.ArgumentError, match="gains"):

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.client import link
 from pacinian.client.timing import Timing, Trips
-from pacinian.client.watching import PASSES, newest
-from pacinian.solving.felt import Felt
+from pacinian.client.watching import PASSES, read_newest
+from pacinian.solving.felt import FeltRegion
 from pacinian.wire.bulk import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.state import STATE
@@ -102,7 +102,7 @@ class Stream:
 def test_where_states_come_without_end_the_first_fresh_one_is_taken(
     ages: tuple[float, ...], read: int
 ) -> None:
-    seen = newest(Stream(*ages), lambda state: -state.time)  # type: ignore[arg-type]
+    seen = read_newest(Stream(*ages), lambda state: -state.time)  # type: ignore[arg-type]
     assert seen is not None
     assert seen.sequence == read
 
@@ -110,7 +110,7 @@ def test_where_states_come_without_end_the_first_fresh_one_is_taken(
 def test_what_is_felt_of_regions_is_told_by_name() -> None:
     felt = pack([[np.nan] * 4, [0.5, 0.25, 0.125, 1.5]])
     told = pc.Client.felt(state(output="sounding", objects=("point", "ball"), felt=felt))
-    assert told == {"ball": Felt(0.5, 0.25, 0.125, 1.5)}
+    assert told == {"ball": FeltRegion(0.5, 0.25, 0.125, 1.5)}
     assert pc.Client.felt(state(output="silent", objects=("point", "ball"), felt=felt)) == {}
     assert pc.Client.felt(state(output="sounding")) == {}
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.devices.holders import holders
+from pacinian.devices.holders import find_users
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,9 +30,9 @@ def test_they_are_told_by_name_and_number_where_that_can_be_known(tmp_path: Path
     process(tmp_path, 7, NODE, NODE)
     (tmp_path / "99").mkdir()  # it has ended since
     (tmp_path / "uptime").write_text("1 1\n")
-    assert holders(NODE, tmp_path) == "program7 (7), program345 (345)"
-    assert holders("/dev/bus/usb/001/003", tmp_path) == ""
-    assert holders(NODE, tmp_path / "none") == ""  # not Linux
+    assert find_users(NODE, tmp_path) == "program7 (7), program345 (345)"
+    assert find_users("/dev/bus/usb/001/003", tmp_path) == ""
+    assert find_users(NODE, tmp_path / "none") == ""  # not Linux
 
 
 def test_a_link_to_the_device_is_the_device(tmp_path: Path) -> None:
@@ -40,12 +40,12 @@ def test_a_link_to_the_device_is_the_device(tmp_path: Path) -> None:
     device.touch()
     name.symlink_to(device)
     process(tmp_path / "proc", 5, str(device))
-    assert holders(name, tmp_path / "proc") == "program5 (5)"
+    assert find_users(name, tmp_path / "proc") == "program5 (5)"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells")
 def test_a_real_process_is_found_also_this_one(tmp_path: Path) -> None:
     path = tmp_path / "device"
     with path.open("w"):
-        assert f"({os.getpid()})" in holders(path)
-    assert holders(path) == ""
+        assert f"({os.getpid()})" in find_users(path)
+    assert find_users(path) == ""

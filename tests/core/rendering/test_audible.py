@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.audible import audible, envelope, weighting
-from pacinian.rendering.smooth import Smoother, Smoothing
+from pacinian.rendering.audible import compute_envelope, measure_audible, weigh_a
+from pacinian.rendering.smooth import SlewRateLimiter, Smoothing
 
 bounded = settings(max_examples=30)
 FS = 96_000.0
@@ -33,26 +33,26 @@ def focused(x: float) -> Any:
 def test_a_sine_has_half_the_square_of_its_depth(frequency: float, depth: float) -> None:
     energy = depth**2 / 2.0
     expected = 10.0 * np.log10(energy / (1.0 + energy))
-    level = audible(wave(frequency, depth), FS)
+    level = measure_audible(wave(frequency, depth), FS)
     assert level == pytest.approx(expected, abs=1e-3)
-    weighted = audible(wave(frequency, depth), FS, weighted=True)
-    assert weighted - level == pytest.approx(weighting(np.array([frequency]))[0], abs=0.2)
+    weighted = measure_audible(wave(frequency, depth), FS, weighted=True)
+    assert weighted - level == pytest.approx(weigh_a(np.array([frequency]))[0], abs=0.2)
 
 
 def test_loudness_is_no_matter() -> None:
     e = wave(500.0, 0.3)
-    np.testing.assert_allclose(audible(1e6 * e, FS), audible(e, FS))
+    np.testing.assert_allclose(measure_audible(1e6 * e, FS), measure_audible(e, FS))
 
 
 @pytest.mark.parametrize("weighted", [False, True])
 def test_what_stays_the_same_is_not_heard(weighted: bool) -> None:
-    assert (audible(np.full((4800, 3), 7.0), FS, weighted=weighted) == -np.inf).all()
-    assert (audible(np.zeros((4800, 1)), FS, weighted=weighted) == -np.inf).all()
+    assert (measure_audible(np.full((4800, 3), 7.0), FS, weighted=weighted) == -np.inf).all()
+    assert (measure_audible(np.zeros((4800, 1)), FS, weighted=weighted) == -np.inf).all()
 
 
 @pytest.mark.parametrize("frequency", [8.0, 30_000.0])
 def test_what_is_too_slow_or_too_fast_is_not_heard(frequency: float) -> None:
-    assert audible(wave(frequency, 1.0), FS)[0] < -60.0
+    assert measure_audible(wave(frequency, 1.0), FS)[0] < -60.0
 
 
 def test_the_weighting_is_the_standards() -> None:
@@ -63,12 +63,12 @@ def test_the_weighting_is_the_standards() -> None:
         -2.5, -4.3, -6.6, -9.3,
     ]  # fmt: skip
     exact = 1000.0 * 10.0 ** (np.arange(-19, 14) / 10.0)
-    np.testing.assert_allclose(weighting(exact), table, atol=0.06)
+    np.testing.assert_allclose(weigh_a(exact), table, atol=0.06)
 
 
 def test_frames_are_held_where_transducers_follow_at_once() -> None:
     gains = np.array([focused(x) for x in (0.0, 0.01, 0.02)])
-    e, sampling = envelope(gains, 1000.0, ARRAY, POINTS, bandwidth=None)
+    e, sampling = compute_envelope(gains, 1000.0, ARRAY, POINTS, bandwidth=None)
     assert sampling == FS
     p = gains @ pc.matrix(ARRAY, POINTS).T
     np.testing.assert_allclose(e, np.repeat(np.abs(p) ** 2, 96, axis=0))
@@ -77,14 +77,14 @@ def test_frames_are_held_where_transducers_follow_at_once() -> None:
 def test_points_may_move_with_the_frames() -> None:
     gains = np.array([focused(x) for x in (0.0, 0.01, 0.02)])
     path = np.array([[[x, 0.0, 0.1]] for x in (0.0, 0.01, 0.02)])
-    e, _ = envelope(gains, 48_000.0, ARRAY, path, bandwidth=None)
+    e, _ = compute_envelope(gains, 48_000.0, ARRAY, path, bandwidth=None)
     p = [pc.matrix(ARRAY, q) @ g for q, g in zip(path, gains, strict=True)]
     np.testing.assert_allclose(e, np.repeat(np.abs(p) ** 2, 2, axis=0))
 
 
 def test_a_reversed_phase_makes_a_dip_as_long_as_the_transducers_take() -> None:
     g = focused(0.0)
-    e, sampling = envelope(np.array([g, -g]), 200.0, ARRAY, POINTS[:1])
+    e, sampling = compute_envelope(np.array([g, -g]), 200.0, ARRAY, POINTS[:1])
     tau = np.sqrt(3.0) / (np.pi * 2000.0)
     t = np.arange(len(e) // 2) / sampling
     expected = np.abs(pc.matrix(ARRAY, POINTS[:1]) @ g) ** 2 * (2.0 * np.exp(-t / tau) - 1.0) ** 2
@@ -93,8 +93,8 @@ def test_a_reversed_phase_makes_a_dip_as_long_as_the_transducers_take() -> None:
 
 def test_at_the_edge_of_the_bandwidth_transducers_give_half() -> None:
     turning = np.exp(2j * np.pi * 1000.0 * np.arange(2000) / FS)[:, None] * focused(0.0)
-    slow, _ = envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=2000.0)
-    quick, _ = envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=None)
+    slow, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=2000.0)
+    quick, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=None)
     assert np.sqrt(slow[-1] / quick[-1]) == pytest.approx(0.5, rel=0.02)
 
 
@@ -102,18 +102,23 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
     rng = np.random.default_rng(1)
     gains = np.array([focused(x) for x in 2e-4 * np.sin(np.arange(300) / 30.0)])
     gains *= np.exp(2j * np.pi * rng.random((300, 1)))
-    smoother, rows = Smoother(Smoothing(), len(ARRAY)), np.empty((300, len(ARRAY)), np.complex64)
+    smoother, rows = (
+        SlewRateLimiter(Smoothing(), len(ARRAY)),
+        np.empty((300, len(ARRAY)), np.complex64),
+    )
     smoother.follow(gains.astype(np.complex64), 1e-3, rows)
     ear = np.array([[0.0, -0.5, 0.1]])
     for points in (POINTS[:1], ear):
         jumping, aligned = (
-            audible(*envelope(g, 1000.0, ARRAY, points), weighted=True)[0]
+            measure_audible(*compute_envelope(g, 1000.0, ARRAY, points), weighted=True)[0]
             for g in (gains, rows[10:])
         )
         assert jumping > -15.0
         assert aligned < -50.0
         # |p|^2 alone knows nothing of a global phase: it is the transducers that are slow
-        instant = audible(*envelope(gains, 1000.0, ARRAY, points, bandwidth=None))[0]
+        instant = measure_audible(*compute_envelope(gains, 1000.0, ARRAY, points, bandwidth=None))[
+            0
+        ]
         assert instant < -40.0
 
 
@@ -131,4 +136,4 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
 def test_bad_arguments_are_refused_by_name(argument: str, change: dict[str, Any]) -> None:
     good = {"gains": np.ones((3, len(ARRAY))), "rate": 1000.0, "points": POINTS}
     with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        envelope(array=ARRAY, **(good | change))
+        compute_envelope(array=ARRAY, **(good | change))

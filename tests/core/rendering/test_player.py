@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.rendering import player as module
-from pacinian.rendering.player import Player
+from pacinian.rendering.player import Modulator
 from pacinian.rendering.smooth import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.shapes.curves import Circle, Line
@@ -40,7 +40,7 @@ class Loop:
         self.times = np.arange(rows) * self.gap
         self.sampler, self.ticks = pc.Sampler(), 0
         self.skipped: Counter[str] = Counter()
-        self.player = Player(
+        self.player = Modulator(
             pc.Session(ARRAY), self.times, self.gap, Smoothing(rate=rate), self.skipped
         )
 
@@ -206,12 +206,12 @@ def test_two_modulations_of_one_rhythm_are_known_after_one_period() -> None:
 
 
 def test_the_steps_that_are_kept_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "KEPT", 5 * 3 * ARRAY.positions.shape[0] * 8)
+    monkeypatch.setattr(module, "CACHE_BYTES", 5 * 3 * ARRAY.positions.shape[0] * 8)
     runs = point((0.0, 0.0, 0.15), technique=STM(frequency=25.0, along=Circle(0.02)))
     loop = Loop(pc.Scene((runs, point(RIGHT, envelope=pc.Sine(frequency=30.0)))))
     for _ in range(20):
         loop.tick()
-        assert sum(one.nbytes for one in loop.player._steps.values()) <= module.KEPT
+        assert sum(one.nbytes for one in loop.player._steps.values()) <= module.CACHE_BYTES
 
 
 QUIET = [[0.0, -0.05, 0.12], [0.0, -0.06, 0.12]]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.scene_log import Asked, Reader, Writer
+from pacinian.rendering.scene_log import Reader, TickInput, Writer
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
 from pacinian.scene.motion import Motion
@@ -114,7 +114,7 @@ class Wire:
         self.size = 0
 
     def through(self, scene: pc.Scene) -> pc.Scene:
-        new = self.writer.changes(Asked(scene, self.solver, self.limits))
+        new = self.writer.changes(TickInput(scene, self.solver, self.limits))
         packed = msgpack.packb(new)
         self.size = len(packed)
         return self.reader.next(msgpack.unpackb(packed, strict_map_key=False)).scene

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.smooth import Smoother, Smoothing
+from pacinian.rendering.smooth import SlewRateLimiter, Smoothing
 
 seeds = st.integers(0, 2**32 - 1)
 N, DT = 37, 0.5e-3
@@ -23,15 +23,15 @@ def drawn(seed: int, *shape: int, top: float = 1.0) -> Any:
     return (size * np.exp(2j * np.pi * rng.random(shape))).astype(np.complex64)
 
 
-def at(gains: Any, how: Smoothing = FREE) -> Smoother:
+def at(gains: Any, how: Smoothing = FREE) -> SlewRateLimiter:
     """A smoother that has given out `gains`, (N,)."""
-    smoother = Smoother(FREE, len(gains))
+    smoother = SlewRateLimiter(FREE, len(gains))
     smoother.follow(gains[None], DT, np.empty((1, len(gains)), np.complex64))
     smoother.settings = how
     return smoother
 
 
-def followed(smoother: Smoother, gains: Any, rows: int = 1) -> Any:
+def followed(smoother: SlewRateLimiter, gains: Any, rows: int = 1) -> Any:
     out = np.empty((rows, gains.shape[-1]), np.complex64)
     smoother.follow(np.ascontiguousarray(gains).reshape(-1, gains.shape[-1]), DT, out)
     return out
@@ -131,7 +131,7 @@ def test_the_output_goes_straight_and_settles_when_the_rate_allows(seed: int, ra
 
 def test_sound_ramps_up_from_silence_in_phase() -> None:
     gains = np.exp(1j * np.arange(N)).astype(np.complex64)
-    smoother = Smoother(Smoothing(rate=200.0), N)
+    smoother = SlewRateLimiter(Smoothing(rate=200.0), N)
     rows = followed(smoother, gains, rows=12)
     ramp = np.minimum(0.1 * np.arange(1, 13), 1.0)
     np.testing.assert_allclose(rows, ramp[:, None] * gains, atol=1e-5)
@@ -149,7 +149,7 @@ def test_what_is_weak_comes_and_goes_in_the_same_time_and_shape(
     weak = np.float32(quieter) * gains
     rows = []
     for g in (gains, weak):
-        smoother = Smoother(Smoothing(rate=rate), N)
+        smoother = SlewRateLimiter(Smoothing(rate=rate), N)
         rows.append(np.vstack([followed(smoother, to, rows=45) for to in (g, silence)]))
     np.testing.assert_allclose(rows[1], quieter * rows[0], rtol=1e-4, atol=1e-5 * quieter)
     assert not rows[0][-1].any()
@@ -171,7 +171,7 @@ def test_a_change_is_spread_evenly_over_its_rows(seed: int, span: int, rows: int
 
 def test_a_sound_that_is_going_to_be_loud_may_come_faster() -> None:
     for growth, share in ((1.0, 0.1), (3.0, 0.3)):
-        smoother, out = Smoother(Smoothing(rate=200.0), N), np.empty((1, N), np.complex64)
+        smoother, out = SlewRateLimiter(Smoothing(rate=200.0), N), np.empty((1, N), np.complex64)
         smoother.follow(drawn(3, 1, N), DT, out, 1, growth)
         np.testing.assert_allclose(
             np.abs(out[0]), share * np.abs(drawn(3, N)), rtol=0.05, atol=0.05
@@ -190,7 +190,7 @@ def test_after_a_rest_a_loud_sound_before_does_not_count() -> None:
 
 
 def test_silence_follows_silence() -> None:
-    smoother = Smoother(Smoothing(), N)
+    smoother = SlewRateLimiter(Smoothing(), N)
     assert not followed(smoother, np.zeros(N, np.complex64), rows=2).any()
     assert smoother.settled
 
@@ -269,10 +269,10 @@ def test_other_bad_arguments_are_refused_by_name() -> None:
     with pytest.raises(pc.ArgumentError, match=r"^`align` "):
         Smoothing(align="yes")
     with pytest.raises(pc.ArgumentError, match=r"^`columns` "):
-        Smoother(Smoothing(), 0)
+        SlewRateLimiter(Smoothing(), 0)
     with pytest.raises(pc.ArgumentError, match=r"^`settings` "):
-        Smoother(750.0, N)
-    smoother = Smoother(Smoothing(), N)
+        SlewRateLimiter(750.0, N)
+    smoother = SlewRateLimiter(Smoothing(), N)
     for gains, out in (((1, N + 1), (1, N)), ((3, N), (2, N)), ((1, 5), (1, 5)), ((1, N), (0, N))):
         with pytest.raises(pc.ArgumentError, match=r"^`gains` "):
             smoother.follow(np.zeros(gains, np.complex64), DT, np.zeros(out, np.complex64))

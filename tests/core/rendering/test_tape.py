@@ -4,11 +4,11 @@ import itertools
 
 import pytest
 
-from pacinian.rendering.tape import Tape
+from pacinian.rendering.tape import RecordingClock
 
 
-def tape() -> Tape:
-    return Tape(itertools.count(1.0).__next__)
+def tape() -> RecordingClock:
+    return RecordingClock(itertools.count(1.0).__next__)
 
 
 def test_it_tells_the_time_and_notes_what_it_told() -> None:
@@ -42,7 +42,7 @@ def test_a_replay_reads_no_clock() -> None:
     def never() -> float:
         raise AssertionError
 
-    made = Tape(never)
+    made = RecordingClock(never)
     made.tell([2.0])
     assert made.now() == 2.0
     assert made.take() == []

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.gallery import SCENES
-from pacinian.rendering.turns import LONG, LONGEST, MANY, SEEN, SHORT, WAIT, Turns
+from pacinian.rendering.turns import LONG_SHARE, LONGEST, MANY, SEEN, SHORT, WAIT, TickAlternation
 from pacinian.testing import ManualClock
 
 PERIOD = 1e-3  # [s]
@@ -16,15 +16,15 @@ bounded = settings(max_examples=60)
 ticks = st.lists(st.tuples(st.floats(0.0, 0.01), st.booleans()), max_size=400)
 
 
-def taking() -> Turns:
-    turns = Turns(PERIOD)
+def taking() -> TickAlternation:
+    turns = TickAlternation(PERIOD)
     for _ in range(MANY):
-        turns.tick(1.1 * LONG * PERIOD, True)
+        turns.tick(1.1 * LONG_SHARE * PERIOD, True)
     assert turns.taking
     return turns
 
 
-def pairs(turns: Turns, seconds: float, count: int) -> int:
+def pairs(turns: TickAlternation, seconds: float, count: int) -> int:
     """Such ticks by turns until both are done in one again; how many pairs that took."""
     for k in range(count):
         for _ in range(2):
@@ -35,17 +35,17 @@ def pairs(turns: Turns, seconds: float, count: int) -> int:
 
 
 def test_turns_are_taken_where_many_ticks_are_long_and_not_for_a_few() -> None:
-    turns = Turns(PERIOD)
+    turns = TickAlternation(PERIOD)
     for k in range(10 * SEEN):
-        assert not turns.tick((1.1 if k % SEEN < MANY - 1 else 0.5) * LONG * PERIOD, True)
+        assert not turns.tick((1.1 if k % SEEN < MANY - 1 else 0.5) * LONG_SHARE * PERIOD, True)
     for _ in range(SEEN):
-        turns.tick(0.5 * LONG * PERIOD, True)
-    began = [turns.tick(1.1 * LONG * PERIOD, True) for _ in range(MANY)]
+        turns.tick(0.5 * LONG_SHARE * PERIOD, True)
+    began = [turns.tick(1.1 * LONG_SHARE * PERIOD, True) for _ in range(MANY)]
     assert began == [False] * (MANY - 1) + [True]
 
 
 def test_ticks_that_solve_nothing_do_not_count() -> None:
-    turns = Turns(PERIOD)
+    turns = TickAlternation(PERIOD)
     for _ in range(1000):
         turns.tick(10.0 * PERIOD, False)
     assert not turns.taking
@@ -54,7 +54,7 @@ def test_ticks_that_solve_nothing_do_not_count() -> None:
 @bounded
 @given(ticks)
 def test_every_tick_does_one_or_both_and_both_come_in_turn(seen: Any) -> None:
-    turns, other = Turns(PERIOD), Turns(PERIOD)
+    turns, other = TickAlternation(PERIOD), TickAlternation(PERIOD)
     before = None
     for tick in seen:
         assert turns.samples or turns.solves
@@ -72,7 +72,7 @@ def test_with_time_for_both_it_goes_back_later_after_each_relapse() -> None:
     for _ in range(6):
         waits.append(pairs(turns, 0.4 * SHORT * PERIOD, 2 * LONGEST))
         for _ in range(MANY):
-            turns.tick(1.1 * LONG * PERIOD, True)
+            turns.tick(1.1 * LONG_SHARE * PERIOD, True)
     assert waits == [min(WAIT << k, LONGEST) for k in range(6)]
     assert pairs(taking(), 0.6 * SHORT * PERIOD, 5000) > 5000  # each fits, but not both
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.voices import Voices, contributions
+from pacinian.rendering.voices import EnvelopeGroups, split_contributions
 from pacinian.scene.time.technique import AM, LM, STM, Simultaneous
 from pacinian.scene.time.waves import Pulse
 
@@ -23,8 +23,8 @@ def point(x: float = 0.0, pressure: float = 2.0, **options: Any) -> pc.Point:
     return pc.Point(position=(x, 0.0, 0.15), radiation_pressure=pressure, **options)
 
 
-def voices(*items: Any) -> Voices:
-    return Voices(pc.Sampler().sample(pc.Scene(items)))
+def voices(*items: Any) -> EnvelopeGroups:
+    return EnvelopeGroups(pc.Sampler().sample(pc.Scene(items)))
 
 
 def test_objects_with_one_amplitude_over_time_are_one_voice() -> None:
@@ -95,7 +95,7 @@ def made(seed: int, count: int) -> tuple[pc.Session, pc.Solution, Any]:
 @given(seeds, st.integers(1, 4))
 def test_contributions_add_up_to_the_solution(seed: int, count: int) -> None:
     session, solution, index = made(seed, count)
-    parts = contributions(solution, session.propagator, index, count)
+    parts = split_contributions(solution, session.propagator, index, count)
     assert parts.shape == (count + 1, len(ARRAY))
     np.testing.assert_allclose(parts.sum(axis=0), solution.gains, atol=1e-6)
 
@@ -104,7 +104,7 @@ def test_contributions_add_up_to_the_solution(seed: int, count: int) -> None:
 @given(seeds, st.integers(1, 4))
 def test_a_contribution_sounds_at_its_own_samples_alone(seed: int, count: int) -> None:
     session, solution, index = made(seed, count)
-    parts = contributions(solution, session.propagator, index, count)
+    parts = split_contributions(solution, session.propagator, index, count)
     p = session.propagator.B @ parts.T
     expected = np.zeros_like(p)
     expected[np.arange(len(p)), index] = solution.sound_pressure
@@ -115,7 +115,7 @@ def test_points_that_cannot_be_told_apart_have_contributions_too() -> None:
     session = pc.Session(ARRAY)
     q = np.array([[0.0, 0.0, 0.15]] * 3)
     solution = session.solve(q, np.full(3, 100.0))
-    parts = contributions(solution, session.propagator, np.arange(3), 3)
+    parts = split_contributions(solution, session.propagator, np.arange(3), 3)
     assert np.isfinite(parts).all()
     np.testing.assert_allclose(parts.sum(axis=0), solution.gains, atol=1e-6)
     assert np.abs(parts[:3]).max() < 2.0  # not huge ones that cancel

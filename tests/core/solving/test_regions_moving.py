@@ -190,7 +190,7 @@ def on_skin(array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int) -> 
         samples = samples.only(samples.regions >= 0)
         area, asked = samples.area, samples.radiation_pressure
         assert samples.capsules is not None
-        propagator.place(samples.positions, pc.Facing(samples.normals, samples.capsules))
+        propagator.set_points(samples.positions, pc.SkinFacing(samples.normals, samples.capsules))
         made = pc.radiation_pressure(propagator.apply(gains), AIR)
         holes = float(area[made < 0.5 * asked].sum() / area.sum())
         found.append(Skin(float(asked @ area), float(made @ area), holes))

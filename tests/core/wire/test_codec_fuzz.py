@@ -13,7 +13,7 @@ from pacinian.wire.codec import (
     encode,
     id_of,
 )
-from pacinian.wire.examples import examples
+from pacinian.wire.examples import make_examples
 from pacinian.wire.vectors import DECODE
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 bounded = settings(max_examples=400)
 
-PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in examples()]
+PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in make_examples()]
 
 
 def changed(value: Any, path: tuple[Any, ...], new: object) -> Any:

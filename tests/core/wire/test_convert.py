@@ -263,6 +263,6 @@ def test_no_class_of_the_wire_holds_a_file() -> None:
 
 
 def test_what_is_largest_still_fits_in_a_message() -> None:
-    item = objects.Particles(positions=bytes(12 * protocol.MOST_PARTICLES), force=1.0)
+    item = objects.Particles(positions=bytes(12 * protocol.MAX_PARTICLES), force=1.0)
     put = commands.Put(session=bytes(16), sequence=1, time=0.0, objects={"a": item})
     assert isinstance(decode_command(encode(put)), commands.Put)

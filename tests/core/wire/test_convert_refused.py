@@ -22,7 +22,7 @@ from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
-from pacinian.wire.within import within
+from pacinian.wire.within import locate_errors
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 SIDES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -145,7 +145,7 @@ def test_what_is_wrong_is_told_in_its_own_words(error: Exception, told: str) -> 
         raise error
 
     with pytest.raises(WireError) as caught:
-        within("$.objects[a]", convert, objects.Point(position=(0.0, 0.0, 0.2)))
+        locate_errors("$.objects[a]", convert, objects.Point(position=(0.0, 0.0, 0.2)))
     assert caught.value.problem == told
     below = ".shape" if isinstance(error, WireError) else ""
     assert caught.value.path == "$.objects[a]" + below

@@ -13,14 +13,14 @@ from click.testing import CliRunner
 from pacinian.cli.wire import wire
 from pacinian.wire import commands, control, objects, protocol, replies, state
 from pacinian.wire.codec import encode
-from pacinian.wire.described import fields, summary
-from pacinian.wire.document import CHANNELS, document
-from pacinian.wire.examples import examples
-from pacinian.wire.page import page
+from pacinian.wire.described import describe_fields, summarise
+from pacinian.wire.document import CHANNELS, make_asyncapi
+from pacinian.wire.examples import make_examples
+from pacinian.wire.page import make_page
 
 ROOT = Path(__file__).parents[3]
-DOCUMENT = document()
-PAGE = page()
+DOCUMENT = make_asyncapi()
+PAGE = make_page()
 KINDS = [
     *commands.COMMANDS,
     *control.CONTROLS,
@@ -41,9 +41,9 @@ def test_what_is_published_is_what_the_commands_print() -> None:
 
 def test_every_message_and_field_says_what_it_is() -> None:
     for kind in KINDS:
-        assert len(summary(kind)) > 4, kind
-        assert summary(kind) in PAGE
-        for field in fields(kind):
+        assert len(summarise(kind)) > 4, kind
+        assert summarise(kind) in PAGE
+        for field in describe_fields(kind):
             assert field.meaning, field
             assert field.type, field
 
@@ -51,7 +51,7 @@ def test_every_message_and_field_says_what_it_is() -> None:
 def test_every_number_of_a_client_has_bounds() -> None:
     numbers = r"\b(int|float|bin|str|array|map)\b"
     for kind in (*commands.COMMANDS, *control.CONTROLS, *objects.OBJECTS, commands.HandFrame):
-        for field in fields(kind):
+        for field in describe_fields(kind):
             if re.match(numbers, re.sub(r"\[.*?\]\(.*?\)", "", field.type)):
                 assert field.bounds, (kind, field)
 
@@ -72,7 +72,7 @@ def test_its_links_lead_somewhere() -> None:
 
 def test_it_has_no_gaps_and_gives_the_limits() -> None:
     assert "{{" not in PAGE
-    assert f"{protocol.LONGEST_COMMAND:,} bytes" in PAGE
+    assert f"{protocol.MAX_COMMAND_BYTES:,} bytes" in PAGE
     for code in get_args(replies.Code):
         assert f"| `{code}` | {replies.CODES[code]} |" in PAGE
     for output in get_args(state.Output):
@@ -125,7 +125,7 @@ def textual(value: Any) -> Any:
     return value.decode("latin-1") if isinstance(value, bytes) else value
 
 
-EXAMPLES = [(m, textual(msgpack.unpackb(encode(m)))) for _, _, m in examples()]
+EXAMPLES = [(m, textual(msgpack.unpackb(encode(m)))) for _, _, m in make_examples()]
 
 
 def validator(kind: type) -> jsonschema.Draft7Validator:
@@ -151,7 +151,7 @@ def test_a_bin_is_marked_with_its_bounds_in_bytes() -> None:
     poses = schemas["Move"]["properties"]["poses"]
     assert poses == {"type": "string", "maxLength": 28 * 256, "x-msgpack": "bin"}
     for kind in KINDS:
-        for field in fields(kind):
+        for field in describe_fields(kind):
             marked = "x-msgpack" in schemas[kind.__name__]["properties"][field.name]
             assert marked == (field.type == "bin"), (kind, field)
     assert "base64" not in json.dumps(schemas)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian_plugins.backends.sonicsurface.feed import AGAIN, Feed
+from pacinian_plugins.backends.sonicsurface.feed import AGAIN, WriteScheduler
 from pacinian_plugins.backends.sonicsurface.protocol import BYTE, SELECT
 
 from .fpga import Board
@@ -21,7 +21,7 @@ def pattern(kind: int) -> bytes:
 
 
 def test_a_line_has_time_for_89_patterns_a_second_and_takes_the_newest() -> None:
-    feed, shown = Feed(1, SELECT), []
+    feed, shown = WriteScheduler(1, SELECT), []
     for k in range(1000):
         feed.newest = bytes([k % 31]) + pattern(k // 31)[1:]
         if data := feed.next(k * TICK):
@@ -32,7 +32,7 @@ def test_a_line_has_time_for_89_patterns_a_second_and_takes_the_newest() -> None
 
 
 def test_two_patterns_that_alternate_take_a_byte_each() -> None:
-    feed, board = Feed(1, SELECT), Board()
+    feed, board = WriteScheduler(1, SELECT), Board()
     now = 0.0
     for kind in (1, 32):
         feed.newest = pattern(kind)
@@ -49,7 +49,7 @@ def test_two_patterns_that_alternate_take_a_byte_each() -> None:
 
 
 def test_what_stays_is_written_again_now_and_then() -> None:
-    feed = Feed(1, SELECT)
+    feed = WriteScheduler(1, SELECT)
     feed.newest = pattern(3)
     sizes = [len(feed.next(k * TICK)) for k in range(2000)]
     assert [k for k, size in enumerate(sizes) if size] == [0, 500, 1000, 1500]
@@ -58,7 +58,7 @@ def test_what_stays_is_written_again_now_and_then() -> None:
 
 
 def test_silence_does_not_wait_for_the_line_and_is_written_in_full() -> None:
-    feed, board = Feed(1, SELECT), Board()
+    feed, board = WriteScheduler(1, SELECT), Board()
     now = 0.0
     for kind in (32, 1):  # so that a swap would do, if nothing was lost
         feed.newest = pattern(kind)
@@ -78,7 +78,7 @@ def test_silence_does_not_wait_for_the_line_and_is_written_in_full() -> None:
 
 
 def test_after_a_silence_no_swap_is_relied_on() -> None:
-    feed, now = Feed(1, SELECT), 0.0
+    feed, now = WriteScheduler(1, SELECT), 0.0
     for kind in (1, 2):
         feed.newest = pattern(kind)
         feed.next(now)
@@ -90,7 +90,7 @@ def test_after_a_silence_no_swap_is_relied_on() -> None:
 
 
 def test_nothing_is_shown_before_something_is_given_and_after_it_is_forgotten() -> None:
-    feed = Feed(1, SELECT)
+    feed = WriteScheduler(1, SELECT)
     assert feed.next(5.0) == b""
     feed.newest = pattern(1)
     assert feed.next(6.0)
@@ -106,7 +106,7 @@ def test_a_board_shows_one_of_what_was_given_and_at_last_the_newest(
     scene: list[tuple[int, int]], two: bool
 ) -> None:
     kinds = (1, 2, 7, 32)
-    feed = Feed(1 + two, SELECT)
+    feed = WriteScheduler(1 + two, SELECT)
     boards = [Board(), Board(secondary=True)][: 1 + two]
     feed.off()
     scene = [(3, 30), *scene, (scene[-1][0] if scene else 3, 60)]

@@ -25,7 +25,7 @@ def solved(scene: pc.Scene) -> pc.Solution:
     sampler = pc.Sampler()
     sampler.prepare(ARRAY, AIR)
     samples = sampler.sample(scene)
-    facing = pc.Facing(samples.normals, samples.capsules)  # type: ignore[arg-type]
+    facing = pc.SkinFacing(samples.normals, samples.capsules)  # type: ignore[arg-type]
     amplitudes = pc.sound_pressure(samples.radiation_pressure, AIR)
     return pc.solve(ARRAY, samples.positions, amplitudes, regions=samples.regions, facing=facing)
 
@@ -45,7 +45,7 @@ def test_a_ball_in_the_palm_is_felt_as_asked_and_half_of_it_as_half() -> None:
 
 def test_silence_is_a_hole_and_what_no_hand_touches_is_nothing() -> None:
     silent = felt_on_skin(ARRAY, AIR, ball(), 0.0, np.zeros(len(ARRAY), np.complex64))
-    assert silent == pc.Felt(0.0, 1.0, 1.0, 0.0)
+    assert silent == pc.FeltRegion(0.0, 1.0, 1.0, 0.0)
     gains = np.ones(len(ARRAY), np.complex64)
     assert felt_on_skin(ARRAY, AIR, ball(-0.01), 0.0, gains) is None
     point = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=2.0)

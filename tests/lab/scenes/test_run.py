@@ -92,12 +92,12 @@ def test_the_error_is_that_of_the_session_for_what_the_device_makes() -> None:
         session, samples = found.renderer.session, look.samples
         facing = None
         if samples.capsules is not None:
-            facing = pc.Facing(samples.normals, samples.capsules)
+            facing = pc.SkinFacing(samples.normals, samples.capsules)
         amplitudes, regions = look.targets.amplitudes, samples.regions
         session.solve(samples.positions, amplitudes, facing=facing, regions=regions)
         every = [session.certify(g).sound_pressure for g in look.sounding]
         mean = np.sqrt(np.mean([np.abs(p) ** 2 for p in every], axis=0))
-        error = look.targets.miss(mean)
+        error = look.targets.relative_error(mean)
         assert look.error(session.array, session.medium) == pytest.approx(error, rel=1e-6)
         assert error > 0.0
 

@@ -86,7 +86,7 @@ def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precis
     array, q = FEW.moved(pose), np.asarray(pose.points(q))
     case = Case("", array, q, np.ones(3), precision=precision)
     propagator = pc.Propagator(array, AIR, precision)
-    propagator.place(q)
+    propagator.set_points(q)
     B = np.array(exact(array, q).tolist(), dtype=np.complex128)
     assert (np.abs(propagator.B - B) <= case.rounding).all()
     assert (np.abs(case.B - B) <= Case("", array, q, np.ones(3), precision="double").rounding).all()

@@ -111,7 +111,7 @@ def clarabel(case: Case) -> float:
     if limits.quiet is not None:
         where, most = limits.quiet
         keep.append(cp.abs(pc.matrix(case.array, where) @ g) <= most)
-    exactly = limits.exactly(len(p))
+    exactly = limits.exact_mask(len(p))
     if exactly.any():
         keep.append(case.B[exactly] @ g == p[exactly])
     scale = float(np.abs(p).max())

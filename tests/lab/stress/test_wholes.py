@@ -14,11 +14,11 @@ from pacinian_lab.stress.asking import SMALL
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import near
 from pacinian_lab.stress.every import breaches
-from pacinian_lab.stress.regions import regions, shapes, square
+from pacinian_lab.stress.regions import make_square, regions, shapes
 
 CASES = {case.name.removeprefix("regions: "): case for case in regions()}
 FINE = CASES["a square"]
-COARSE_Q = square(4, spacing=0.02)  # says nothing of the field between
+COARSE_Q = make_square(4, spacing=0.02)  # says nothing of the field between
 COARSE = Case("test: coarse", SMALL, COARSE_Q, np.full(16, 20.0), regions=np.zeros(16, np.int64))
 
 

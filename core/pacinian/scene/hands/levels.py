@@ -22,16 +22,16 @@ GRAIN = 0.9e-3  # [m] between the points that those of a skin are chosen from
 SHARERS = 3  # nodes that a point is shared among
 
 
-class Surface(NamedTuple):
+class SkinNodes(NamedTuple):
     """N points of a skin at rest. points: (N, 3) [m]. normals: (N, 3). fingers: 0 if none, (N,)."""
 
     points: Floats
     normals: Floats
     fingers: Indices
 
-    def only(self, kept: Indices) -> Surface:
+    def only(self, kept: Indices) -> SkinNodes:
         """Those points, in the order wanted."""
-        return Surface(self.points[kept], self.normals[kept], self.fingers[kept])
+        return SkinNodes(self.points[kept], self.normals[kept], self.fingers[kept])
 
 
 class Share(NamedTuple):
@@ -41,7 +41,7 @@ class Share(NamedTuple):
     weights: Floats
 
 
-def spread(surface: Surface, spacing: float = FINEST) -> tuple[Indices, Floats, Indices]:
+def spread_pressure(surface: SkinNodes, spacing: float = FINEST) -> tuple[Indices, Floats, Indices]:
     """Choose points one after the other, each the one farthest from those before it.
 
     Stops when none on the same side is `spacing` [m] away from all. Returns which, (K,); how far each
@@ -54,12 +54,12 @@ def spread(surface: Surface, spacing: float = FINEST) -> tuple[Indices, Floats, 
     return order[:K].copy(), apart[:K].copy(), nearest
 
 
-def gathered(to: Indices, area: Floats, count: int = 0) -> Floats:
+def gather_pressure(to: Indices, area: Floats, count: int = 0) -> Floats:
     """The sums of the areas, (N,), given to each of at least `count` points."""
     return np.asarray(np.bincount(to, area, count), dtype=np.float64)
 
 
-def share(surface: Surface, nodes: int) -> Share:
+def share_pressure(surface: SkinNodes, nodes: int) -> Share:
     """Share every point among the nearest of the first so many.
 
     Weights are (1/D - 1/D_4)^2, normalised, with D the distance over the cosine between the normals, and

@@ -37,7 +37,7 @@ THICKNESS = (
 )
 
 
-def joints() -> Floats:
+def rest_joints() -> Floats:
     """The joints of the canonical right hand in OpenXR's order, (26, 3) [m], the palm at the origin."""
     rows = [(0.0, 0.0, 0.0), WRIST, *THUMB]
     for base, knuckle, angle, lengths in FINGERS:
@@ -47,6 +47,6 @@ def joints() -> Floats:
     return np.array(rows) / 1e3
 
 
-def radii() -> Floats:
+def rest_radii() -> Floats:
     """The radii at those joints, (26,) [m]."""
     return np.array([r for part in THICKNESS for r in part]) / 1e3

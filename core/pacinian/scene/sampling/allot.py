@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.bands import SMALL, WIDER
-from pacinian.scene.sampling.covers import estimate
+from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER
+from pacinian.scene.sampling.covers import estimate_samples
 from pacinian.scene.sampling.resolving import COARSER
-from pacinian.scene.sampling.sources import Whole, apart, dense
+from pacinian.scene.sampling.sources import WholeObject, is_dense, measure_spacing
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -24,7 +24,7 @@ FINER = 1.3  # times as many as there would be must fit before the spacing gets 
 COARSEST = 40  # levels
 
 
-def allot(
+def allot_budget(
     sources: list[tuple[Source, float]],
     budget: int,
     levels: dict[int, int],
@@ -57,9 +57,9 @@ def allot(
 
 def _sounded(source: Source, samples: Samples, bands: int) -> int:
     """How many there are at a time, in so many bands."""
-    if apart(source.item):
+    if measure_spacing(source.item):
         return min(1, len(samples))
-    divided = bands > 1 and dense(source.item) and len(samples) > SMALL
+    divided = bands > 1 and is_dense(source.item) and len(samples) > MIN_DIVIDED_SAMPLES
     return math.ceil(len(samples) * WIDER / bands) if divided else len(samples)
 
 
@@ -76,7 +76,7 @@ def _fitting(
 
     def every(level: int) -> list[Samples]:
         return [
-            cut(source.at(spacing if apart(source.item) else spacing * COARSER**level))
+            cut(source.at(spacing if measure_spacing(source.item) else spacing * COARSER**level))
             for source, spacing in members
         ]
 
@@ -90,7 +90,7 @@ def _fitting(
 
     def more(level: int) -> bool:
         """Whether it makes sense to be coarser than at `level`."""
-        reach = max(source.item.reach for source, _ in members)
+        reach = max(source.item.bounding_radius for source, _ in members)
         finest = min(spacing for _, spacing in members)
         return finest * COARSER**level < 2.0 * reach and level < COARSEST
 
@@ -116,7 +116,7 @@ def _fitting(
 def _whole(members: list[tuple[Source, float]], level: int) -> float:
     """About how many samples those have that are rendered whole."""
     return sum(
-        estimate(source.item, spacing * COARSER**level)
+        estimate_samples(source.item, spacing * COARSER**level)
         for source, spacing in members
-        if isinstance(source, Whole) and not apart(source.item)
+        if isinstance(source, WholeObject) and not measure_spacing(source.item)
     )

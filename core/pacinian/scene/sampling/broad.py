@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
 
-def near(bounds: Floats, t: float, boxes: Floats) -> Indices:
+def cull(bounds: Floats, t: float, boxes: Floats) -> Indices:
     """Indices of the objects whose bounding spheres touch any of the boxes at time t [s], in order.
 
     bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners, (boxes, 6) [m].

@@ -9,27 +9,27 @@ from pacinian.scene.objects import Body, Path, Volume
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
-    from pacinian.scene.shapes.local import Local
+    from pacinian.scene.shapes.local import LocalSamples
 
-KEPT = 1024
+MAX_ENTRIES = 1024
 
 
-class Covers:
+class SampleCache:
     """Coverings by shape and spacing; those not used for longest go first."""
 
     def __init__(self) -> None:
-        self._covers: dict[tuple[object, ...], tuple[object, Local]] = {}
+        self._covers: dict[tuple[object, ...], tuple[object, LocalSamples]] = {}
 
-    def get(self, item: Object, spacing: float) -> Local:
+    def get(self, item: Object, spacing: float) -> LocalSamples:
         """The covering of `item`, `spacing` [m] apart."""
         what = getattr(item, "shape", item)
         how = item.felt if isinstance(item, Volume) else getattr(item, "width", None)
         key = id(what), how, spacing if what is not item else 0.0
         kept = self._covers.pop(key, None)
         if kept is None:
-            while len(self._covers) >= KEPT:
+            while len(self._covers) >= MAX_ENTRIES:
                 del self._covers[next(iter(self._covers))]
-            made = item.cover(spacing)
+            made = item.sample_surface(spacing)
             for values in made:
                 values.flags.writeable = False
             kept = what, made  # the shape too: its id stays taken
@@ -37,7 +37,7 @@ class Covers:
         return kept[1]
 
 
-def estimate(item: Object, spacing: float) -> float:
+def estimate_samples(item: Object, spacing: float) -> float:
     """About how many samples an object has, `spacing` [m] apart, without making them."""
     if isinstance(item, Path):
         return max(1.0, item.shape.length / spacing)

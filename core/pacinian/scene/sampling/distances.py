@@ -11,12 +11,12 @@ from pacinian.scene.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Surface, Volume
-    from pacinian.scene.sampling.touchable import Touchable
+    from pacinian.scene.sampling.touchable import PosedSkin
     from pacinian.types import Floats, Indices
 
 DEAR = Mesh, Placed, Combination  # shapes that take longer to ask than to remember
 NOWHERE = 1e6  # [m]
-KEPT = 16  # pairs of a hand and an object
+MAX_PAIRS = 16  # pairs of a hand and an object
 
 
 class _Known:
@@ -27,14 +27,14 @@ class _Known:
         self.distance = np.zeros(count)
 
 
-class Distances:
+class DistanceCache:
     """Of hands' points to surfaces and volumes."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], tuple[object, object, _Known]] = {}
 
     def of(
-        self, item: Surface | Volume, name: int, hand: Touchable, which: Indices, local: Floats,
+        self, item: Surface | Volume, name: int, hand: PosedSkin, which: Indices, local: Floats,
         beyond: float, deep: float,
     ) -> Floats:  # fmt: skip
         """As `item.distance` of the hand's points `which`, (I,), in its frame at `local`, (I, 3) [m]: (I,).
@@ -55,11 +55,11 @@ class Distances:
             known.places[asked] = points
         return d
 
-    def _of(self, item: Surface | Volume, name: int, hand: Touchable) -> _Known:
+    def _of(self, item: Surface | Volume, name: int, hand: PosedSkin) -> _Known:
         key = name, item.thickness, getattr(item, "felt", "")
         kept = self._known.pop(key, None)
         if kept is None or kept[0] is not item.shape or kept[1] is not hand.skin:
-            while len(self._known) >= KEPT:  # the pair that was not asked for longest
+            while len(self._known) >= MAX_PAIRS:  # the pair that was not asked for longest
                 del self._known[next(iter(self._known))]
             kept = item.shape, hand.skin, _Known(len(hand.points))
         self._known[key] = kept

@@ -22,14 +22,14 @@ import functools
 
 import numpy as np
 
-from pacinian.checks import number
+from pacinian.checks import check_number
 
 TABLE = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
-LOWEST = float(TABLE[:, 1].min())  # [Pa]
+MIN_THRESHOLD = float(TABLE[:, 1].min())  # [Pa]
 MARGIN = 10.0
 """20 dB for people and places: 2.2 Pa is a mean on 1.8 cm^2, and twice the area needs 3 dB less [4], which
 for a whole hand of 150 cm^2 would be 19 dB (measured: a bar in the hand 18.5 dB below a pin of 1 mm [6])."""
-FASTEST = 500.0  # [Hz]; what is faster sounds as slower in a device of 1000 frames per second
+MAX_FREQUENCY = 500.0  # [Hz]; what is faster sounds as slower in a device of 1000 frames per second
 
 
 @functools.lru_cache(maxsize=256)
@@ -38,11 +38,11 @@ def threshold(frequency: float) -> float:
 
     Straight on logarithmic scales between the rows of `TABLE`, constant beyond them. Raises ArgumentError.
     """
-    f = max(number("frequency", frequency, low=0.0), float(TABLE[0, 0]))
+    f = max(check_number("frequency", frequency, low=0.0), float(TABLE[0, 0]))
     return float(np.exp(np.interp(np.log(f), *np.log(TABLE).T)))
 
 
-def faintest(envelope: object) -> float:
+def lowest_threshold(envelope: object) -> float:
     """The least radiation pressure [Pa], at full envelope, that anyone might feel.
 
     A tenth of the threshold counts as felt (`MARGIN`). envelope: one with a `frequency` [Hz] up to 500
@@ -50,6 +50,6 @@ def faintest(envelope: object) -> float:
     along a path: then the skin feels other frequencies than the envelope's.
     """
     frequency = getattr(envelope, "frequency", None)
-    if isinstance(frequency, (int, float)) and 0.0 < frequency <= FASTEST:
+    if isinstance(frequency, (int, float)) and 0.0 < frequency <= MAX_FREQUENCY:
         return threshold(frequency) / MARGIN
-    return LOWEST / MARGIN
+    return MIN_THRESHOLD / MARGIN

@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 COARSER = math.sqrt(2.0)  # step of the spacing from one level to the next
-SOME = 8  # transducers that stand for all
+MAX_SUBSET = 8  # transducers that stand for all
 HARDLY, WELL = 0.02, 0.1  # of the power: cosines of 0.14 and 0.32
-TINY = 1e-30
+MIN_LENGTH = 1e-30
 CELL = 0.02  # [m]; the resolution is asked for once in each
-KEPT = 10_000  # cells
+MAX_CELLS = 10_000  # cells
 
 
-class Resolving:
+class ArrayResolution:
     """Of one array in one medium."""
 
     def __init__(self, array: Array, medium: Air) -> None:
         self.array, self.medium = array, medium
         self.centre = array.centre
         self.wavelength = medium.speed_of_sound / array.transducer.frequency  # [m]
-        picked = np.unique(np.linspace(0, len(array) - 1, SOME).round().astype(np.intp))
+        picked = np.unique(np.linspace(0, len(array) - 1, MAX_SUBSET).round().astype(np.intp))
         self.some = np.ascontiguousarray(array.positions[picked])
         """Some of its transducers, from all over it, (V, 3) [m]."""
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
@@ -48,7 +48,7 @@ class Resolving:
         x, y, z = (math.floor(v / CELL) for v in place)
         kept = self._spacings.get((x, y, z))
         if kept is None:
-            if len(self._spacings) >= KEPT:
+            if len(self._spacings) >= MAX_CELLS:
                 self._spacings.clear()
             middle = CELL * (np.array([[x, y, z]]) + 0.5)
             try:
@@ -74,7 +74,7 @@ class Resolving:
     def seen(self, positions: Floats, normals: Floats) -> Floats:
         """How well skin at points, (M, 3) [m], is seen: the mean of cos^2 of the incidence, (M,)."""
         d = self.some[:, None] - positions  # (V, M, 3)
-        cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + TINY)
+        cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + MIN_LENGTH)
         return np.asarray((np.maximum(cosine, 0.0) ** 2).mean(axis=0))
 
 

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 SHARED = 1e-9  # of a force: less is rounding
-TINY = 1e-300
+MIN_LENGTH = 1e-300
 
 
-class Touchable:
+class PosedSkin:
     """The skin of `hand` where it is now.
 
     skin: of a hand of its kind, if it is at hand.
@@ -138,7 +138,7 @@ class Touchable:
             nodes = nodes[shown]
         kept = got[nodes]
         kept *= force.sum() / max(
-            kept.sum(), TINY
+            kept.sum(), MIN_LENGTH
         )  # what buried nodes would get goes to the others
         area = skin.node_area[level][nodes] * self.area[nodes] / skin.area[nodes]
         uncovered = touched[skin.hidden[touched]]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.pose import UPRIGHT, Pose, Quaternion, Vector, product
-from pacinian.scene.sampling.touchable import Touchable
+from pacinian.acoustics.pose import UPRIGHT, Pose, Quaternion, Vector, multiply
+from pacinian.scene.sampling.touchable import PosedSkin
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BLEND = 0.01  # [s] in which the difference between where a thing was shown and where it is vanishes
 JUMP = 0.05  # [m] more than that is a teleport: nothing is blended
 HOLD, FADE = 0.05, 0.1  # [s] for which a lost hand stays, and then fades away
-KEPT = 4096  # objects that are tracked
+MAX_OBJECTS = 4096  # objects that are tracked
 
 
 @dataclass
@@ -43,11 +43,11 @@ class _Track:
             a, b, c, d = self.turn
             part = np.array([f * a, f * b, f * c, (1.0 - f) + f * d])
             a, b, c, d = (part / np.sqrt(part @ part)).tolist()
-            rotation = product((a, b, c, d), rotation)
+            rotation = multiply((a, b, c, d), rotation)
         return Pose((x + f * u, y + f * v, z + f * w), rotation)
 
 
-class Tracks:
+class PosePredictor:
     """Where objects with a motion are at any time; those without one are where they say."""
 
     def __init__(self) -> None:
@@ -66,7 +66,7 @@ class Tracks:
         if track is not None and (track.item is item or track.item == item):
             return track.pose(t)
         if track is None:
-            while len(self._tracks) >= KEPT:
+            while len(self._tracks) >= MAX_OBJECTS:
                 del self._tracks[next(iter(self._tracks))]
             made = _Track(item, t)
         else:
@@ -81,7 +81,7 @@ class Tracks:
         if float(d @ d) > JUMP * JUMP:
             return _Track(item, t)
         x, y, z, w = now.rotation
-        a, b, c, e = product(was.rotation, (-x, -y, -z, w))
+        a, b, c, e = multiply(was.rotation, (-x, -y, -z, w))
         sign = 1.0 if e >= 0.0 else -1.0
         self.blends_until = max(self.blends_until, t + BLEND)
         u, v, s = d.tolist()
@@ -101,7 +101,7 @@ class HandTrack:
         self._seen = -np.inf
         self._offset: Floats | None = None
         self._since = 0.0
-        self._touchable: Touchable | None = None
+        self._touchable: PosedSkin | None = None
 
     def at(self, hand: Hand, t: float) -> tuple[Hand | None, float]:
         """The hand at time t [s], and with which share, 0..1, of its pressures; None where it is gone."""
@@ -122,12 +122,12 @@ class HandTrack:
             return None, 0.0
         return self._moved(last, t), share
 
-    def touchable(self, hand: Hand) -> Touchable:
+    def touchable(self, hand: Hand) -> PosedSkin:
         """The skin of the hand as `at` gave it; the one before, where it has not moved."""
         if self._touchable is None or self._touchable.hand is not hand:
             kind = self._touchable
             same = kind is not None and kind.hand.faces is hand.faces
-            self._touchable = Touchable(hand, kind.skin if kind and same else self._skin)
+            self._touchable = PosedSkin(hand, kind.skin if kind and same else self._skin)
         return self._touchable
 
     def moving(self, t: float) -> bool:

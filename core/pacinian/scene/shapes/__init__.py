@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pacinian.scene.shapes.flat import Box, Disc, Rectangle
-from pacinian.scene.shapes.local import Local
+from pacinian.scene.shapes.local import LocalSamples
 from pacinian.scene.shapes.round import Capsule, Sphere
 
-__all__ = ["Box", "Capsule", "Disc", "Local", "Rectangle", "Sphere"]
+__all__ = ["Box", "Capsule", "Disc", "LocalSamples", "Rectangle", "Sphere"]

@@ -12,10 +12,10 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import kind
+from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes import Box, Capsule, Sphere, combined_shell
-from pacinian.scene.shapes.local import Local
+from pacinian.scene.shapes.local import LocalSamples
 from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.solids import SDF
 from pacinian.scene.shapes.voxels import Voxels
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     Sides = tuple[tuple["SolidShape", float], ...]
 
-DEEPEST = 16
-MOST = 100  # solids in one
+MAX_DEPTH = 16
+MAX_SOLIDS = 100  # solids in one
 
 
 class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="placed"):
@@ -40,7 +40,7 @@ class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     def __post_init__(self) -> None:
         _solid("shape", self.shape)
-        kind("pose", self.pose, Pose)
+        check_kind("pose", self.pose, Pose)
         _limit("shape", self)
 
     @property
@@ -55,19 +55,19 @@ class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         return float(x), float(y), float(z)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m], at most."""
-        return math.hypot(*self.pose.position) + self.shape.reach
+        return math.hypot(*self.pose.position) + self.shape.bounding_radius
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
         """As of its shape."""
         local = (points - self.pose.position) @ self.pose.matrix
         return _distance(self.shape, local, beyond, deep)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """As of its shape."""
-        points, normals, area = self.shape.cover(spacing)
-        return Local(self.pose.points(points), self.pose.directions(normals), area)
+        points, normals, area = self.shape.sample_surface(spacing)
+        return LocalSamples(self.pose.points(points), self.pose.directions(normals), area)
 
 
 class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type"):
@@ -89,7 +89,7 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
     def _area(self) -> float:
         for part, _ in self.sides:
             check_closed(part)
-        return combined_shell.measured(self, self.sides)
+        return combined_shell.measure_shell(self, self.sides)
 
     @property
     def extent(self) -> Vector:
@@ -99,10 +99,10 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         return x, y, z
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m], at most."""
         bound = max if self.united else min
-        return bound(part.reach for part, side in self.sides if side > 0.0)
+        return bound(part.bounding_radius for part, side in self.sides if side > 0.0)
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
         """Signed distance of points, (K, 3), (K,) [m]; negative inside. `beyond` and `deep` as of a mesh."""
@@ -114,9 +114,9 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         )
         return functools.reduce(np.minimum if self.united else np.maximum, each)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Samples of its parts, about `spacing` [m] apart: those on its shell."""
-        return combined_shell.shell(self, self.sides, spacing)
+        return combined_shell.sample_shell(self, self.sides, spacing)
 
 
 class Union(Combination, frozen=True, tag="union"):
@@ -194,7 +194,7 @@ def check_closed(solid: SolidShape) -> None:
 
 
 def _solid(name: str, solid: SolidShape) -> None:
-    kind(name, solid, *SOLIDS)
+    check_kind(name, solid, *SOLIDS)
     if isinstance(solid, Mesh) and not solid.file:
         solid.check_closed()
 
@@ -213,9 +213,9 @@ def _solids(name: str, solids: Iterable[SolidShape]) -> tuple[SolidShape, ...]:
 
 def _limit(name: str, whole: SolidShape) -> None:
     depth, number = _nested(whole)
-    if depth > DEEPEST or number > MOST:
+    if depth > MAX_DEPTH or number > MAX_SOLIDS:
         raise ArgumentError(
-            name, f"is {number} solids, {depth} deep: keep to {MOST}, and to {DEEPEST} deep"
+            name, f"is {number} solids, {depth} deep: keep to {MAX_SOLIDS}, and to {MAX_DEPTH} deep"
         )
 
 

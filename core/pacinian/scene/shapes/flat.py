@@ -10,8 +10,8 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import count, length
-from pacinian.scene.shapes.local import EDGE, Local, centred, spanned
+from pacinian.checks import check_count, check_length
+from pacinian.scene.shapes.local import EDGE, LocalSamples, centre, span
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -24,8 +24,8 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
     height: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "width", length("width", self.width))
-        force_setattr(self, "height", length("height", self.height))
+        force_setattr(self, "width", check_length("width", self.width))
+        force_setattr(self, "height", check_length("height", self.height))
 
     @property
     def area(self) -> float:
@@ -33,18 +33,18 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
         return self.width * self.height
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return math.hypot(self.width, self.height) / 2.0
 
     def distance(self, points: Floats) -> Floats:
         """Signed distance of points, (K, 3), (K,) [m]; negative behind it, not beside it."""
-        return beside(outside(points, self.width, self.height), points[:, 2])
+        return distance_beside(distance_outside(points, self.width, self.height), points[:, 2])
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """A grid with its outline in it, at most `spacing` [m] apart."""
-        count(self.area, spacing, 2)
-        (x, width), (y, height) = spanned(self.width, spacing), spanned(self.height, spacing)
+        check_count(self.area, spacing, 2)
+        (x, width), (y, height) = span(self.width, spacing), span(self.height, spacing)
         X, Y = np.meshgrid(x, y)
         return _facing_up(X.ravel(), Y.ravel(), np.outer(height, width).ravel())
 
@@ -55,7 +55,7 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     radius: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "radius", length("radius", self.radius))
+        force_setattr(self, "radius", check_length("radius", self.radius))
 
     @property
     def area(self) -> float:
@@ -63,18 +63,18 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
         return math.pi * self.radius**2
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.radius
 
     def distance(self, points: Floats) -> Floats:
         """Signed distance of points, (K, 3), (K,) [m]; negative behind it, not beside it."""
         x, y, z = points.T
-        return beside(np.maximum(np.hypot(x, y) - self.radius, 0.0), z)
+        return distance_beside(np.maximum(np.hypot(x, y) - self.radius, 0.0), z)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Rings with the outline among them, at most `spacing` [m] apart, and in each of them."""
-        count(self.area, spacing, 2)
+        check_count(self.area, spacing, 2)
         radius = self.radius if self.radius >= spacing / 2.0 else 0.0
         steps = math.ceil(radius / spacing - EDGE)
         r = np.linspace(0.0, radius, steps + 1)
@@ -95,7 +95,7 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
     def __post_init__(self) -> None:
         force_setattr(self, "size", vector("size", self.size))
         for extent in self.size:
-            length("size", extent)
+            check_length("size", extent)
 
     @property
     def area(self) -> float:
@@ -110,7 +110,7 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
         return (x / 2.0, y / 2.0, z / 2.0)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return math.hypot(*self.extent)
 
@@ -121,10 +121,10 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
         x, y, z = np.maximum(x, 0.0), np.maximum(y, 0.0), np.maximum(z, 0.0)
         return np.asarray(np.sqrt(x * x + y * y + z * z) + np.minimum(nearest, 0.0))
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """A centred grid on each of the six faces, `spacing` [m] apart or a little more, none on an edge."""
         x, y, z = self.size
-        sides: list[Local] = []
+        sides: list[LocalSamples] = []
         for axis, (width, height) in enumerate(((y, z), (z, x), (x, y))):
             face = _inner(width, height, spacing)
             for side in (-1.0, 1.0):
@@ -132,29 +132,29 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
                 points = np.roll(face.points, axis + 1, axis=1)
                 points[:, axis] = side * self.extent[axis]
                 normals = np.roll(side * face.normals, axis + 1, axis=1)
-                sides.append(Local(points, normals, face.area))
-        return Local(*(np.concatenate(values) for values in zip(*sides, strict=True)))
+                sides.append(LocalSamples(points, normals, face.area))
+        return LocalSamples(*(np.concatenate(values) for values in zip(*sides, strict=True)))
 
 
-def _inner(width: float, height: float, spacing: float) -> Local:
+def _inner(width: float, height: float, spacing: float) -> LocalSamples:
     """A centred grid, half a step from the outline."""
-    count(width * height, spacing, 2)
-    X, Y = np.meshgrid(centred(width, spacing), centred(height, spacing))
+    check_count(width * height, spacing, 2)
+    X, Y = np.meshgrid(centre(width, spacing), centre(height, spacing))
     return _facing_up(X.ravel(), Y.ravel(), np.full(X.size, width * height / X.size))
 
 
-def outside(points: Floats, width: float, height: float) -> Floats:
+def distance_outside(points: Floats, width: float, height: float) -> Floats:
     """How far points, (K, 3), are outside of a centred width x height outline in x and y, (K,) [m]."""
     x, y = np.maximum(np.abs(points[:, 0]) - width / 2.0, 0.0), np.abs(points[:, 1]) - height / 2.0
     return np.asarray(np.hypot(x, np.maximum(y, 0.0)))
 
 
-def beside(outside: Floats, height: Floats) -> Floats:
+def distance_beside(outside: Floats, height: Floats) -> Floats:
     """Signed distance to an open surface: of points within its outline their height, (K,) [m]."""
     return np.where(outside > 0.0, np.hypot(outside, height), height)
 
 
-def _facing_up(x: Floats, y: Floats, area: Floats) -> Local:
+def _facing_up(x: Floats, y: Floats, area: Floats) -> LocalSamples:
     K = len(x)
     points = np.stack([x, y, np.zeros(K)], axis=-1)
-    return Local(points, np.tile([0.0, 0.0, 1.0], (K, 1)), area)
+    return LocalSamples(points, np.tile([0.0, 0.0, 1.0], (K, 1)), area)

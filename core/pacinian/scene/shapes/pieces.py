@@ -11,10 +11,10 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-TINY = 1e-300  # [m]
+MIN_LENGTH = 1e-300  # [m]
 
 
-class Pieces:
+class Polyline3D:
     """Straight pieces between points, (L, 3) [m], two or more; further columns are carried along.
 
     arc: the length up to each point, (L,) [m].
@@ -33,7 +33,7 @@ class Pieces:
     def at(self, s: Floats) -> Floats:
         """What is `s` [m] along, (K,): (K, 3), or as many columns as the points have."""
         i = np.searchsorted(self.arc[1:-1], s, side="right")
-        step = np.maximum(self.arc[i + 1] - self.arc[i], TINY)
+        step = np.maximum(self.arc[i + 1] - self.arc[i], MIN_LENGTH)
         a, f = self.points[i], (s - self.arc[i]) / step
         return np.asarray(a + f[:, None] * (self.points[i + 1] - a))
 

@@ -9,8 +9,8 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import count, length
-from pacinian.scene.shapes.local import GOLDEN, Local
+from pacinian.checks import check_count, check_length
+from pacinian.scene.shapes.local import GOLDEN, LocalSamples
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
@@ -23,7 +23,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     radius: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "radius", length("radius", self.radius))
+        force_setattr(self, "radius", check_length("radius", self.radius))
 
     @property
     def area(self) -> float:
@@ -36,7 +36,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         return (self.radius, self.radius, self.radius)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.radius
 
@@ -45,7 +45,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         x, y, z = points.T
         return np.asarray(np.sqrt(x * x + y * y + z * z) - self.radius)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """A Fibonacci lattice: equal areas, about `spacing` [m] apart."""
         return _spiral(self.radius, 0.0, self.area, spacing)
 
@@ -57,8 +57,8 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
     length: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "radius", length("radius", self.radius))
-        force_setattr(self, "length", length("length", self.length))
+        force_setattr(self, "radius", check_length("radius", self.radius))
+        force_setattr(self, "length", check_length("length", self.length))
 
     @property
     def area(self) -> float:
@@ -71,7 +71,7 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
         return (self.radius, self.radius, self.radius + self.length / 2.0)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.radius + self.length / 2.0
 
@@ -81,14 +81,14 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
         beyond = np.maximum(np.abs(z) - self.length / 2.0, 0.0)
         return np.asarray(np.sqrt(x * x + y * y + beyond * beyond) - self.radius)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """A spiral: equal areas, about `spacing` [m] apart."""
         return _spiral(self.radius, self.length / 2.0, self.area, spacing)
 
 
-def _spiral(a: float, half: float, area: float, spacing: float) -> Local:
+def _spiral(a: float, half: float, area: float, spacing: float) -> LocalSamples:
     """Equal areas (Archimedes' theorem, for caps and mantle alike) of a sphere of radius a drawn out in z."""
-    K = max(4, round(count(area, spacing, 2)))
+    K = max(4, round(check_count(area, spacing, 2)))
     i = np.arange(K)
     height = (a + half) * (1.0 - (2.0 * i + 1.0) / K)  # of the enclosing cylinder's mantle
     axis = np.clip(height, -half, half)
@@ -97,4 +97,4 @@ def _spiral(a: float, half: float, area: float, spacing: float) -> Local:
     normals = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1)
     points = a * normals
     points[:, 2] += axis
-    return Local(points, normals, np.full(K, area / K))
+    return LocalSamples(points, normals, np.full(K, area / K))

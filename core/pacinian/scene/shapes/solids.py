@@ -12,10 +12,10 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import length
+from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.local import Local, grid
-from pacinian.scene.shapes.thin import APART, thin
+from pacinian.scene.shapes.local import LocalSamples, sample_grid
+from pacinian.scene.shapes.thin import APART, thin_out
 from pacinian.types import Floats
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Solid(Protocol):
         ...
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m], at most."""
         ...
 
@@ -48,7 +48,7 @@ class Solid(Protocol):
         """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
         ...
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Samples of its shell, about `spacing` [m] apart."""
         ...
 
@@ -66,7 +66,7 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
     def __post_init__(self) -> None:
         force_setattr(self, "extent", vector("extent", self.extent))
         for half in self.extent:
-            length("extent", half)
+            check_length("extent", half)
 
     @property
     def area(self) -> float:
@@ -75,10 +75,10 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     @cached_property
     def _area(self) -> float:
-        return measured(self)
+        return measure_solid(self)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m], at most."""
         return math.hypot(*self.extent)
 
@@ -93,12 +93,12 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
             )
         return d
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
-        return shell(self, spacing)
+        return sample_solid(self, spacing)
 
 
-def shell(solid: Solid, spacing: float) -> Local:
+def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
     """Points of a fine grid near a shell, projected on it by Newton steps and thinned to `spacing` [m]."""
     extent = np.array(solid.extent)
     points, area = _near(solid, spacing / 3.0, -extent, extent)
@@ -108,12 +108,14 @@ def shell(solid: Solid, spacing: float) -> Local:
     held = (np.abs(points) <= extent + ON * spacing).all(axis=1)
     on = held & (np.abs(solid.distance(points)) < ON * spacing)
     points, area = points[on], area[on]
-    kept = thin(points, APART * spacing)
-    area = shares(points, area, kept)
-    return Local(points[kept], unit(gradient(solid, points[kept])), scaled(area, solid.area))
+    kept = thin_out(points, APART * spacing)
+    area = share_area(points, area, kept)
+    return LocalSamples(
+        points[kept], normalise(gradient(solid, points[kept])), scale_shell(area, solid.area)
+    )
 
 
-def measured(solid: Solid) -> float:
+def measure_solid(solid: Solid) -> float:
     """The area of a shell [m^2], by the cells of a grid that it passes through: an estimate."""
     low, high = -np.array(solid.extent), np.array(solid.extent)
     area = np.zeros(0)
@@ -132,7 +134,7 @@ def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats,
     Engquist, Tornberg and Tsai, "Discretization of Dirac delta functions in level set methods", 2005.
     """
     x, y, z = (high - low) / 2.0 + 2.0 * step
-    points = grid((x, y, z), step) + (low + high) / 2.0
+    points = sample_grid((x, y, z), step) + (low + high) / 2.0
     cell = 8.0 * x * y * z / len(points)  # [m^3]
     d = np.abs(solid.distance(points))
     near = d < math.sqrt(3.0) * math.cbrt(cell)
@@ -142,14 +144,16 @@ def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats,
     return points, cell * delta * np.sqrt((slope**2).sum(axis=1))
 
 
-def interior(solid: Solid, spacing: float) -> Local:
+def sample_interior(solid: Solid, spacing: float) -> LocalSamples:
     """A centred grid inside of a volume, `spacing` [m] apart; normals away from its middle.
 
     The area of each sample is spacing^2.
     """
-    points = grid(solid.extent, spacing)
+    points = sample_grid(solid.extent, spacing)
     points = points[solid.distance(points) < 0.0]
-    return Local(points, unit(gradient(solid, points)), np.full(len(points), spacing**2))
+    return LocalSamples(
+        points, normalise(gradient(solid, points)), np.full(len(points), spacing**2)
+    )
 
 
 def gradient(solid: Solid, points: Floats, step: float = 1e-5) -> Floats:
@@ -158,13 +162,13 @@ def gradient(solid: Solid, points: Floats, step: float = 1e-5) -> Floats:
     return np.stack(slopes, axis=-1) / (2.0 * step)
 
 
-def unit(directions: Floats) -> Floats:
+def normalise(directions: Floats) -> Floats:
     """Directions, (K, 3), made unit; those of no length stay zero."""
     size = np.sqrt((directions**2).sum(axis=1, keepdims=True))
     return directions / np.where(size > 0.0, size, 1.0)
 
 
-def shares(points: Floats, area: Floats, kept: Indices) -> Floats:
+def share_area(points: Floats, area: Floats, kept: Indices) -> Floats:
     """Area of those points that are kept: each also has that of the others that are nearest to it."""
     from scipy.spatial import KDTree
 
@@ -174,7 +178,7 @@ def shares(points: Floats, area: Floats, kept: Indices) -> Floats:
     return np.bincount(nearest, area, len(kept)).astype(np.float64)
 
 
-def scaled(area: Floats, total: float) -> Floats:
+def scale_shell(area: Floats, total: float) -> Floats:
     """Areas made to sum to a total [m^2]; where they are all zero, equal ones."""
     area = area if area.any() else np.ones_like(area)
     return area * (total / max(float(area.sum()), 1e-300))

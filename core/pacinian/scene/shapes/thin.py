@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 APART = 0.8  # share of the spacing that neighbours keep: then there is one sample per spacing^2
 
 
-def thin(points: Floats, radius: float, first: int = 0) -> Indices:
+def thin_out(points: Floats, radius: float, first: int = 0) -> Indices:
     """Indices of points, (K, 3) [m], of which no two are nearer than `radius` [m], and none is missing.
 
     Of the first so many as are kept beside each other, then of the others at random (always the same).

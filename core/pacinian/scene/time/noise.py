@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import integer
+from pacinian.checks import check_integer
 from pacinian.errors import ArgumentError
 from pacinian.scene.time.waves import between, bounds, frequency
 
@@ -40,7 +40,7 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
         frequency(self, "low_frequency")
         frequency(self, "high_frequency", above=True)
         bounds(self)
-        force_setattr(self, "seed", integer("seed", self.seed, low=0))
+        force_setattr(self, "seed", check_integer("seed", self.seed, low=0))
         least = (1.0 - NARROWEST) * self.high_frequency
         if not self.low_frequency <= least:
             raise ArgumentError(

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 STEEP = 0.1  # sine of the angle to a normal below which an axis gives no direction across it
 THIN = 1e-6  # squared width over squared length below which samples lie on a line
-SMALL = 1e-6  # [m] across which they are at one place
+MIN_EXTENT = 1e-6  # [m] across which they are at one place
 
 
 class Plane(NamedTuple):
@@ -26,14 +26,14 @@ class Plane(NamedTuple):
     normal: Floats
 
 
-def weights(samples: Samples) -> Floats:
+def compute_weights(samples: Samples) -> Floats:
     """Each sample's share of the radiation pressure, (M,); where there is none, equal ones."""
     p = samples.radiation_pressure
     total = float(p.sum())
     return p / total if total > 0.0 else np.full(len(p), 1.0 / len(p))
 
 
-def plane(samples: Samples, w: Floats, frame: Floats) -> Plane:
+def fit_plane(samples: Samples, w: Floats, frame: Floats) -> Plane:
     """The plane across the mean normal at the mean position, with weights w, (M,).
 
     Where normals are missing or cancel, the one that fits the positions. frame: axes as columns, (3, 3);
@@ -57,10 +57,10 @@ def across(n: Floats, first: Floats, second: Floats) -> Floats:
     return np.asarray(d / np.sqrt(d @ d))
 
 
-def tangents(normals: Floats, angle: float, frame: Floats) -> Floats:
+def find_tangents(normals: Floats, angle: float, frame: Floats) -> Floats:
     """Unit directions across normals, (M, 3), at `angle` [rad] from the frame's x-axis about them.
 
-    frame: as for `plane`; its z-axis stands in for normals that are zero.
+    frame: as for `fit_plane`; its z-axis stands in for normals that are zero.
     """
     n = np.where(normals.any(axis=1, keepdims=True), normals, frame[:, 2])
     along = n @ frame  # (M, 3): cosines to x, y and z
@@ -79,7 +79,7 @@ def _fit(d: Floats, frame: Floats) -> Floats:
     """Normal of the plane that fits points d about their centre, (M, 3) [m], on the frame's upper side."""
     x, y, z = frame[:, 0], frame[:, 1], frame[:, 2]
     squares, directions = np.linalg.eigh(d.T @ d)
-    if squares[2] < SMALL**2:
+    if squares[2] < MIN_EXTENT**2:
         return z
     if squares[1] < THIN * squares[2]:
         return across(directions[:, 2], z, y)

@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from pacinian.errors import ArgumentError
 from pacinian.scene.time.noise import Noise
-from pacinian.scene.time.waves import EDGE, Sine, raised
+from pacinian.scene.time.waves import EDGE, Sine, raise_cosine
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +48,7 @@ class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 def impulsive(t: Floats) -> Floats:
     """Taps."""
     s = t % 0.25
-    return raised(s / EDGE) * np.exp(-s / 0.015)
+    return raise_cosine(s / EDGE) * np.exp(-s / 0.015)
 
 
 def rapturous(t: Floats) -> Floats:

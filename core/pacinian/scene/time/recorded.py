@@ -11,16 +11,16 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import number, numbers
+from pacinian.checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.time.wav import read
+from pacinian.scene.time.wav import read_wav
 from pacinian.scene.time.waves import EDGE, between, between_edges
 
 if TYPE_CHECKING:
     from pacinian.types import Floats, Singles
 
-LONGEST = 600.0  # [s]
-FASTEST = 1e6  # [Hz] of samples
+MAX_DURATION = 600.0  # [s]
+MAX_RATE = 1e6  # [Hz] of samples
 FINE = 16_000.0  # [Hz] at least, of the table: a device at 1, 2, 4 or 8 kHz mostly reads its very values
 FELT = 1000.0  # [Hz]; skin feels nothing above
 SMOOTH = 0.02  # [s]
@@ -62,7 +62,7 @@ class Wave(
     def __post_init__(self) -> None:
         if self.mode not in ("waveform", "loudness"):
             raise ArgumentError("mode", f'must be "waveform" or "loudness", not {self.mode!r}')
-        x = numbers("samples", self.samples, (None,))
+        x = check_numbers("samples", self.samples, (None,))
         force_setattr(self, "samples", tuple(x.tolist()))
         force_setattr(self, "file", str(self.file))
         if bool(self.file) == bool(len(x)):
@@ -101,15 +101,15 @@ class Wave(
 @functools.lru_cache(maxsize=16)
 def _load(file: str, time: int, size: int, loop: bool, mode: str) -> Table:
     """The table of a file in its present state."""
-    rate, x = read(file)
+    rate, x = read_wav(file)
     return _table(x, _rate(f"wave {file}", rate, len(x)), loop, mode)
 
 
 def _rate(name: str, rate: float, count: int) -> float:
     """The rate of `count` samples [Hz], checked, and with it how long they last."""
-    rate = number(name, rate, low=1.0, high=FASTEST)
-    if not 0 < count <= LONGEST * rate:
-        raise ArgumentError(name, f"must last up to {LONGEST:g} s, not {count / rate:g} s")
+    rate = check_number(name, rate, low=1.0, high=MAX_RATE)
+    if not 0 < count <= MAX_DURATION * rate:
+        raise ArgumentError(name, f"must last up to {MAX_DURATION:g} s, not {count / rate:g} s")
     return rate
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from pacinian.scene.shapes.pieces import TINY, Pieces
-from pacinian.scene.time.plane import plane, weights
+from pacinian.scene.shapes.pieces import MIN_LENGTH, Polyline3D
+from pacinian.scene.time.plane import compute_weights, fit_plane
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +24,7 @@ Route: TypeAlias = "Callable[[int, int], Samples]"
 """The focus at place i of n on a route."""
 
 
-def one_by_one(samples: Samples) -> Route:
+def visit_one_by_one(samples: Samples) -> Route:
     """From sample to sample, by a short tour from the lowest key on: for an equal time at each.
 
     The focus has that sample's own radiation pressure. With more samples than places, some are left out.
@@ -32,7 +32,7 @@ def one_by_one(samples: Samples) -> Route:
     from pacinian.scene.time import tour
 
     by_key = np.argsort(samples.keys, kind="stable")
-    order = by_key[tour.through(np.ascontiguousarray(samples.positions[by_key]))]
+    order = by_key[tour.order_through(np.ascontiguousarray(samples.positions[by_key]))]
 
     @functools.cache
     def stop(m: int) -> Samples:
@@ -41,7 +41,7 @@ def one_by_one(samples: Samples) -> Route:
     return lambda i, n: stop(i * len(order) // n)
 
 
-def around(samples: Samples, frame: Floats) -> Route:
+def visit_around(samples: Samples, frame: Floats) -> Route:
     """Around the samples: along their convex hull in their tangent plane, at constant speed.
 
     From where the plane's x-axis points to, on towards y. frame: as for `plane`. The radiation pressure
@@ -49,14 +49,14 @@ def around(samples: Samples, frame: Floats) -> Route:
     """
     from pacinian.scene.time import tour
 
-    w = weights(samples)
-    centre, axes, _ = plane(samples, w, frame)
+    w = compute_weights(samples)
+    centre, axes, _ = fit_plane(samples, w, frame)
     flat = (samples.positions - centre) @ axes.T[:, :2]
-    corners = tour.around(flat, np.lexsort((flat[:, 1], flat[:, 0])))
+    corners = tour.order_around(flat, np.lexsort((flat[:, 1], flat[:, 0])))
     ring = np.concatenate([corners, corners[:1]])
-    pieces = Pieces(np.concatenate([samples.positions[ring], samples.normals[ring]], axis=1))
+    pieces = Polyline3D(np.concatenate([samples.positions[ring], samples.normals[ring]], axis=1))
     mean, start = _mean(samples, w, np.zeros(3)), _start(flat[ring], pieces.arc)
-    length = max(pieces.length, TINY)
+    length = max(pieces.length, MIN_LENGTH)
 
     def focus(i: int, n: int) -> Samples:
         here = pieces.at(np.array([(start + length * i / n) % length]))
@@ -67,13 +67,13 @@ def around(samples: Samples, frame: Floats) -> Route:
     return focus
 
 
-def along(samples: Samples, curve: Curve, frame: Floats) -> Route:
+def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
     """Along a curve in the samples' tangent plane, about their centre.
 
-    frame: as for `plane`. The radiation pressure is as for `around`.
+    frame: as for `plane`. The radiation pressure is as for `visit_around`.
     """
-    w = weights(samples)
-    centre, axes, normal = plane(samples, w, frame)
+    w = compute_weights(samples)
+    centre, axes, normal = fit_plane(samples, w, frame)
     mean = _mean(samples, w, normal)
     return lambda i, n: replace(mean, positions=centre + curve.at(np.array([i / n])) @ axes)
 
@@ -100,7 +100,7 @@ def _start(ring: Floats, arc: Floats) -> float:
     """
     d = ring[1:] - ring[:-1]
     sides = np.sqrt((d * d).sum(axis=1))
-    middle = sides @ (ring[1:, 1] + ring[:-1, 1]) / (2.0 * max(sides.sum(), TINY))
+    middle = sides @ (ring[1:, 1] + ring[:-1, 1]) / (2.0 * max(sides.sum(), MIN_LENGTH))
     y = np.round(ring[:, 1] - middle, DIGITS)
     i = int(((y[:-1] <= 0.0) & (y[1:] > 0.0)).argmax())
     rise = y[i + 1] - y[i]

@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import length, number
+from pacinian.checks import check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.curves import Curve
 from pacinian.scene.time.waves import SLIP, frequency
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 PLACES = 720  # of a continuous route: 0.3 mm apart on one of 0.2 m
-MOST = 10_000  # places
+MAX_PLACES = 10_000  # places
 SWING = 64  # steps of a lateral movement to either side
-KEPT = 128  # sets of samples in motion that are at hand
+MAX_CACHED = 128  # sets of samples in motion that are at hand
 WORLD = np.eye(3)
 
 
@@ -61,7 +61,7 @@ class _Moving(_Still, frozen=True, forbid_unknown_fields=True, tag_field="type")
         key = id(samples), id(self), frame.tobytes()
         kept = _kept.get(key)
         if kept is None:
-            while len(_kept) >= KEPT:
+            while len(_kept) >= MAX_CACHED:
                 del _kept[next(iter(_kept))]
             motion = functools.lru_cache(PLACES)(self.motion(samples, frame))
             kept = _kept[key] = samples, self, motion  # all: their ids stay taken
@@ -91,7 +91,7 @@ class AM(_Still, frozen=True, tag="am"):
 
     def __post_init__(self) -> None:
         frequency(self, "frequency")
-        force_setattr(self, "depth", number("depth", self.depth, low=0.0, high=1.0))
+        force_setattr(self, "depth", check_number("depth", self.depth, low=0.0, high=1.0))
 
     def factor(self, t: Floats) -> Floats:
         """What the object's envelope is multiplied by at times t [s], (K,): 1 - depth to 1."""
@@ -129,7 +129,7 @@ class STM(_Moving, frozen=True, tag="stm"):
         if self.dwell is None:
             return
         period = 1.0 / self.frequency
-        dwell = number("dwell", self.dwell, low=period / MOST, high=period)
+        dwell = check_number("dwell", self.dwell, low=period / MAX_PLACES, high=period)
         force_setattr(self, "dwell", dwell)
 
     @property
@@ -147,11 +147,11 @@ class STM(_Moving, frozen=True, tag="stm"):
         from pacinian.scene.time import routes
 
         if self.along == "samples":
-            route = routes.one_by_one(samples)
+            route = routes.visit_one_by_one(samples)
         elif self.along == "outline":
-            route = routes.around(samples, frame)
+            route = routes.visit_around(samples, frame)
         else:
-            route = routes.along(samples, self.along, frame)
+            route = routes.visit_along(samples, self.along, frame)
         n = self.places
         return lambda i: route(i, n)
 
@@ -171,8 +171,8 @@ class LM(_Moving, frozen=True, tag="lm"):
 
     def __post_init__(self) -> None:
         frequency(self, "frequency")
-        force_setattr(self, "amplitude", length("amplitude", self.amplitude))
-        force_setattr(self, "angle", number("angle", self.angle))
+        force_setattr(self, "amplitude", check_length("amplitude", self.amplitude))
+        force_setattr(self, "angle", check_number("angle", self.angle))
 
     def step(self, t: float) -> int:
         """Where in its movement every sample is at t [s]: -64 to 64."""
@@ -180,9 +180,9 @@ class LM(_Moving, frozen=True, tag="lm"):
 
     def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
         """The samples at each step."""
-        from pacinian.scene.time.plane import tangents
+        from pacinian.scene.time.plane import find_tangents
 
-        d = self.amplitude * tangents(samples.normals, math.radians(self.angle), frame)
+        d = self.amplitude * find_tangents(samples.normals, math.radians(self.angle), frame)
         return lambda i: replace(samples, positions=samples.positions + i / SWING * d)
 
 

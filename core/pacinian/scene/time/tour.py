@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
 
-def through(q: Floats) -> Indices:
+def order_through(q: Floats) -> Indices:
     """Indices of points q, (M, 3) [m]: from the first on, always the nearest that is left."""
     order = np.empty(len(q), dtype=np.int64)
     kernels.visit_through(q, order)
     return order
 
 
-def around(q: Floats, order: Indices) -> Indices:
+def order_around(q: Floats, order: Indices) -> Indices:
     """Indices of the corners of points q, (M, 2) [m], anticlockwise; of points on a line, its ends.
 
     order: of the points by x, then y, (M,). Andrew's monotone chain: the lower side, then the upper.

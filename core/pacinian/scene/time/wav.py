@@ -14,10 +14,10 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import Singles
 
-LARGEST = 64 << 20  # [bytes]
+MAX_BYTES = 64 << 20  # [bytes]
 
 
-def read(file: str) -> tuple[float, Singles]:
+def read_wav(file: str) -> tuple[float, Singles]:
     """The rate of a WAV file [Hz], and the mean of its channels, (L,), in -1..1 at full scale.
 
     file: of whole numbers up to 64 bits, or floats. Raises ArgumentError for one that is none, is cut
@@ -47,9 +47,9 @@ def _content(path: Path) -> bytes:
     if not path.is_file():
         raise ArgumentError("wave", f"{path} is not there, or not a file")
     with path.open("rb") as file:
-        content = file.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise ArgumentError("wave", f"{path} is larger than {LARGEST >> 20} MiB")
+        content = file.read(MAX_BYTES + 1)
+    if len(content) > MAX_BYTES:
+        raise ArgumentError("wave", f"{path} is larger than {MAX_BYTES >> 20} MiB")
     return content
 
 

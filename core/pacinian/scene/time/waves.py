@@ -9,10 +9,10 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import number
+from pacinian.checks import check_number
 from pacinian.types import Floats
 
-FASTEST = 100_000.0  # [Hz], more than any device can follow
+MAX_FREQUENCY = 100_000.0  # [Hz], more than any device can follow
 EDGE = 1.5e-3  # [s] from low to high or back, at least: less is louder, more is felt as weaker (decision 45)
 SLIP = 1e-9  # [s]; an edge due on a frame must not come one frame late by rounding
 
@@ -23,7 +23,7 @@ class Constant(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"
     level: float = 1.0
 
     def __post_init__(self) -> None:
-        force_setattr(self, "level", number("level", self.level, low=0.0, high=1.0))
+        force_setattr(self, "level", check_number("level", self.level, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
@@ -62,7 +62,7 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     def __post_init__(self) -> None:
         frequency(self, "frequency")
         bounds(self)
-        force_setattr(self, "duty", number("duty", self.duty, low=0.0, high=1.0))
+        force_setattr(self, "duty", check_number("duty", self.duty, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
@@ -93,12 +93,12 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
     def __post_init__(self) -> None:
         bounds(self)
-        force_setattr(self, "width", number("width", self.width, low=0.0, above=True))
-        force_setattr(self, "start", number("start", self.start))
+        force_setattr(self, "width", check_number("width", self.width, low=0.0, above=True))
+        force_setattr(self, "start", check_number("start", self.start))
         half = self.width / 2.0
-        force_setattr(self, "rise", number("rise", self.rise, low=0.0, high=half))
+        force_setattr(self, "rise", check_number("rise", self.rise, low=0.0, high=half))
         if self.period is not None:
-            force_setattr(self, "period", number("period", self.period, low=self.width))
+            force_setattr(self, "period", check_number("period", self.period, low=self.width))
 
     def at(self, t: Floats) -> Floats:
         """The factor at times t [s], same shape."""
@@ -120,7 +120,7 @@ class Function(Struct, frozen=True):
         return np.clip(np.nan_to_num(value, nan=0.0), 0.0, 1.0)
 
 
-def raised(share: Floats) -> Floats:
+def raise_cosine(share: Floats) -> Floats:
     """From 0 to 1 by half a cosine, at shares of the way; less than 0 is 0, more than 1 is 1."""
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.clip(share, 0.0, 1.0)))
 
@@ -130,19 +130,19 @@ def between_edges(place: Floats, falls: float, edge: float) -> Floats:
     if not edge > 0.0:
         return np.asarray((place >= 0.0) & (place < falls), dtype=np.float64)
     up, down = (np.clip(place - after, 0.0, edge) / edge for after in (0.0, falls))
-    return raised(up) - raised(down)
+    return raise_cosine(up) - raise_cosine(down)
 
 
 def frequency(wave: Any, name: str, *, above: bool = False) -> None:
     """Check a frequency [Hz] of a wave; `above` excludes 0."""
-    value = number(name, getattr(wave, name), low=0.0, high=FASTEST, above=above)
+    value = check_number(name, getattr(wave, name), low=0.0, high=MAX_FREQUENCY, above=above)
     force_setattr(wave, name, value)
 
 
 def bounds(wave: Any) -> None:
     """Check the low and the high of a wave."""
-    force_setattr(wave, "low", number("low", wave.low, low=0.0, high=1.0))
-    force_setattr(wave, "high", number("high", wave.high, low=wave.low, high=1.0))
+    force_setattr(wave, "low", check_number("low", wave.low, low=0.0, high=1.0))
+    force_setattr(wave, "high", check_number("high", wave.high, low=wave.low, high=1.0))
 
 
 def between(table: Any, place: Floats) -> Floats:

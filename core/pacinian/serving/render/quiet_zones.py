@@ -19,7 +19,7 @@ AT_ONCE = Budget.until(0.0)
 ROOM = 0.02  # [m] by which the ball that is kept is larger than one that may move
 
 
-class Quieting:
+class ZonePlacement:
     """Prepares quiet zones for an array in a medium. limits: of gain and power. fixed: how many zones never move.
 
     note: what people should know while there is silence.

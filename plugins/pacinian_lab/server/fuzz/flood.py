@@ -18,7 +18,7 @@ import zmq
 from msgspec.structs import asdict
 
 from pacinian.wire.connection import Connection
-from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 from pacinian_lab.server.faults.raw_client import Peer, Silent
 from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS
 from pacinian_lab.server.fuzz.mutations import Spoiler
@@ -47,14 +47,14 @@ class Flood:
         with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
             spoiler = Spoiler(self.random, b"")
             socket = peer.command if kind == "command" else peer.control
-            longest = LONGEST_COMMAND if kind == "command" else LONGEST_CONTROL
+            longest = MAX_COMMAND_BYTES if kind == "command" else MAX_CONTROL_BYTES
             while True:
                 if not self._heard(peer, spoiler, kind):  # its last sequence number may be spoiled
                     peer.hello(client="hostile")
                     spoiler.session, spoiler.sequence = peer.session, 0
                 for _ in range(BATCH):
                     if kind == "control" and self.random.random() < HELLO:
-                        self._send(stranger.control, LONGEST_CONTROL, *spoiler.hello())
+                        self._send(stranger.control, MAX_CONTROL_BYTES, *spoiler.hello())
                     else:
                         made = spoiler.next(examples, time.perf_counter())
                         self._send(socket, longest, *made)

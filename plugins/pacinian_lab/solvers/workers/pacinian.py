@@ -102,7 +102,7 @@ def roofline(problem: dict[str, Any]) -> Task:
     z = t.astype(np.complex64)
 
     def once() -> None:
-        propagator.place(next(path))
+        propagator.set_points(next(path))
         _ = propagator.gram
         propagator.apply(propagator.adjoint(z))
 

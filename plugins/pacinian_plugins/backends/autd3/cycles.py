@@ -9,13 +9,13 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-MOST = 256  # rows of a cycle
+MAX_ROWS = 256  # rows of a cycle
 
 
-class Cycles:
+class RepeatDetector:
     """Follows rows by their digests; a row's index is when it is due, counted in rows. Some may be left out."""
 
-    def __init__(self, most: int = MOST) -> None:
+    def __init__(self, most: int = MAX_ROWS) -> None:
         self._periods = np.arange(1, most + 1)
         self._recent = np.zeros(most, np.int64)  # digests, the newest first
         self._known = np.zeros(most, np.bool_)  # those that were not left out

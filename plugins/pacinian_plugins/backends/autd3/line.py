@@ -11,7 +11,7 @@ Due = tuple[Any, float | None]
 """Frames of the packages, and when they take effect on the units' clock [s]; None for at once."""
 
 
-class Line(Protocol):
+class Transport(Protocol):
     """A way to the units of an array, open and silent, until `close`."""
 
     failures: int

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pacinian_plugins.backends.autd3.emulated import EmulatedLine
-from pacinian_plugins.backends.autd3.packages import package
-from pacinian_plugins.backends.autd3.udp import UdpLine
+from pacinian_plugins.backends.autd3.emulated import EmulatedTransport
+from pacinian_plugins.backends.autd3.packages import import_package
+from pacinian_plugins.backends.autd3.udp import UdpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian_plugins.backends.autd3.line import Line
+    from pacinian_plugins.backends.autd3.line import Transport
 
 LINKS = {
     "udp": "units on the network, or the simulator if it runs",
@@ -28,7 +28,7 @@ GONE = (
 )
 
 
-def line(
+def make_transport(
     link: str,
     geometry: Any,
     interface: str,
@@ -36,21 +36,21 @@ def line(
     watchdog: float,
     timeout: float,
     clock: Callable[[], float],
-) -> Line:
+) -> Transport:
     """Open one. Raises BackendError, MissingExtra."""
     if link == "emulator":
-        return EmulatedLine(geometry, clock)
-    api = package("autd3")
+        return EmulatedTransport(geometry, clock)
+    api = import_package("autd3")
     if link == "server":
-        option = api.ServerLink(port or package("autd3.params").SERVER_PORT)
-        return UdpLine(geometry, option, watchdog, timeout, clock, failsafe=False)
+        option = api.ServerLink(port or import_package("autd3.params").SERVER_PORT)
+        return UdpTransport(geometry, option, watchdog, timeout, clock, failsafe=False)
     units = api.UdpEmulator(len(geometry)) if link == "loopback" else None
     if units is not None:
         where = units.option().iface
     elif link == "simulator":
-        where = api.Interface.Simulator(port or package("autd3.params").SIMULATOR_PORT)
+        where = api.Interface.Simulator(port or import_package("autd3.params").SIMULATOR_PORT)
     else:
         where = api.Interface.Name(interface) if interface else api.Interface.Auto
     lost = api.Duration.from_secs_f64(timeout)
     option = api.UdpOption(iface=where, heartbeat=None, lost_timeout=lost)
-    return UdpLine(geometry, option, watchdog, timeout, clock, units=units)
+    return UdpTransport(geometry, option, watchdog, timeout, clock, units=units)

@@ -22,7 +22,7 @@ ADVICE = {  # by what the packages say
 }
 
 
-def explained(error: Exception, gone: bool = False) -> str:
+def explain(error: Exception, gone: bool = False) -> str:
     """What to say of an error of the packages. gone: whether a unit is known to be lost."""
     if gone:
         return f"{NAME}: {LOST}"

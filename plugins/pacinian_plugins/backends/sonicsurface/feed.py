@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pacinian_plugins.backends.sonicsurface.protocol import BOARD, BYTE, OFF, SWAP, framed
+from pacinian_plugins.backends.sonicsurface.protocol import BOARD, BYTE, OFF, SWAP, frame_message
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 AGAIN = 0.5  # [s] after which what stays is written again: there is no acknowledgement
 
 
-class Feed:
+class WriteScheduler:
     """The line's time, and both buffers of the boards: `front` is heard, `back` is the one before.
 
     boards: 1 or 2. select: the commands by which they are chosen.
@@ -47,7 +47,7 @@ class Feed:
             data = bytes([SWAP])
             self.back = self.front
         else:
-            data = framed(newest, self._select)
+            data = frame_message(newest, self._select)
             self.back = b"" if self.urgent else self.front
         self.front, self.urgent = newest, False
         self.free = max(self.free, now) + len(data) * BYTE

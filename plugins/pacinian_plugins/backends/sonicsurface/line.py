@@ -6,23 +6,25 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
-from pacinian_plugins.backends.sonicsurface.ports import STUCK, explained
+from pacinian_plugins.backends.sonicsurface.ports import STUCK, explain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian_plugins.backends.sonicsurface.feed import Feed
+    from pacinian_plugins.backends.sonicsurface.feed import WriteScheduler
 
 LOOK = 1e-3  # [s] between two looks at what the system still holds
 
 
-class Line:
+class SerialWriter:
     """Writes what a feed says to a port, which is closed with it.
 
     port: of pyserial. timeout: for which the system may hold bytes beyond the line's time [s]. clock: [s].
     """
 
-    def __init__(self, port: Any, feed: Feed, timeout: float, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, port: Any, feed: WriteScheduler, timeout: float, clock: Callable[[], float]
+    ) -> None:
         self._port, self._feed, self._timeout, self._clock = port, feed, timeout, clock
         self._changed = threading.Condition()
         self._idle = self._closing = False
@@ -52,7 +54,7 @@ class Line:
             limit = left + 2.0 * self._timeout
             self._changed.wait_for(lambda: self._idle or self._problem, limit)
             if not (self._idle or self._problem):
-                self._problem = explained(TimeoutError(STUCK), self._port.port)
+                self._problem = explain(TimeoutError(STUCK), self._port.port)
             if self._problem:
                 raise pc.BackendError(self._problem)
 
@@ -104,6 +106,6 @@ class Line:
 
     def _failed(self, error: Exception) -> None:
         with self._changed:
-            self._problem = explained(error, self._port.port)
+            self._problem = explain(error, self._port.port)
             self._feed.forget()
             self._changed.notify_all()

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian_plugins.backends.usb_autd.protocol import Request
 
 
-class PretendedLink:
+class SimulatedLink:
     """A link to a model of a device with so many units and transducers in each."""
 
     gone = False

@@ -30,7 +30,7 @@ class Refined(NamedTuple):
     objective: float
 
 
-def certified(
+def refine_certified(
     B: Complexes, p: Complexes, free: Flags, mu: float, y: Complexes, h: Complexes | None = None
 ) -> Refined:
     """Gains h, (N,), h(B^H y) unless given, with D(y) and their objective, for the phases that they make."""
@@ -44,7 +44,7 @@ def certified(
     return Refined(h, y, bound, objective)
 
 
-def newton(
+def solve_newton(
     B: Complexes,
     G: Complexes,
     p: Complexes,
@@ -80,4 +80,4 @@ def newton(
         A[np.diag_indices_from(A)] += 1.0
         y = y.copy()
         np.add.at(y, sample, u * linalg.lstsq(A, F)[0])
-    return certified(B, p, free, mu, best)
+    return refine_certified(B, p, free, mu, best)

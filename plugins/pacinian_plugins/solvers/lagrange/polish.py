@@ -29,7 +29,7 @@ from pacinian_plugins.native.lagrange import (
     evaluate,
     nearest,
 )
-from pacinian_plugins.solvers.lagrange.double import Refined, certified, newton
+from pacinian_plugins.solvers.lagrange.double import Refined, refine_certified, solve_newton
 from pacinian_plugins.solvers.lagrange.room import in_time
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats, Gains
-    from pacinian_plugins.solvers.lagrange.room import Room
+    from pacinian_plugins.solvers.lagrange.room import Workspace
 
 FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
 ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
@@ -63,7 +63,7 @@ IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
 BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
 
 
-class Polished(NamedTuple):
+class PhaseFreeResult(NamedTuple):
     """Where the steps ended; the gains are in `room.h`, in units of the limit."""
 
     error: float  # ||asked - made|| / ||p||, free phases being as made
@@ -76,7 +76,7 @@ class Polished(NamedTuple):
 
 
 @dataclass(eq=False)
-class Polish:
+class PhaseFreeSolve:
     """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come.
 
     starts: how many other phases may be started from, where those at hand do not do. late: whether the time was up
@@ -88,7 +88,7 @@ class Polish:
     p: Complexes
     free: Flags
     mu: float
-    room: Room
+    room: Workspace
     budget: pc.Budget
     unit: float
     out: Gains
@@ -96,7 +96,7 @@ class Polish:
     steps: int = 0
     late: bool = False
 
-    def run(self) -> Polished:
+    def run(self) -> PhaseFreeResult:
         """Write gains, from the multipliers in `room.y`."""
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
@@ -116,12 +116,12 @@ class Polish:
         certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
         deliver(room.h, self.unit, self.out)
 
-    def _done(self, error: float) -> Polished:
+    def _done(self, error: float) -> PhaseFreeResult:
         """What has been found, with its proof."""
         bound, objective, held = self.room.found[5:].tolist()
-        return Polished(error, self.steps, self.late, int(held), bound, objective)
+        return PhaseFreeResult(error, self.steps, self.late, int(held), bound, objective)
 
-    def strongest(self) -> Polished:
+    def strongest(self) -> PhaseFreeResult:
         """Write gains for the largest multiple of the targets, all of free phase.
 
         It stands in p then. Full drive shows about where it is, and from which phases it is the most; Newton steps
@@ -130,7 +130,7 @@ class Polish:
         room, p = self.room, self.p.copy()
         top = self._full()
         start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
-        best: Polished | None = None
+        best: PhaseFreeResult | None = None
         y = start
         while top > 0.0 and strong - weak > FINE and not (best and self.budget.spent):
             share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
@@ -353,8 +353,10 @@ class Polish:
         """The answer in double precision, for B in it; the multipliers are in `room.y`."""
         room = self.room
         h = room.h[0].astype(np.complex128) + 1j * room.h[1]
-        rough = certified(B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0))
-        fine = newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS, self.budget)
+        rough = refine_certified(
+            B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0)
+        )
+        fine = solve_newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS, self.budget)
         best = fine if fine.objective < rough.objective else rough
         room.y[:] = best.y
         return best

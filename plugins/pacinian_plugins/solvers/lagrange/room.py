@@ -21,7 +21,7 @@ SMALL = 16  # samples up to which `small.begin` solves for the start
 
 
 @dataclass(frozen=True, eq=False)
-class Room:
+class Workspace:
     """Space for the kernels, for M samples and N transducers: made once."""
 
     p: Complexes  # targets, (M,)
@@ -41,7 +41,7 @@ class Room:
     found: Floats  # see `descend`, `nearest`, `attempt`
 
     @classmethod
-    def of(cls, M: int, N: int) -> Room:
+    def of(cls, M: int, N: int) -> Workspace:
         """Room for M samples, each of them two equations."""
         K = 2 * M + 4
         return cls(

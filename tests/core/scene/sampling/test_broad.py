@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.native.scene import merge
-from pacinian.scene.motion import LATEST
+from pacinian.scene.motion import MAX_EXTRAPOLATION
 from pacinian.scene.sampling import broad
 
 bounded = settings(max_examples=100)
@@ -28,22 +28,22 @@ def test_near_is_what_touches_a_box(seed: int, count: int, boxes: int, t: float)
     )
     low = rng.uniform(-1.0, 0.8, (boxes, 3))
     corners = np.hstack([low, low + rng.uniform(0.0, 0.5, (boxes, 3))])
-    age = np.clip(t - bounds[:, 6:7], 0.0, LATEST)
+    age = np.clip(t - bounds[:, 6:7], 0.0, MAX_EXTRAPOLATION)
     centres = bounds[:, :3] + age * bounds[:, 3:6]
     expected = np.zeros(count, dtype=bool)
     for box in corners:
         away = centres - np.clip(centres, box[:3], box[3:])
         expected |= np.linalg.norm(away, axis=1) <= bounds[:, 7]
-    assert broad.near(bounds, t, corners).tolist() == np.flatnonzero(expected).tolist()
+    assert broad.cull(bounds, t, corners).tolist() == np.flatnonzero(expected).tolist()
 
 
 def test_a_box_without_end_holds_everything() -> None:
     everywhere = np.array([[-np.inf] * 3 + [np.inf] * 3])
     bounds = np.zeros((5, 8))
-    assert broad.near(bounds, 0.0, everywhere).tolist() == [0, 1, 2, 3, 4]
+    assert broad.cull(bounds, 0.0, everywhere).tolist() == [0, 1, 2, 3, 4]
     bounds[1:, 0] = 1e150, -1e300, 1e300, 1e308
     here = np.array([[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]])
-    assert broad.near(bounds, 0.0, here).tolist() == [0]
+    assert broad.cull(bounds, 0.0, here).tolist() == [0]
 
 
 def merged(seed: int, count: int, radius: float) -> tuple[Any, ...]:

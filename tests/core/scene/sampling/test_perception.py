@@ -9,7 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.perception import LOWEST, MARGIN, TABLE, faintest, threshold
+from pacinian.scene.sampling.perception import (
+    MARGIN,
+    MIN_THRESHOLD,
+    TABLE,
+    lowest_threshold,
+    threshold,
+)
 
 frequencies = st.floats(0.0, 1e5)
 
@@ -19,7 +25,9 @@ def test_the_level_is_the_measured_force_on_the_measured_area() -> None:
 
 
 def test_single_pulses_are_felt_at_ten_times_that_and_nothing_needs_more() -> None:
-    assert max(threshold(f) for f in np.geomspace(0.1, 1e5, 500)) == pytest.approx(10.0 * LOWEST)
+    assert max(threshold(f) for f in np.geomspace(0.1, 1e5, 500)) == pytest.approx(
+        10.0 * MIN_THRESHOLD
+    )
 
 
 def test_the_rows_of_the_table_are_met() -> None:
@@ -35,8 +43,8 @@ def test_an_octave_changes_it_by_the_published_decibels(f: float, slope: float) 
 
 @given(f=frequencies, kind=st.sampled_from([pc.Sine, pc.Square]))
 def test_a_tenth_of_the_threshold_counts_as_felt(f: float, kind: Any) -> None:
-    assert threshold(f) >= LOWEST * (1.0 - 1e-12)
-    assert LOWEST / MARGIN * 0.99 < faintest(kind(f)) < 1.01 * threshold(f) / MARGIN
+    assert threshold(f) >= MIN_THRESHOLD * (1.0 - 1e-12)
+    assert MIN_THRESHOLD / MARGIN * 0.99 < lowest_threshold(kind(f)) < 1.01 * threshold(f) / MARGIN
 
 
 def test_a_bad_frequency_is_refused_by_name() -> None:
@@ -45,7 +53,11 @@ def test_a_bad_frequency_is_refused_by_name() -> None:
 
 
 def test_a_slow_vibration_needs_more_than_a_quick_one() -> None:
-    assert faintest(pc.Sine(20.0)) > 2.0 * LOWEST / MARGIN > faintest(pc.Sine(200.0))
+    assert (
+        lowest_threshold(pc.Sine(20.0))
+        > 2.0 * MIN_THRESHOLD / MARGIN
+        > lowest_threshold(pc.Sine(200.0))
+    )
 
 
 @pytest.mark.parametrize(
@@ -53,4 +65,4 @@ def test_a_slow_vibration_needs_more_than_a_quick_one() -> None:
     [None, pc.Constant(), pc.Function(lambda t: t), pc.Sine(0.0), pc.Sine(1990.0), "buzzing"],
 )
 def test_all_others_count_where_the_skin_is_most_sensitive(envelope: Any) -> None:
-    assert faintest(envelope) == LOWEST / MARGIN
+    assert lowest_threshold(envelope) == MIN_THRESHOLD / MARGIN

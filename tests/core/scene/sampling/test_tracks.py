@@ -12,8 +12,16 @@ from scipy.spatial.transform import Rotation
 
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.motion import LATEST, Motion
-from pacinian.scene.sampling.tracks import BLEND, FADE, HOLD, JUMP, KEPT, HandTrack, Tracks
+from pacinian.scene.motion import MAX_EXTRAPOLATION, Motion
+from pacinian.scene.sampling.tracks import (
+    BLEND,
+    FADE,
+    HOLD,
+    JUMP,
+    MAX_OBJECTS,
+    HandTrack,
+    PosePredictor,
+)
 
 bounded = settings(max_examples=60)
 TICK = 0.001
@@ -47,7 +55,7 @@ updates = st.lists(
 @given(updates=updates)
 @bounded
 def test_no_update_makes_an_object_jump(updates: Any) -> None:
-    tracks, t, item = Tracks(), 0.0, ball()
+    tracks, t, item = PosePredictor(), 0.0, ball()
     shown = tracks.pose(item, t)
     for ticks, d, velocity, spin, age, angle in updates:
         for _ in range(ticks + 1):
@@ -69,7 +77,7 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
 @given(updates=updates)
 @bounded
 def test_it_is_soon_where_its_motion_says(updates: Any) -> None:
-    tracks, t = Tracks(), 0.0
+    tracks, t = PosePredictor(), 0.0
     for ticks, d, velocity, spin, age, _ in updates:
         item = ball(d, Motion(velocity, spin, time=t + age))
         for i in range(ticks + 1):
@@ -100,7 +108,7 @@ def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
     one, other = (
         tuple((sign * r.as_quat()).tolist()) for sign, r in zip(signs, (was, now), strict=True)
     )
-    tracks = Tracks()
+    tracks = PosePredictor()
     tracks.pose(ball(rotation=one), 0.0)
     item, left = ball(rotation=other), []
     for t in np.linspace(0.0, BLEND, 11):
@@ -114,7 +122,7 @@ def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
 
 
 def test_a_teleport_is_followed_at_once() -> None:
-    tracks = Tracks()
+    tracks = PosePredictor()
     tracks.pose(ball(), 0.0)
     far = ball((1.1 * JUMP, 0.0, 0.0))
     assert tracks.pose(far, TICK).position == far.pose.position
@@ -122,13 +130,13 @@ def test_a_teleport_is_followed_at_once() -> None:
 
 def test_a_late_update_is_where_it_must_be_by_now() -> None:
     item = ball(motion=Motion((1.0, 0.0, 0.0), time=-0.05))
-    assert Tracks().pose(item, 0.0).position[0] == pytest.approx(0.05)
+    assert PosePredictor().pose(item, 0.0).position[0] == pytest.approx(0.05)
     old = ball(motion=Motion((1.0, 0.0, 0.0), time=-100.0))
-    assert Tracks().pose(old, 0.0).position[0] == pytest.approx(LATEST)
+    assert PosePredictor().pose(old, 0.0).position[0] == pytest.approx(MAX_EXTRAPOLATION)
 
 
 def test_without_a_motion_or_a_name_nothing_is_blended() -> None:
-    tracks = Tracks()
+    tracks = PosePredictor()
     for item in (replace(ball(), motion=None), ball(name="")):
         tracks.pose(item, 0.0)
         assert tracks.pose(replace(item, pose=pc.Pose((0.01, 0, 0))), TICK).position[0] == 0.01
@@ -137,7 +145,7 @@ def test_without_a_motion_or_a_name_nothing_is_blended() -> None:
 @given(times=st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12), d=st.floats(-0.03, 0.03))
 @bounded
 def test_whatever_time_does_it_is_between_where_it_was_and_is(times: Any, d: float) -> None:
-    tracks = Tracks()
+    tracks = PosePredictor()
     tracks.pose(ball(), 0.0)
     item = ball((d, 0.0, 0.0))
     for t in (0.0, *times):
@@ -146,15 +154,15 @@ def test_whatever_time_does_it_is_between_where_it_was_and_is(times: Any, d: flo
 
 
 def test_while_time_stands_still_so_does_it() -> None:
-    tracks, item = Tracks(), ball(motion=Motion((1.0, 0.0, 0.0)))
+    tracks, item = PosePredictor(), ball(motion=Motion((1.0, 0.0, 0.0)))
     assert len({tracks.pose(item, 0.02) for _ in range(5)}) == 1
 
 
 def test_no_more_than_so_many_are_tracked() -> None:
-    tracks = Tracks()
-    for i in range(KEPT + 100):
+    tracks = PosePredictor()
+    for i in range(MAX_OBJECTS + 100):
         tracks.pose(ball(name=f"{i}"), 0.0)
-    assert len(tracks._tracks) == KEPT
+    assert len(tracks._tracks) == MAX_OBJECTS
 
 
 # -------------------------------------------------------------------------------------- hands

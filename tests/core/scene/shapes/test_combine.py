@@ -13,8 +13,8 @@ from scipy.spatial import KDTree
 
 import pacinian as pc
 from pacinian.scene.shapes.combine import (
-    DEEPEST,
-    MOST,
+    MAX_DEPTH,
+    MAX_SOLIDS,
     Difference,
     Intersection,
     Placed,
@@ -94,7 +94,7 @@ def test_distance_is_negative_where_the_parts_say_that_it_is_inside(solid: Any, 
 @given(solid=combinations, seed=st.integers(0, 2**31))
 @bounded
 def test_distance_is_never_more_than_to_the_nearest_sample(solid: Any, seed: int) -> None:
-    samples = solid.cover(0.004).points
+    samples = solid.sample_surface(0.004).points
     points = np.random.default_rng(seed).uniform(-0.1, 0.1, (200, 3))
     if len(samples):
         assert (np.abs(solid.distance(points)) <= KDTree(samples).query(points)[0] + 1e-9).all()
@@ -105,7 +105,7 @@ def test_outside_of_a_union_the_distance_is_exact() -> None:
     points = np.random.default_rng(0).uniform(-0.1, 0.1, (300, 3))
     d = solid.distance(points)
     spacing = 0.001
-    nearest = KDTree(solid.cover(spacing).points).query(points)[0]
+    nearest = KDTree(solid.sample_surface(spacing).points).query(points)[0]
     assert (nearest[d > 0.0] < d[d > 0.0] + spacing).all()
 
 
@@ -113,7 +113,7 @@ def test_outside_of_a_union_the_distance_is_exact() -> None:
 @bounded
 def test_samples_lie_on_the_shell_with_normals_outward(solid: Any) -> None:
     spacing = 0.008
-    points, normals, area = solid.cover(spacing)
+    points, normals, area = solid.sample_surface(spacing)
     assert len(points) == len(normals) == len(area)
     if not len(points):
         return
@@ -129,9 +129,9 @@ def test_samples_lie_on_the_shell_with_normals_outward(solid: Any) -> None:
 @given(solid=combinations)
 @bounded
 def test_the_box_and_the_reach_hold_it(solid: Any) -> None:
-    points = solid.cover(0.008).points
+    points = solid.sample_surface(0.008).points
     assert (np.abs(points) <= np.array(solid.extent) + 1e-9).all()
-    assert (np.linalg.norm(points, axis=1) <= solid.reach + 1e-9).all()
+    assert (np.linalg.norm(points, axis=1) <= solid.bounding_radius + 1e-9).all()
 
 
 @given(solid=combinations, pose=poses, seed=st.integers(0, 2**31))
@@ -140,7 +140,7 @@ def test_a_placed_solid_is_the_solid_moved(solid: Any, pose: pc.Pose, seed: int)
     points = np.random.default_rng(seed).uniform(-0.1, 0.1, (100, 3))
     moved = Placed(solid, pose)
     assert moved.distance(pose.points(points)) == pytest.approx(solid.distance(points), abs=1e-12)
-    local, world = solid.cover(0.01), moved.cover(0.01)
+    local, world = solid.sample_surface(0.01), moved.sample_surface(0.01)
     assert world.points == pytest.approx(pose.points(local.points), abs=1e-12)
     assert world.normals == pytest.approx(pose.directions(local.normals), abs=1e-12)
     assert np.array_equal(world.area, local.area)
@@ -182,19 +182,21 @@ def test_the_area_is_that_of_the_formula(solid: Any, area: float) -> None:
 def test_each_sample_keeps_about_the_area_that_it_had_on_its_part() -> None:
     solid = Union((BALL, at(BALL, 0, 0, APART)))
     for spacing in (0.006, 0.012):
-        area = solid.cover(spacing).area
-        assert area == pytest.approx(np.full(len(area), BALL.cover(spacing).area[0]), rel=0.15)
+        area = solid.sample_surface(spacing).area
+        assert area == pytest.approx(
+            np.full(len(area), BALL.sample_surface(spacing).area[0]), rel=0.15
+        )
 
 
 def test_no_part_of_a_shell_is_left_bare() -> None:
     solid = Difference(Union((BALL, at(CUBE, 0.02, 0.0, 0.0))), (at(pc.Sphere(0.02), 0, 0, 0.03),))
-    coarse, fine = solid.cover(0.006).points, solid.cover(0.002).points
+    coarse, fine = solid.sample_surface(0.006).points, solid.sample_surface(0.002).points
     assert KDTree(coarse).query(fine)[0].max() < 1.5 * 0.006
 
 
 def test_a_remnant_smaller_than_the_spacing_has_samples() -> None:
     sliver = Difference(CUBE, (at(pc.Box((0.05, 0.05, 0.05)), 0.0055, 0.0, 0.0),))
-    points, normals, area = sliver.cover(0.1)
+    points, normals, area = sliver.sample_surface(0.1)
     assert len(points) >= 1
     assert np.abs(sliver.distance(points)).max() < 1e-9
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)))
@@ -215,7 +217,7 @@ NOTHING = Difference(CUBE, (pc.Sphere(0.1),))
     ],
 )
 def test_what_has_nothing_left_has_no_samples(nothing: Any) -> None:
-    points, normals, area = nothing.cover(0.0085)
+    points, normals, area = nothing.sample_surface(0.0085)
     assert points.shape == normals.shape == (0, 3)
     assert area.shape == (0,)
     assert nothing.area == 0.0
@@ -236,7 +238,7 @@ def test_every_solid_can_be_a_part() -> None:
             at(Voxels(values=grid, pitch=0.01), 0.3, 0, 0),
         )
     )
-    points, normals, area = solid.cover(0.006)
+    points, normals, area = solid.sample_surface(0.006)
     assert np.abs(solid.distance(points)).max() < 1e-8
     assert area.sum() == pytest.approx(sum(part.area for part in solid.parts), rel=0.01)
     assert (solid.distance(points + 1e-5 * normals) > 0.0).all()
@@ -296,25 +298,25 @@ def nested(depth: int) -> str:
 
 
 def test_nesting_has_a_limit() -> None:
-    solid = msgspec.json.decode(nested(DEEPEST), type=SolidShape)
+    solid = msgspec.json.decode(nested(MAX_DEPTH), type=SolidShape)
     assert solid.distance(np.zeros((1, 3))) == pytest.approx([-0.03])
     for wrap in (Placed, lambda part: Union((part,)), lambda part: Difference(part, (BALL,))):
         with pytest.raises(pc.ArgumentError, match="deep: keep to"):
             wrap(solid)
 
 
-@pytest.mark.parametrize("depth", [DEEPEST + 1, 200_000])
+@pytest.mark.parametrize("depth", [MAX_DEPTH + 1, 200_000])
 def test_files_nested_too_deep_are_refused(depth: int) -> None:
     with pytest.raises((msgspec.ValidationError, RecursionError)):
         msgspec.json.decode(nested(depth), type=SolidShape)
 
 
 def test_the_number_of_parts_has_a_limit() -> None:
-    assert Union([BALL] * MOST).parts == (BALL,) * MOST
+    assert Union([BALL] * MAX_SOLIDS).parts == (BALL,) * MAX_SOLIDS
     for make in (
-        lambda: Union([BALL] * (MOST + 1)),
+        lambda: Union([BALL] * (MAX_SOLIDS + 1)),
         lambda: Union([Union([BALL] * 60), Union([BALL] * 60)]),
-        lambda: Difference(BALL, [BALL] * MOST),
+        lambda: Difference(BALL, [BALL] * MAX_SOLIDS),
     ):
         with pytest.raises(pc.ArgumentError, match="solids"):
             make()

@@ -52,7 +52,7 @@ def write(path: Path, x: Floats, width: int, rate: int = RATE) -> str:
 def test_whole_numbers_of_every_size_come_back(tmp_path: Path, width: int, channels: int) -> None:
     x = tone(100.0)
     both = np.stack([x, 0.5 * x], axis=-1)[:, :channels]
-    rate, read = wav.read(write(tmp_path / "a.wav", both, width))
+    rate, read = wav.read_wav(write(tmp_path / "a.wav", both, width))
     assert rate == RATE
     assert read == pytest.approx(both.mean(axis=1), abs=1.6 / 2 ** (8 * width - 1) + 1e-7)
 
@@ -62,7 +62,7 @@ def test_what_scipy_writes_comes_back(tmp_path: Path, kind: str) -> None:
     x, path = tone(100.0), tmp_path / "a.wav"
     scale = {"f4": 1.0, "f8": 1.0, "i2": 2.0**15, "i4": 2.0**31, "u1": 128.0}[kind]
     wavfile.write(path, RATE, (x * scale + (128 if kind == "u1" else 0)).astype(kind))
-    rate, read = wav.read(str(path))
+    rate, read = wav.read_wav(str(path))
     assert rate == RATE
     assert read == pytest.approx(x, abs=(1.1 / scale if scale > 1.0 else 0.0) + 1e-7)
 
@@ -136,7 +136,7 @@ def test_any_bytes_are_a_wave_or_an_argument_error(
 
 def test_a_file_that_is_not_there_no_file_too_large_or_too_long_is_refused(tmp_path: Path) -> None:
     with (tmp_path / "large.wav").open("wb") as file:
-        file.truncate(wav.LARGEST + 1)
+        file.truncate(wav.MAX_BYTES + 1)
     write(tmp_path / "long.wav", np.zeros(601 * 100), 1, rate=100)
     for path, said in (
         (tmp_path, ""),

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
-from pacinian.scene.sampling.samples import Samples, nothing
+from pacinian.scene.sampling.samples import Samples, no_samples
 from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
 from pacinian.scene.time import technique as module
 from pacinian.scene.time.technique import AM, LM, SIMULTANEOUS, STM, Simultaneous, Technique
@@ -97,7 +97,7 @@ def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
     assert not technique.still
     assert (technique.factor(np.linspace(-1.0, 1.0, 9)) == 1.0).all()
     assert technique.single == isinstance(technique, STM)
-    assert len(technique.present(nothing(), 0.3)) == 0
+    assert len(technique.present(no_samples(), 0.3)) == 0
 
 
 # ------------------------------------------------------------------------------- schedule
@@ -322,7 +322,7 @@ def test_a_curve_lies_in_the_tangent_plane_about_the_centre(M: int, seed: int, a
     assert np.abs(q @ normal).max() < 1e-12
     expected = along.at(np.arange(720) / 720.0)
     assert np.linalg.norm(q, axis=1) == pytest.approx(np.linalg.norm(expected, axis=1), abs=1e-9)
-    assert q.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-3 * along.reach)
+    assert q.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-3 * along.bounding_radius)
     assert all(now.normals[0] == pytest.approx(normal) for now in shown[::90])
 
 
@@ -352,9 +352,9 @@ def test_without_pressure_or_normals_all_is_finite(technique: Any) -> None:
 
 
 def test_only_so_many_motions_are_kept() -> None:
-    for seed in range(2 * module.KEPT):
+    for seed in range(2 * module.MAX_CACHED):
         STM(100.0).present(patch(2, seed), 0.0)
-    assert len(module._kept) <= module.KEPT
+    assert len(module._kept) <= module.MAX_CACHED
 
 
 # ------------------------------------------------------------------------------------- LM

@@ -15,16 +15,16 @@ from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.auth import DOMAIN, USER
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
+    BusStatus,
     Changes,
-    Device,
+    DeviceStatus,
     FrameHead,
     SessionInfo,
-    Sessions,
-    Traffic,
-    frame_capacity,
+    SessionTable,
+    compute_frame_capacity,
     pack,
 )
-from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.settings import Lattice, Network, Settings
 from pacinian.wire import bulk
 from pacinian.wire.codec import decode_reply, encode
@@ -48,9 +48,9 @@ class Server:
 
     def __init__(self, folder: Path, settings: Settings, stack: contextlib.ExitStack) -> None:
         self.settings, self.folder, self._stack = settings, folder, stack
-        sizes = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         self.memory = {
-            name: stack.enter_context(Latest.create(folder / name, size))
+            name: stack.enter_context(SharedRegister.create(folder / name, size))
             for name, size in sizes.items()
         }
         self.context: zmq.Context[Any] = stack.enter_context(zmq.Context())
@@ -62,7 +62,7 @@ class Server:
 
     def sessions(self, *keys: bytes, owned: str = "s", scene: str = "s") -> None:
         infos = tuple(SessionInfo(key, key[:1].decode(), scene, USER) for key in keys)
-        self.memory["sessions"].write(pack(Sessions(infos, owned)))
+        self.memory["sessions"].write(pack(SessionTable(infos, owned)))
 
     def connect(self, token: str = TOKEN) -> zmq.Socket[Any]:
         socket = self._stack.enter_context(self.context.socket(zmq.DEALER))
@@ -80,10 +80,10 @@ class Server:
             taken = self.renderer.take(msgspec.msgpack.decode(read[1], type=Changes))
             self.memory["taken"].write(pack(taken))
 
-    def traffic(self) -> Traffic:
+    def traffic(self) -> BusStatus:
         read = self.memory["traffic"].read()
         assert read is not None
-        return msgspec.msgpack.decode(read[1], type=Traffic)
+        return msgspec.msgpack.decode(read[1], type=BusStatus)
 
     def until(self, done: Callable[[], Any], *, taking: bool = True) -> Any:
         def look() -> Any:
@@ -161,14 +161,14 @@ def test_another_owner_s_scene_takes_the_place_of_the_first(server: Server) -> N
     send(one, put({"a": point()}, session=A, id=1))
     server.until(lambda: "a" in server.renderer.scene)
     infos = SessionInfo(A, "a", "s", USER), SessionInfo(B, "b", "t", USER)
-    server.memory["sessions"].write(pack(Sessions(infos, "s")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "s")))
     send(other, put({"b": point()}, session=B, id=1))
     assert server.reply(other) == Ok(id=1)
     assert list(server.renderer.scene) == ["a"]
-    server.memory["sessions"].write(pack(Sessions(infos, "t")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "t")))
     server.until(lambda: list(server.renderer.scene) == ["b"])
-    server.memory["sessions"].write(pack(Sessions(infos, "")))
-    server.memory["sessions"].write(pack(Sessions(infos, "s")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "s")))
     server.until(lambda: list(server.renderer.scene) == ["a"])
 
 
@@ -262,7 +262,7 @@ def test_the_field_is_of_what_the_device_emits(server: Server) -> None:
     array = server.settings.array.make()
     N = len(array)
     phase, amplitude = np.arange(N).astype("<u2") % 256, np.full(N, 255, "<u2")
-    device = Device(1, 0, "d", 256, 256, 1000.0, None, 0.0, True)
+    device = DeviceStatus(1, 0, "d", 256, 256, 1000.0, None, 0.0, True)
     server.memory["device"].write(pack(device))
     head = FrameHead(3, 1.5, 1, 1, 1, N)
     server.memory["frame"].write(head.pack(), phase.tobytes(), amplitude.tobytes())
@@ -295,7 +295,7 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
         process = child_process.start(
-            "bus", child_process.Told(str(tmp_path), PLAIN, {"token": TOKEN})
+            "bus", child_process.LaunchConfig(str(tmp_path), PLAIN, {"token": TOKEN})
         )
         stack.callback(child_process.end, process)
         server.until(lambda: server.memory["traffic"].number)
@@ -322,8 +322,8 @@ def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
 def test_a_round_takes_only_so_many_messages(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "MOST", 10)
-    monkeypatch.setattr(module, "LONG", 1e9)
+    monkeypatch.setattr(module, "MAX_ROUND_MESSAGES", 10)
+    monkeypatch.setattr(module, "MAX_RECEIVE_TIME", 1e9)
     server.sessions(A)
     socket = server.connect()
     send(socket, put({"a": point()}, session=A, id=1))
@@ -365,7 +365,7 @@ def test_whatever_is_raised_it_goes_on(
     one, other = server.connect(), server.connect()
     send(one, put({"a": point()}, session=A, id=1))
     assert server.reply(one) == Ok(id=1)
-    desk = server.bus.desk
+    dispatcher = server.bus.dispatcher
     raised: list[str] = []
 
     def bad(*_: object) -> Any:
@@ -373,9 +373,9 @@ def test_whatever_is_raised_it_goes_on(
         raise RuntimeError(where)
 
     at: Any = {
-        "round": desk.converter, "expire": next(iter(desk.rooms.values())), "step": desk.fields,
-        "next": desk.outbox, "encode": module,
-    }.get(where, desk)  # fmt: skip
+        "round": dispatcher.converter, "expire": next(iter(dispatcher.rooms.values())), "step": dispatcher.queries,
+        "next": dispatcher.batcher, "encode": module,
+    }.get(where, dispatcher)  # fmt: skip
     with monkeypatch.context() as patch:
         patch.setattr(at, where, bad)
         send(one, put({"a": point()}, session=A, id=2, sequence=2))

@@ -24,7 +24,7 @@ from pacinian.serving.control.supervisor import (
     WELL,
     Supervisor,
 )
-from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, hang_limit
+from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, compute_hang_limit
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
 
@@ -338,9 +338,9 @@ def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
 
 
 def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
-    assert hang_limit(0.1, sound=True) == 0.1
-    assert hang_limit(2.0, sound=True) == 0.25
-    assert hang_limit(2.0, sound=False) == 2.0
+    assert compute_hang_limit(0.1, sound=True) == 0.1
+    assert compute_hang_limit(2.0, sound=True) == 0.25
+    assert compute_hang_limit(2.0, sound=False) == 2.0
 
 
 def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:

@@ -59,7 +59,7 @@ class Trial(NamedTuple):
         return self.excess == 0.0 and self.objective - bound <= tolerance * abs(self.objective)
 
 
-def climb(
+def ascend_dual(
     newton: Newton, dual: Dual, state: State, budget: pc.Budget, tolerance: float, steps: int
 ) -> Answer:
     """The answer from `state` on, to a relative gap of `tolerance`, with at most `steps` steps."""

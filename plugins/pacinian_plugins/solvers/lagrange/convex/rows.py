@@ -17,7 +17,7 @@ EXACT = 3e-6  # ||p - A h|| of the exact rows that counts as none, relative to t
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Constraints:
     """Rows r = p - A h that cost weight |r|^2 / 2 and have |r| <= limit.
 
     p: (R,) [Pa]. weight: (R,); 1, or what makes the dual of limited rows smooth.
@@ -31,7 +31,7 @@ class Rows:
     slack: Floats
 
     @classmethod
-    def of(cls, p: Complexes, exact: Flags | None, quiet: Floats | None) -> Rows:
+    def of(cls, p: Complexes, exact: Flags | None, quiet: Floats | None) -> Constraints:
         """Rows of M samples p, some of them exact, then of K quiet points."""
         q = np.zeros(0) if quiet is None else np.asarray(quiet, np.float64)
         hard = np.zeros(len(p), np.bool_) if exact is None else np.asarray(exact, np.bool_)
@@ -76,7 +76,7 @@ class Rows:
         beyond: Floats = np.maximum(np.abs(r) - most, 0.0, dtype=np.float64)
         return beyond
 
-    def smoothed(self, cost: float) -> Rows:
+    def smoothed(self, cost: float) -> Constraints:
         """Quiet rows with weights that cost at most `cost` together, which makes the dual smooth."""
         if not self.quiet.any():
             return self
@@ -84,7 +84,7 @@ class Rows:
         weight[self.quiet] = np.maximum(2.0 * cost / (len(q) * q * q), 1e-200)
         return replace(self, weight=weight)
 
-    def relaxed(self) -> Rows:
+    def relaxed(self) -> Constraints:
         """The same without exact rows: to be near them will do."""
         soft = self.limit == 0.0
         return replace(

@@ -9,22 +9,22 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.errors import ArgumentError
-from pacinian.solving.propagator import gram as product
+from pacinian.solving.propagator import gram_matrix as product
 from pacinian_plugins.solvers.lagrange.convex import products
-from pacinian_plugins.solvers.lagrange.convex.climb import climb
+from pacinian_plugins.solvers.lagrange.convex.climb import ascend_dual
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
 from pacinian_plugins.solvers.lagrange.convex.newton import Newton
-from pacinian_plugins.solvers.lagrange.convex.rows import Rows
+from pacinian_plugins.solvers.lagrange.convex.rows import Constraints
 from pacinian_plugins.solvers.lagrange.convex.start import begin_strongest
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 
-TINY = 1e-12  # smoothing of gains where it starts
+MIN_SMOOTHING = 1e-12  # smoothing of gains where it starts
 
 
-def strongest(
+def maximise_scale(
     A: Complexes,
     c: Complexes,
     *,
@@ -49,13 +49,13 @@ def strongest(
     gram = product(A) if gram is None else gram
     size = float(np.linalg.norm(c)) / (products.mean_square(gram) ** 0.5 or 1.0)
     along = np.concatenate([c / size, np.zeros(len(A) - len(c))]).astype(np.complex128)
-    rows = Rows.of(along[: len(c)], np.ones(len(c), np.bool_), quiet)
+    rows = Constraints.of(along[: len(c)], np.ones(len(c), np.bool_), quiet)
     rows = replace(rows, p=np.zeros_like(along))
-    dual = replace(Dual.of(A, rows, TINY, gain, power), along=along)
+    dual = replace(Dual.of(A, rows, MIN_SMOOTHING, gain, power), along=along)
     newton = Newton.of(A, gram, products.mean_square(gram))
     budget = budget or pc.Budget()
     state = begin_strongest(dual, gram, start, budget)
-    answer = climb(newton, dual, state, budget, tolerance, steps)
+    answer = ascend_dual(newton, dual, state, budget, tolerance, steps)
     return answer._replace(
         y=answer.y / size, objective=answer.objective / size, bound=answer.bound / size,
         strength=answer.strength / size,
