@@ -13,7 +13,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.connected import BaseClient
+from pacinian.client.base_client import BaseClient
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import serving
 from pacinian.wire.connection import VARIABLE

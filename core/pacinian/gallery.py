@@ -12,14 +12,14 @@ from msgspec.structs import replace
 from pacinian.acoustics.pose import Pose
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.technique import STM
+from pacinian.scene.modulation.waves import Sine
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Point, Surface, Volume
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes import Rectangle, Sphere
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.texture import grating
-from pacinian.scene.time.technique import STM
-from pacinian.scene.time.waves import Sine
 
 if TYPE_CHECKING:
     from collections.abc import Callable

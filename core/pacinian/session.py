@@ -11,8 +11,8 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.propagation import Precision, matrix
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.checks import FAR, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
@@ -20,6 +20,7 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence
 from pacinian.solving.blas import one_thread
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.evidence import (
     TOLERANCE,
     determine_status,
@@ -27,14 +28,13 @@ from pacinian.solving.evidence import (
     reached_multiple,
     relative_error,
 )
-from pacinian.solving.felt import FeltPlaces
-from pacinian.solving.keep import ROUNDING, enforce_limits
-from pacinian.solving.nulls import Preparation
+from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.quiet_subspace import Preparation
 from pacinian.solving.regions import carry_phases, settle_phases
 from pacinian.solving.relaxation import MAX_POINTS, least_error
-from pacinian.solving.rooms import acquire, release
 from pacinian.solving.solution import Solution, Status
 
 if TYPE_CHECKING:

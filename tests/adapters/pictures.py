@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.plot import figure, save
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Settings
-from pacinian.solving.felt import FeltRegion
+from pacinian.solving.felt_regions import FeltRegion
 from pacinian.testing.server import serving
 
 from . import unity

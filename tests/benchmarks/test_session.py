@@ -95,7 +95,7 @@ class _Steps:
     """Two Newton steps of `lagrange` alone, with what they start from."""
 
     def __init__(self, array: pc.Array, q: Any, t: Any) -> None:
-        from pacinian_plugins.solvers.lagrange.room import Workspace
+        from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
         self.propagator = pc.Propagator(array, pc.Air())
         self.propagator.set_points(q)

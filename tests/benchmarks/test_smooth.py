@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.drive import Quantiser
-from pacinian.rendering.smooth import SlewRateLimiter, Smoothing
+from pacinian.rendering.quantiser import Quantiser
+from pacinian.rendering.slew_limiter import SlewRateLimiter, Smoothing
 
 
 def median(*functions: Callable[[], object], repeats: int = 2000) -> list[float]:

@@ -49,7 +49,7 @@ def test_weights_of_a_hand_are_the_reference_in_every_variant(variant: str) -> N
     assert samples.capsules is not None
     facing = pc.SkinFacing(samples.normals, samples.capsules)
     W = np.ones((len(samples), len(ARRAY)), np.complex64)
-    boxes = importlib.import_module("pacinian.acoustics.facing")._boxes(wave)
+    boxes = importlib.import_module("pacinian.acoustics.skin_facing")._boxes(wave)
     kernels(variant).acoustics.weigh(
         samples.positions, facing.normals, facing.capsules, facing.edge, wave.origin, wave.r,
         boxes, np.arange(len(W)), W,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.solving.keep import enforce_limits
+from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.testing import ManualClock
 
 ARRAY = pc.lattice(0.05, 0.05)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
+from pacinian.acoustics.skin_facing import SkinFacing
 
 from ..plugins import problems
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.intensity import intensity, normal_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.plugins.registry import installed
 from pacinian.scene.hands.capsules import find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand

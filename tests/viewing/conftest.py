@@ -10,7 +10,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.connected import BaseClient
+from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings

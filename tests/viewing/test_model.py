@@ -13,7 +13,7 @@ import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.control.status import describe_sound
 from pacinian.viewing.model import EDGES, Model, histogram
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities
 from pacinian.wire.state import FrameState
 

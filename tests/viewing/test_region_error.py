@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
-from pacinian.solving.felt import FeltRegion
+from pacinian.solving.felt_regions import FeltRegion
 from pacinian.viewing.region_error import Regions, error, nearest_places
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import state
 

@@ -25,7 +25,7 @@ with atheris.instrument_imports(include=["pacinian.wire", "pacinian.scene"]):
     from pacinian.wire import commands, control
     from pacinian.wire.codec import encode, id_of
     from pacinian.wire.convert import envelope_to_scene, technique_to_scene, to_scene
-    from pacinian.wire.vectors import DECODE, make_vectors
+    from pacinian_lab.vectors.vectors import DECODE, make_vectors
 
 JUNK = None, -1, 0, 0.5, math.nan, "", "sphere", b"", bytes(12), bytes(36), [], [0.0, 0.0, 0.0], {}
 SOCKETS = sorted(DECODE)

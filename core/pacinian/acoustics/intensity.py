@@ -14,9 +14,9 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from pacinian.cli.findings import Finding
+from pacinian.cli.doctor_rules import Finding
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured

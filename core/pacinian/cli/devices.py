@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.device_calibrate import calibrate
-from pacinian.cli.findings import RIGHTS
-from pacinian.cli.running import drawable
+from pacinian.cli.doctor_rules import RIGHTS
+from pacinian.cli.run_output import drawable
 
 if TYPE_CHECKING:
-    from pacinian.cli.findings import Finding
+    from pacinian.cli.doctor_rules import Finding
     from pacinian.devices.description import DeviceDescription
     from pacinian.plugins.backend import Found
 

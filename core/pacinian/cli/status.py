@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -120,7 +120,7 @@ def _felt(state: State) -> dict[str, str]:
     import numpy as np
     from rich.markup import escape
 
-    from pacinian.solving.felt import FeltRegion
+    from pacinian.solving.felt_regions import FeltRegion
 
     figures = np.frombuffer(state.felt, "<f4").reshape(-1, 4).tolist()
     told = zip(state.objects, figures, strict=False)

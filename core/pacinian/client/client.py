@@ -10,11 +10,11 @@ import numpy as np
 
 from pacinian.checks import check_number
 from pacinian.client import messages
-from pacinian.client.connected import BaseClient
+from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ServerError, WireError
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 from pacinian.wire.state import State
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.pose import Pose
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.modulation.envelope import Envelope
+    from pacinian.scene.modulation.technique import Technique
     from pacinian.scene.motion import Motion
     from pacinian.scene.objects import Object
-    from pacinian.scene.time.envelope import Envelope
-    from pacinian.scene.time.technique import Technique
-    from pacinian.solving.felt import FeltRegion
-    from pacinian.solving.zone import Zone
+    from pacinian.solving.felt_regions import FeltRegion
+    from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
 
 CHANGE = 12.0  # [s] that another solver or backend may take to be ready
@@ -249,7 +249,7 @@ class Client(BaseClient):
 
         Points and paths are left out, and all objects in silence.
         """
-        from pacinian.solving.felt import FeltRegion
+        from pacinian.solving.felt_regions import FeltRegion
 
         if state.output != "sounding":
             return {}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import zmq
 
-from pacinian.client.keys import resolve_connection
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.link import Link, milliseconds
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.codec import encode

@@ -11,9 +11,9 @@ from pacinian.checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import RADII, Hand
 from pacinian.scene.motion import STILL, Motion
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 from pacinian.wire import commands
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.commands import HandFrame
 from pacinian.wire.convert import to_wire

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 from typing import Any
 
-from pacinian.devices.holders import find_users
+from pacinian.devices.device_users import find_users
 
 PERMISSION = (
     "this user may not open it: install the udev rule that `pacinian devices udev` prints, "

@@ -14,7 +14,7 @@ from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
 from pacinian.scene.shapes import Disc, Rectangle
 from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.kinds import distance
+from pacinian.scene.shapes.shape_types import distance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.scene.hands.skin import skin_of
 from pacinian.scene.objects import Body, Surface
-from pacinian.scene.sampling.covers import estimate_samples
+from pacinian.scene.sampling.sample_cache import estimate_samples
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

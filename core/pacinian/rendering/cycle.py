@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
-from pacinian.rendering.reach import ReachabilityFilter
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.bands import Bands
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
 from pacinian.solving.problem import Targets, number_regions
 
 if TYPE_CHECKING:
-    from pacinian.rendering.player import CachedSolution
+    from pacinian.rendering.modulator import CachedSolution
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Flags, Floats, Gains
 

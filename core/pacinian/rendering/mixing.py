@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from pacinian.rendering.player import CachedSolution
+    from pacinian.rendering.modulator import CachedSolution
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # that is divided by

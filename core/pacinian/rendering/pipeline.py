@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import ArgumentError
+from pacinian.rendering.budget_controller import BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
-from pacinian.rendering.drive import Quantiser
-from pacinian.rendering.governor import BudgetController
-from pacinian.rendering.player import Modulator, limits_join
+from pacinian.rendering.modulator import Modulator, limits_join
 from pacinian.rendering.probe import Probe
-from pacinian.rendering.turns import TickAlternation
-from pacinian.rendering.warming import load_envelopes, try_out
+from pacinian.rendering.quantiser import Quantiser
+from pacinian.rendering.tick_alternation import TickAlternation
+from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from pacinian.plugins.backend import Capability, Frame
     from pacinian.rendering.report import StageTimer
-    from pacinian.rendering.smooth import Smoothing
+    from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.felt import FeltPlaces, FeltSums
+from pacinian.solving.felt_regions import FeltPlaces, FeltSums
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.facing import SkinFacing
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session

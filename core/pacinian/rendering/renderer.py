@@ -13,13 +13,13 @@ from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
 from pacinian.rendering.cycle import MAX_FRAMES
-from pacinian.rendering.emitter import FailSafeOutput
+from pacinian.rendering.fail_safe_output import FailSafeOutput
 from pacinian.rendering.pipeline import Pipeline
+from pacinian.rendering.realtime_section import realtime_section
+from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
 from pacinian.rendering.scene_log import TickInput
-from pacinian.rendering.smooth import Smoothing
-from pacinian.rendering.tape import RecordingClock
-from pacinian.rendering.undisturbed import realtime_section
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.acoustics.facing import SkinFacing
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
-    from pacinian.rendering.governor import BudgetController
-    from pacinian.rendering.player import Modulator
+    from pacinian.rendering.budget_controller import BudgetController
+    from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault
-    from pacinian.rendering.turns import TickAlternation
+    from pacinian.rendering.tick_alternation import TickAlternation
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution

@@ -10,12 +10,12 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
-from pacinian.solving.felt import FeltSums
+from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.solving.felt import FeltRegion
+    from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pacinian.acoustics.air import Air
 from pacinian.rendering import recorded_array
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 

@@ -12,12 +12,19 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Pose, Vector, vector
 from pacinian.checks import check_kind, check_length, check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.felt import MIN_AREA, HapticObject
+from pacinian.scene.haptic_object import MIN_AREA, HapticObject
 from pacinian.scene.shapes import LocalSamples
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.kinds import SHELLS, SOLIDS, Shell, SolidShape, check_closed, distance
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.shapes.solids import sample_interior
+from pacinian.scene.shapes.sdf import sample_interior
+from pacinian.scene.shapes.shape_types import (
+    SHELLS,
+    SOLIDS,
+    Shell,
+    SolidShape,
+    check_closed,
+    distance,
+)
 from pacinian.scene.shapes.texture import Texture
 
 if TYPE_CHECKING:
@@ -37,7 +44,7 @@ class Point(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="poin
 
     position: [m]. force: [N] over the main lobe of the focus, whose area is the array's (`pacinian.focal_area`). area:
     a disc [m^2], one wavelength across unless given; with a hand the point is felt where the skin is within that disc's
-    radius, and inside of the hand. More: `FeltRegion`. Raises ArgumentError.
+    radius, and inside of the hand. More: `HapticObject`. Raises ArgumentError.
     """
 
     position: Vector
@@ -82,7 +89,7 @@ class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"
     """A line that presses: a polyline, a circle, a Lissajous figure.
 
     shape: in its own frame. pose: where it is. force: over its length times a wavelength. width: how near
-    the skin must be [m]. More: `FeltRegion`. Raises ArgumentError.
+    the skin must be [m]. More: `HapticObject`. Raises ArgumentError.
     """
 
     shape: Curve
@@ -123,7 +130,7 @@ class Particles(
     """Many points that press, each by itself: rain, sparks, smoke.
 
     positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
-    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `FeltRegion`. Raises ArgumentError.
+    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `HapticObject`. Raises ArgumentError.
     """
 
     positions: tuple[Vector, ...]
@@ -194,7 +201,7 @@ class Body(HapticObject, frozen=True, kw_only=True):
 class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
     """A surface that presses evenly, or by its texture.
 
-    shape: in its own frame. More: `Body`, `FeltRegion`. Raises ArgumentError.
+    shape: in its own frame. More: `Body`, `HapticObject`. Raises ArgumentError.
     """
 
     shape: Shell
@@ -238,7 +245,7 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
     """A volume that presses evenly, or by its texture.
 
     shape: in its own frame. felt: its "shell", or its "interior" too, so that a hand inside of it feels it
-    everywhere. More: `Body`, `FeltRegion`. Raises ArgumentError.
+    everywhere. More: `Body`, `HapticObject`. Raises ArgumentError.
     """
 
     shape: SolidShape

@@ -18,7 +18,7 @@ import numpy as np
 from scipy import linalg
 from scipy.linalg import blas, lapack
 
-from pacinian.solving.equal import ColumnGroups
+from pacinian.solving.column_groups import ColumnGroups
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes

@@ -12,7 +12,7 @@ import numpy as np
 
 from pacinian.checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable

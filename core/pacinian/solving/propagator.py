@@ -14,15 +14,15 @@ from scipy.linalg import blas
 from pacinian.acoustics.propagation import KernelData, Precision
 from pacinian.errors import ArgumentError
 from pacinian.native import solving as kernels
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.factor import Factor
-from pacinian.solving.rooms import acquire, release
 from pacinian.types import Complexes, Floats, Gains, Indices
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.acoustics.facing import SkinFacing
-    from pacinian.solving.nulls import QuietSubspace
+    from pacinian.acoustics.skin_facing import SkinFacing
+    from pacinian.solving.quiet_subspace import QuietSubspace
 
 A = TypeVar("A", Floats, Complexes)
 

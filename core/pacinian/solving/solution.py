@@ -14,7 +14,7 @@ from pacinian.notebook import Card, card
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pacinian.solving.felt import FeltRegion
+    from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.problem import Targets
     from pacinian.types import Complexes, Floats, Gains
 

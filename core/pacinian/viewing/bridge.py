@@ -14,8 +14,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from pacinian.client.client import Client
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
-from pacinian.client.keys import resolve_connection
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.messages import Alive, Arm, Disarm, Reset, Select, Session, Stop
 from pacinian.viewing.states import States

@@ -76,8 +76,8 @@ def error(
     transducers. With hands, sound counts along the normals and is hidden by hands of an adult's size: the state does
     not tell how large they are.
     """
-    from pacinian.acoustics.facing import SkinFacing
     from pacinian.acoustics.pressure import radiation_pressure
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer
     from pacinian.scene.hands.capsules import make_capsules
     from pacinian.scene.hands.hand import Hand

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pacinian.client.dialogue import read_version
+from pacinian.client.server_session import read_version
 from pacinian.errors import ArgumentError, MissingExtra, RecordingError, ServerError
 from pacinian.viewing.app import app
 from pacinian.viewing.bridge import Bridge

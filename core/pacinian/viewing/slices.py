@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.grid import InterpolatedField
+from pacinian.acoustics.interpolated_field import InterpolatedField
 from pacinian.errors import ArgumentError
 from pacinian.serving.ipc.scheduling import AUTOGROUP
 from pacinian.viewing.messages import Slice, Volume

@@ -19,7 +19,7 @@ from pacinian.serving.render import status
 from pacinian.viewing.messages import ArrayTold, told
 from pacinian.viewing.past import Past
 from pacinian.viewing.scenery import Scenery
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.convert import to_wire
 from pacinian.wire.replies import Plugin, Sound
 from pacinian.wire.state import FrameState, State

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check_arrays
+from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import (
     MAX_HANDS,

@@ -9,10 +9,10 @@ from msgspec.msgpack import Decoder
 from pacinian.checks import check_kind
 from pacinian.scene import objects as scene
 from pacinian.scene.material import FIRM, Material
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.motion import Motion
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.wire import objects
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import checked
 from pacinian.wire.convert_shapes import (
     pose_to_scene,
@@ -28,10 +28,10 @@ from pacinian.wire.convert_time import (
     technique_to_scene,
     technique_to_wire,
 )
-from pacinian.wire.within import BROKEN, locate, locate_errors
+from pacinian.wire.error_path import BROKEN, locate, locate_errors
 
 if TYPE_CHECKING:
-    from pacinian.scene.time.technique import Technique
+    from pacinian.scene.modulation.technique import Technique
 
 __all__ = [
     "envelope_to_scene",

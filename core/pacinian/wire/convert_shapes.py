@@ -9,14 +9,14 @@ from msgspec.structs import astuple
 
 from pacinian.acoustics import pose as scene_pose
 from pacinian.errors import WireError
-from pacinian.scene.shapes import combine, curves, flat, mesh, texture, voxels
+from pacinian.scene.shapes import csg, curves, mesh, planar, texture, voxels
 from pacinian.scene.shapes import height_map as maps
-from pacinian.scene.shapes import round as rounds
+from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.arrays import decode_array
 from pacinian.wire import shapes
-from pacinian.wire.bulk import pack, pack_indices, unpack, unpack_indices
+from pacinian.wire.binary_arrays import pack, pack_indices, unpack, unpack_indices
+from pacinian.wire.error_path import locate_errors
 from pacinian.wire.objects import Texture
-from pacinian.wire.within import locate_errors
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from pacinian.types import Singles
 
 ALIKE: dict[type, type] = {  # kinds with the same fields in the same order
-    shapes.Rectangle: flat.Rectangle,
-    shapes.Disc: flat.Disc,
-    shapes.Box: flat.Box,
+    shapes.Rectangle: planar.Rectangle,
+    shapes.Disc: planar.Disc,
+    shapes.Box: planar.Box,
     shapes.Sphere: rounds.Sphere,
     shapes.Capsule: rounds.Capsule,
     shapes.Line: curves.Line,
@@ -123,13 +123,13 @@ def _polyline_to_wire(s: curves.Polyline) -> shapes.Polyline:
     return shapes.Polyline(pack(s.points), s.closed)
 
 
-def _placed_to_scene(s: shapes.Placed) -> combine.Placed:
+def _placed_to_scene(s: shapes.Placed) -> csg.Placed:
     shape = locate_errors(".shape", shape_to_scene, s.shape)
-    return combine.Placed(shape, locate_errors(".pose", pose_to_scene, s.pose))
+    return csg.Placed(shape, locate_errors(".pose", pose_to_scene, s.pose))
 
 
-def _placed_to_wire(s: combine.Placed) -> shapes.Placed:
-    _flat(".shape", s.shape, combine.Placed, combine.Combination)
+def _placed_to_wire(s: csg.Placed) -> shapes.Placed:
+    _flat(".shape", s.shape, csg.Placed, csg.Combination)
     return shapes.Placed(locate_errors(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
 
 
@@ -138,7 +138,7 @@ def _each(key: str, solids: tuple[Any, ...], convert: Callable[[Any], Any]) -> t
 
 
 def _part_to_wire(s: Any) -> Any:
-    _flat("", s, combine.Combination)
+    _flat("", s, csg.Combination)
     return shape_to_wire(s)
 
 
@@ -148,12 +148,12 @@ def _flat(path: str, shape: object, *kinds: type) -> None:
         raise WireError(f"a {name} within another cannot be sent: solids are one level deep", path)
 
 
-def _difference_to_scene(s: shapes.Difference) -> combine.Difference:
+def _difference_to_scene(s: shapes.Difference) -> csg.Difference:
     of = locate_errors(".of", shape_to_scene, s.of)
-    return combine.Difference(of, _each("less", s.less, shape_to_scene))
+    return csg.Difference(of, _each("less", s.less, shape_to_scene))
 
 
-def _difference_to_wire(s: combine.Difference) -> shapes.Difference:
+def _difference_to_wire(s: csg.Difference) -> shapes.Difference:
     of = locate_errors(".of", _part_to_wire, s.of)
     return shapes.Difference(of, _each("less", s.less, _part_to_wire))
 
@@ -164,8 +164,8 @@ TO_SCENE: dict[type, Callable[[Any], Any]] = {
     shapes.Voxels: _voxels_to_scene,
     shapes.Polyline: _polyline_to_scene,
     shapes.Placed: _placed_to_scene,
-    shapes.Union: lambda s: combine.Union(_each("parts", s.parts, shape_to_scene)),
-    shapes.Intersection: lambda s: combine.Intersection(_each("parts", s.parts, shape_to_scene)),
+    shapes.Union: lambda s: csg.Union(_each("parts", s.parts, shape_to_scene)),
+    shapes.Intersection: lambda s: csg.Intersection(_each("parts", s.parts, shape_to_scene)),
     shapes.Difference: _difference_to_scene,
 }
 TO_WIRE: dict[type, Callable[[Any], Any]] = {
@@ -173,8 +173,8 @@ TO_WIRE: dict[type, Callable[[Any], Any]] = {
     mesh.Mesh: _mesh_to_wire,
     voxels.Voxels: _voxels_to_wire,
     curves.Polyline: _polyline_to_wire,
-    combine.Placed: _placed_to_wire,
-    combine.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
-    combine.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),
-    combine.Difference: _difference_to_wire,
+    csg.Placed: _placed_to_wire,
+    csg.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
+    csg.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),
+    csg.Difference: _difference_to_wire,
 }

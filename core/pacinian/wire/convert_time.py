@@ -9,15 +9,15 @@ from msgspec.msgpack import Decoder
 from msgspec.structs import astuple
 
 from pacinian.errors import WireError
-from pacinian.scene.time import envelope as scene_envelope
-from pacinian.scene.time import technique as scene_technique
-from pacinian.scene.time import wav
+from pacinian.scene.modulation import envelope as scene_envelope
+from pacinian.scene.modulation import technique as scene_technique
+from pacinian.scene.modulation import wav
 from pacinian.wire import time
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import checked
 from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
+from pacinian.wire.error_path import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
-from pacinian.wire.within import locate_errors
 
 ENVELOPES: dict[type, type] = {  # kinds with the same fields in the same order
     time.Constant: scene_envelope.Constant,

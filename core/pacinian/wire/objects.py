@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Grid, Rows, check_arrays
+from pacinian.wire.binary_arrays import Grid, Rows, check_arrays
 from pacinian.wire.protocol import (
     MAX_PARTICLES,
     Duration,

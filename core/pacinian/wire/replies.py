@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check_arrays
+from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import MAX_SHOWN, Id, Name, Seconds, Session, Text
 

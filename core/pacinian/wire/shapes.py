@@ -6,7 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Grid, Indices, Rows, check_arrays
+from pacinian.wire.binary_arrays import Grid, Indices, Rows, check_arrays
 from pacinian.wire.protocol import (
     MAX_FACES,
     MAX_PARTS,

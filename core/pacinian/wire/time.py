@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check_arrays
+from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.protocol import MAX_VALUES, Angle, Frequency, Length, Seconds, Share
 from pacinian.wire.shapes import Curve
 

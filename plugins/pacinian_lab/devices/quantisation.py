@@ -14,7 +14,7 @@ import numpy as np
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.propagation import field, matrix
 from pacinian.plugins.backend import Capability
-from pacinian.rendering.drive import dither_thresholds
+from pacinian.rendering.quantiser import dither_thresholds
 from pacinian.session import solve
 
 if TYPE_CHECKING:

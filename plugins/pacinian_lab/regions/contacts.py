@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.pose import Vector
-    from pacinian.scene.shapes.kinds import SolidShape
+    from pacinian.scene.shapes.shape_types import SolidShape
     from pacinian.types import Gains
 
 PRESSURE = 6.0  # [Pa]

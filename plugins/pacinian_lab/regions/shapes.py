@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.shapes.kinds import Shell
+    from pacinian.scene.shapes.shape_types import Shell
     from pacinian.types import Flags, Floats
 
     Inside = Callable[[Floats, Floats], Flags]

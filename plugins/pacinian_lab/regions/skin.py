@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import KDTree
 
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.rendering.reach import ReachabilityFilter
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.sampling.sources import FINEST
 from pacinian.session import Session
-from pacinian.solving.felt import HOLE, FeltRegion
+from pacinian.solving.felt_regions import HOLE, FeltRegion
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air

@@ -10,9 +10,9 @@ import numpy as np
 
 from pacinian import gallery
 from pacinian.plugins.registry import backend
-from pacinian.rendering.audible import compute_envelope, measure_audible
+from pacinian.rendering.audibility import compute_envelope, measure_audible
 from pacinian.rendering.renderer import RAMP, Renderer
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.objects import Point
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene

@@ -16,19 +16,19 @@ from pacinian import gallery
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
 from pacinian.plugins.registry import backend
-from pacinian.rendering.audible import compute_envelope, measure_audible
+from pacinian.rendering.audibility import compute_envelope, measure_audible
 from pacinian.rendering.renderer import Renderer
+from pacinian.scene.modulation.envelope import STEADY
+from pacinian.scene.modulation.waves import Constant, Square
 from pacinian.scene.objects import Point
 from pacinian.scene.scene import Scene
-from pacinian.scene.time.envelope import STEADY
-from pacinian.scene.time.waves import Constant, Square
 from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
-    from pacinian.scene.time.envelope import Envelope
+    from pacinian.scene.modulation.envelope import Envelope
     from pacinian.types import Gains
 
 TICKS, EVENT = 400, 0.2  # at 1 kHz; [s] when it happens, in the middle

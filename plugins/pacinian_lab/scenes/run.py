@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.demo import alternate
 from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.solving.felt import FeltRegion
+from pacinian.solving.felt_regions import FeltRegion
 from pacinian_lab.regions.skin import felt_on_skin
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.solving.blas import one_thread

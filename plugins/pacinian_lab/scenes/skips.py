@@ -14,19 +14,19 @@ from pacinian.acoustics.pose import Pose
 from pacinian.gallery import TREMBLE
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Particles, Point
-from pacinian.scene.sampling.distances import DistanceCache
+from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.time.waves import Constant
 from pacinian_lab.scenes.savings import At, Skip
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.scene.modulation.envelope import Envelope
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.time.envelope import Envelope
     from pacinian.types import Floats
 
 STILL = {"static-focus": "one focus", "mesh": "a hand on a mesh", "palm": "a whole palm"}

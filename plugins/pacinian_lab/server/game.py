@@ -17,9 +17,9 @@ from pacinian.acoustics.pose import Pose
 from pacinian.client.client import Client
 from pacinian.errors import ConnectionLost, Refused, ServerError
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.waves import Constant, Sine
 from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
-from pacinian.scene.time.waves import Constant, Sine
 from pacinian.serving.render.solver_switcher import SUPERSEDED
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import State

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pacinian.wire import bulk, objects
+from pacinian.wire import binary_arrays, objects
 
 CELLS = 16  # 4 x 4
 APART = 0.03  # [m] from cell to cell
@@ -39,7 +39,7 @@ def place(index: int, t: float, group: int = 0) -> tuple[float, float, float]:
 
 def pose(index: int, t: float, group: int = 0) -> bytes:
     """As on the wire."""
-    return bulk.pack([*place(index, t, group), 0.0, 0.0, 0.0, 1.0])
+    return binary_arrays.pack([*place(index, t, group), 0.0, 0.0, 0.0, 1.0])
 
 
 def point(index: int, t: float) -> objects.Point:
@@ -50,7 +50,7 @@ def point(index: int, t: float) -> objects.Point:
 def sent(points: bytes, now: float) -> dict[int, float]:
     """When each that is felt was sent [s], by its cell; now: a time less than 10 s later [s]."""
     found = dict[int, float]()
-    for x, y, _ in bulk.unpack(points, 3).astype(np.float64).tolist():
+    for x, y, _ in binary_arrays.unpack(points, 3).astype(np.float64).tolist():
         row = round(y / APART + 1.5)
         column = round((x - WAY / 2.0) / APART + 1.5)
         number = 4 * row + column
@@ -61,7 +61,7 @@ def sent(points: bytes, now: float) -> dict[int, float]:
 
 def missing(points: bytes, indices: range, t: float) -> list[int]:
     """Which of these are not felt exactly where they were put at time t [s], when theirs is the group felt."""
-    P = bulk.unpack(points, 3).astype(np.float64)
+    P = binary_arrays.unpack(points, 3).astype(np.float64)
     gone = list[int]()
     for index in indices:
         at = np.array(place(index, t, index // CELLS))

@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from pacinian import gallery
 from pacinian.acoustics.pose import Pose
-from pacinian.wire import bulk, codec, objects, shapes
+from pacinian.wire import binary_arrays, codec, objects, shapes
 from pacinian.wire.commands import HandFrame, Hands, Put
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Arm
@@ -78,7 +78,12 @@ def hands() -> list[HandFrame]:
     for t in np.arange(1000) * 1e-3:
         hand = gallery.HAND.moved(Pose((SWING * np.sin(2.0 * np.pi * t), 0.0, 0.0)))
         v = 2.0 * np.pi * SWING * np.cos(2.0 * np.pi * t)
-        made.append(HandFrame(joints=bulk.pack(hand.carriers), velocities=bulk.pack([v, 0.0, 0.0])))
+        made.append(
+            HandFrame(
+                joints=binary_arrays.pack(hand.carriers),
+                velocities=binary_arrays.pack([v, 0.0, 0.0]),
+            )
+        )
     return made
 
 
@@ -87,7 +92,7 @@ def points() -> objects.Particles:
     along = APART * (np.arange(SIDE) - (SIDE - 1) / 2.0)
     places = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
     return objects.Particles(
-        positions=bulk.pack(places),
+        positions=binary_arrays.pack(places),
         pose=shapes.Pose((0.0, 0.0, gallery.HEIGHT + ABOVE)),
         radius=RADIUS,
         radiation_pressure=10.0,

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 import pacinian as pc
 from pacinian.errors import ArgumentError
-from pacinian.rendering.drive import Quantiser
+from pacinian.rendering.quantiser import Quantiser
 from pacinian_lab.study.measures import MEASURES, amplitudes, emitted_power, image
 from pacinian_lab.study.stage import Stage
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.intensity import intensity, normal_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
 
 AIR = pc.Air()
 RHO_C = AIR.density * AIR.speed_of_sound

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import zmq
 
-from pacinian.client import dialogue, link
-from pacinian.client.connected import BaseClient
+from pacinian.client import link, server_session
+from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 
 from ...waiting import PATIENCE
@@ -28,4 +28,4 @@ def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(link.HEARTBEAT, option, milliseconds)
     for function in (BaseClient.__init__, emergency_stop):
         monkeypatch.setitem(function.__kwdefaults__, "timeout", PATIENCE)
-    monkeypatch.setattr(dialogue, "FAREWELL", PATIENCE)
+    monkeypatch.setattr(server_session, "FAREWELL", PATIENCE)

@@ -10,9 +10,9 @@ import pytest
 from trimesh.creation import icosphere
 
 import pacinian as pc
-from pacinian.rendering.smooth import SlewRateLimiter
+from pacinian.rendering.slew_limiter import SlewRateLimiter
 from pacinian.scene.hands.skin import skin_of
-from pacinian.scene.sampling.tracks import HandTrack
+from pacinian.scene.sampling.pose_prediction import HandTrack
 from pacinian.testing import ManualClock
 
 ARRAY = pc.autd()

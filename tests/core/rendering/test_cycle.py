@@ -13,7 +13,7 @@ import pacinian as pc
 from pacinian.acoustics.propagation import field
 from pacinian.gallery import SCENES
 from pacinian.rendering.cycle import split_frames
-from pacinian.scene.time.waves import Constant
+from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
 
 AIR, PERIOD = pc.Air(), 1e-3

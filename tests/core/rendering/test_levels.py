@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.native import rendering as levels
-from pacinian.rendering.drive import SURE, Quantiser, dither_thresholds, invert_levels
+from pacinian.rendering.quantiser import SURE, Quantiser, dither_thresholds, invert_levels
 
 TURN_ERROR = 6e-6  # [turns] of the kernel's arc tangent
 PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())  # OpenMPD's

@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.rendering.probe import Probe
-from pacinian.solving.felt import FeltSums
+from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
 
 AIR, ARRAY = pc.Air(), pc.autd()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.rendering import recorded_array
 from pacinian.rendering.settings import from_config, to_config
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

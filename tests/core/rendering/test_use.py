@@ -10,8 +10,8 @@ import pytest
 import pacinian as pc
 from pacinian.rendering.clock import pace
 from pacinian.rendering.recording import Recorder
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import STM
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

@@ -23,10 +23,10 @@ from pacinian.scene.file import (
 )
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import STM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

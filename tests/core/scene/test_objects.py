@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.material import Material
+from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import SPOT, Particles, Path
 from pacinian.scene.shapes.curves import Circle, Line, Polyline
 from pacinian.scene.shapes.texture import Texture, grating
-from pacinian.scene.time.technique import AM
 
 lengths = st.floats(1e-3, 1.0)
 shells = st.one_of(

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
-from pacinian.client.keys import resolve_connection
 from pacinian.errors import ConnectionLost
 from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.server import RESERVE

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pacinian.solving.equal import ColumnGroups
+from pacinian.solving.column_groups import ColumnGroups
 from pacinian.solving.least_squares import TRUSTED, LeastSquares, Normal, Reduced, refine
 
 CUT = 1e-11

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
+from pacinian.acoustics.skin_facing import SkinFacing
 
 ARRAY = pc.lattice(0.05, 0.05) + pc.lattice(0.05, 0.05).moved(
     pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.2))

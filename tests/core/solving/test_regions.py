@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.felt import FeltPlaces
+from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import settle_phases

@@ -13,8 +13,8 @@ from pacinian.wire.codec import (
     encode,
     id_of,
 )
-from pacinian.wire.examples import make_examples
-from pacinian.wire.vectors import DECODE
+from pacinian_lab.vectors.examples import make_examples
+from pacinian_lab.vectors.vectors import DECODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

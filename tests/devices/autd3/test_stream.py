@@ -10,9 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.smooth import Smoothing
-from pacinian_plugins.backends.autd3.cycles import RepeatDetector
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian_plugins.backends.autd3.levels import INTENSITY, LEVELS, WIDTHS
+from pacinian_plugins.backends.autd3.repeat_detector import RepeatDetector
 
 from .playing import Emulated
 

@@ -12,8 +12,8 @@ import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 from pacinian_plugins.backends.sonicsurface import SonicSurface
-from pacinian_plugins.backends.sonicsurface.feed import WriteScheduler
 from pacinian_plugins.backends.sonicsurface.protocol import SELECT, Packer
+from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
 from ...waiting import eventually
 from .adapters import ARRAY, Terminal

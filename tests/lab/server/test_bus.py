@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from rich.console import Console
 
 import pacinian as pc
-from pacinian.wire import bulk
+from pacinian.wire import binary_arrays
 from pacinian.wire.convert import to_scene
 from pacinian_lab.server import drift, latency, load, report, sender, tables
 from pacinian_lab.server import positions as places
@@ -63,7 +63,7 @@ def test_quantiles_are_of_the_values(values: list[float]) -> None:
 
 @given(st.floats(0.0, 1e6), st.floats(0.0, 9.9), st.integers(0, 15))
 def test_a_place_tells_when_it_was_sent(t: float, age: float, index: int) -> None:
-    point = bulk.pack(places.place(index, t))
+    point = binary_arrays.pack(places.place(index, t))
     found = places.sent(point, t + age + 1e-3)
     assert found.keys() == {index}
     assert found[index] == pytest.approx(t, abs=1e-3)
@@ -72,9 +72,11 @@ def test_a_place_tells_when_it_was_sent(t: float, age: float, index: int) -> Non
 @given(st.floats(0.0, 1e6), st.sets(st.integers(0, 15)))
 def test_what_is_not_where_it_was_put_is_missing(t: float, gone: set[int]) -> None:
     here = [places.place(i, t, 1) for i in range(16, 32) if i - 16 not in gone]
-    found = places.missing(bulk.pack(here or np.empty((0, 3))), range(16, 32), t)
+    found = places.missing(binary_arrays.pack(here or np.empty((0, 3))), range(16, 32), t)
     assert found == [16 + i for i in sorted(gone)]
-    assert places.missing(bulk.pack(here or np.empty((0, 3))), range(16), t + 1.0) == [*range(16)]
+    assert places.missing(binary_arrays.pack(here or np.empty((0, 3))), range(16), t + 1.0) == [
+        *range(16)
+    ]
 
 
 def test_groups_that_are_not_felt_are_outside_of_the_workspace() -> None:
@@ -90,7 +92,7 @@ def test_the_palm_always_touches_sixteen_points() -> None:
     item = to_scene("points", sender.points())
     counts = set[int]()
     for t, frame in enumerate(sender.hands()[::20]):
-        hand = pc.Hand(bulk.unpack(frame.joints, 3))
+        hand = pc.Hand(binary_arrays.unpack(frame.joints, 3))
         counts.add(len(sampler.sample(pc.Scene((item,), hands=(hand,)), 0.02 * t)))
     assert counts == {16}
 

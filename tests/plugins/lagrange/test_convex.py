@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian_plugins.solvers.lagrange.convex import least_squares, maximise_scale
+from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
-from pacinian_plugins.solvers.lagrange.convex.rows import Constraints
 
 from ..problems import optimum
 

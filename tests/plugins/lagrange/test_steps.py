@@ -12,9 +12,9 @@ from pacinian.native import solving as passes
 from pacinian.native.solving import choose
 from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange import double
-from pacinian_plugins.solvers.lagrange.polish import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.room import Workspace
+from pacinian_plugins.solvers.lagrange import reference
+from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
 f4 = np.float32
 
@@ -70,7 +70,7 @@ def test_what_multipliers_make(size: tuple[int, int], seed: int, share: float) -
         x = wide.conj().T @ y
         np.testing.assert_allclose(h[0] + 1j * h[1], x / np.abs(x), atol=1e-3)
         return
-    exact, length, c = double.saturate(wide.conj().T @ y, mu)
+    exact, length, c = reference.saturate(wide.conj().T @ y, mu)
     np.testing.assert_allclose(h[0] + 1j * h[1], exact, atol=1e-5)
     np.testing.assert_allclose(h[2], length, atol=1e-5 * length.max())
     np.testing.assert_allclose(made[0] + 1j * made[1], wide @ exact, atol=1e-4 * np.abs(y).max())
@@ -101,7 +101,7 @@ def test_the_curvature_is_what_finite_differences_give(
     for j in range(M):
         step = np.zeros(M, complex)
         step[j] = eps * u[j]
-        up, down = (double.saturate(wide.conj().T @ (y + s), mu)[0] for s in (step, -step))
+        up, down = (reference.saturate(wide.conj().T @ (y + s), mu)[0] for s in (step, -step))
         exact[:, j] = ((wide @ (up - down)) * u.conj()).real / (2 * eps)
     np.testing.assert_allclose(np.tril(A[:M, :M]), np.tril(exact), atol=2e-3 * np.abs(exact).max())
 
@@ -174,7 +174,7 @@ def test_the_steps_are_those_of_double_precision(
     out = np.empty(150, np.complex64)
     polish = PhaseFreeSolve(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out)
     end = polish.run()
-    exact = double.solve_newton(B.astype(np.complex128), G, p, free, mu, y, 60)
+    exact = reference.solve_newton(B.astype(np.complex128), G, p, free, mu, y, 60)
     made = B.astype(complex) @ exact.h
     missed = np.where(free, np.abs(p) - np.abs(made), np.abs(p - made))
     if np.linalg.norm(missed) < 1e-3 * np.linalg.norm(p):  # the steps converge, also in double
@@ -197,7 +197,7 @@ def test_few_steps_in_double_precision_end_where_their_equations_hold(
     B, free = B.astype(np.complex128), np.arange(M) >= fixed
     mu = 1e-4 * float(np.trace(G).real) / M
     y = mu * np.linalg.solve(G + mu * np.eye(M), p)
-    found = double.solve_newton(B, G, p, free, mu, y, 8)
+    found = reference.solve_newton(B, G, p, free, mu, y, 8)
     x = B.conj().T @ found.y
     np.testing.assert_allclose(found.h, x / np.maximum(np.abs(x), mu), atol=1e-12)
     made = B @ found.h

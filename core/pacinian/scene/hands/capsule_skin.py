@@ -11,7 +11,8 @@ from pacinian.native import scene as kernels
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.levels import (
+from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin_lod import (
     FINEST,
     GRAIN,
     SPACINGS,
@@ -19,7 +20,6 @@ from pacinian.scene.hands.levels import (
     gather_pressure,
     spread_pressure,
 )
-from pacinian.scene.hands.skin import Placed, Skin
 from pacinian.scene.shapes import Capsule
 
 if TYPE_CHECKING:

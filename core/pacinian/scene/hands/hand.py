@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.pose import Pose
 from pacinian.checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.hands import rest
+from pacinian.scene.hands import rest_pose
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats, Indices
@@ -73,7 +73,9 @@ class Hand:
             raise ArgumentError("vertices", "and `faces` must be given together")
         if joints is None and vertices is None:
             raise ArgumentError("joints", "or `vertices` and `faces` must be given")
-        J, lost = (None, False) if joints is None else _measured("joints", joints, (rest.JOINTS, 3))
+        J, lost = (
+            (None, False) if joints is None else _measured("joints", joints, (rest_pose.JOINTS, 3))
+        )
         V, gone = (None, False) if vertices is None else _measured("vertices", vertices, (None, 3))
         lost = lost or (J is not None and _collapsed("joints", J))
         gone = gone or (V is not None and _collapsed("vertices", V))
@@ -98,7 +100,7 @@ class Hand:
         hand is at -x, of the left at +x. given: radii, velocities, time or name.
         """
         check_kind("pose", pose, Pose)
-        local = rest.rest_joints()
+        local = rest_pose.rest_joints()
         if side == "left":
             local[:, 0] *= -1.0
         return cls(pose.points(local), side=side, **given)
@@ -119,7 +121,7 @@ class Hand:
         """
         B, lost = _measured("bones", bones, (5, 4, 2, 3))
         W = np.full((5, 4), 0.02) if lost else check_numbers("widths", widths, (5, 4))
-        joints, radii = np.zeros((rest.JOINTS, 3)), RADII.copy()
+        joints, radii = np.zeros((rest_pose.JOINTS, 3)), RADII.copy()
         joints[WRIST] = _measured("wrist", wrist, (3,))[0]
         first = 2
         for digit in range(5):
@@ -214,7 +216,7 @@ def _collapsed(name: str, points: Floats) -> bool:
 
 
 def _radii(value: ArrayLike) -> Floats:
-    radii = check_numbers("radii", value, (rest.JOINTS,)).copy()
+    radii = check_numbers("radii", value, (rest_pose.JOINTS,)).copy()
     if radii.min() <= 0.0:
         raise ArgumentError("radii", f"must be more than 0, not {radii.min():g}")
     if radii.max() > MAX_RADIUS:
@@ -226,11 +228,11 @@ def _radii(value: ArrayLike) -> Floats:
 
 def _velocities(value: ArrayLike) -> Floats | None:
     try:
-        shape = (3,) if np.ndim(value) == 1 else (rest.JOINTS, 3)
+        shape = (3,) if np.ndim(value) == 1 else (rest_pose.JOINTS, 3)
     except ValueError:  # ragged
-        shape = (rest.JOINTS, 3)
+        shape = (rest_pose.JOINTS, 3)
     v, unknown = _measured("velocities", value, shape)
-    return None if unknown else np.broadcast_to(v, (rest.JOINTS, 3)).copy()
+    return None if unknown else np.broadcast_to(v, (rest_pose.JOINTS, 3)).copy()
 
 
 def _faces(value: ArrayLike, vertices: int) -> Indices:
@@ -240,4 +242,4 @@ def _faces(value: ArrayLike, vertices: int) -> Indices:
     return faces.astype(np.intp)
 
 
-RADII = rest.rest_radii()
+RADII = rest_pose.rest_radii()

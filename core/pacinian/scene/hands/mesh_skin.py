@@ -10,8 +10,8 @@ from pacinian.checks import check_count
 from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
-from pacinian.scene.hands.levels import GRAIN, SkinNodes, gather_pressure, spread_pressure
 from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin_lod import GRAIN, SkinNodes, gather_pressure, spread_pressure
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand

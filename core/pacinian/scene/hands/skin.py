@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.scene.hands.levels import SPACINGS, gather_pressure, share_pressure
+from pacinian.scene.hands.skin_lod import SPACINGS, gather_pressure, share_pressure
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.capsules import Nearest
     from pacinian.scene.hands.hand import Hand
-    from pacinian.scene.hands.levels import SkinNodes
+    from pacinian.scene.hands.skin_lod import SkinNodes
     from pacinian.types import Flags, Floats, Indices
 
 CREASE = 5e-4  # [m]; what lies deeper within another part of the hand is not skin

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from pacinian.scene.objects import Volume
-from pacinian.scene.sampling.covers import estimate_samples
-from pacinian.scene.sampling.resolving import COARSER
+from pacinian.scene.sampling.array_resolution import COARSER
+from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sources import is_dense, measure_spacing
 
 if TYPE_CHECKING:

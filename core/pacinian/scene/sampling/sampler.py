@@ -12,15 +12,17 @@ import numpy as np
 
 from pacinian.checks import FAR, check_integer, check_length, check_number
 from pacinian.native.scene import merge
+from pacinian.scene.modulation.technique import AM
+from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Point, Surface, Volume
-from pacinian.scene.sampling.allot import allot_budget
-from pacinian.scene.sampling.broad import cull
-from pacinian.scene.sampling.covers import SampleCache
-from pacinian.scene.sampling.distances import DistanceCache
-from pacinian.scene.sampling.perception import lowest_threshold
+from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
+from pacinian.scene.sampling.broad_phase import cull
+from pacinian.scene.sampling.budget import allot_budget
+from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.pose_prediction import HandTrack, PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.resolving import COARSER, ArrayResolution
+from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
     FINEST,
@@ -34,9 +36,7 @@ from pacinian.scene.sampling.sources import (
     measure_spacing,
 )
 from pacinian.scene.sampling.surround import add_surround
-from pacinian.scene.sampling.tracks import HandTrack, PosePredictor
-from pacinian.scene.time.technique import AM
-from pacinian.scene.time.waves import Constant
+from pacinian.scene.sampling.thresholds import lowest_threshold
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.scene.hands.skin import Skin
     from pacinian.scene.objects import Object
-    from pacinian.scene.sampling.touchable import PosedSkin
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.scene import Scene, Workspace
     from pacinian.types import Floats
 

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.scene.objects import Body
-from pacinian.scene.sampling.resolving import grazing
+from pacinian.scene.sampling.array_resolution import grazing
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
-    from pacinian.scene.felt import HapticObject
+    from pacinian.scene.haptic_object import HapticObject
     from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
-    from pacinian.scene.sampling.covers import SampleCache
-    from pacinian.scene.sampling.distances import DistanceCache
-    from pacinian.scene.sampling.resolving import ArrayResolution
-    from pacinian.scene.sampling.touchable import PosedSkin
+    from pacinian.scene.sampling.array_resolution import ArrayResolution
+    from pacinian.scene.sampling.distance_cache import DistanceCache
+    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.sampling.sample_cache import SampleCache
     from pacinian.types import Floats, Indices, Longs
 
 

@@ -15,8 +15,8 @@ from pacinian.scene.sampling.samples import BESIDE, join_samples
 from pacinian.scene.sampling.sources import make_keys
 
 if TYPE_CHECKING:
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.sampling.touchable import PosedSkin
     from pacinian.types import Floats, Indices
 
 INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is

@@ -20,8 +20,8 @@ from pacinian.checks import (
     check_numbers,
 )
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.local import EDGE, LocalSamples
-from pacinian.scene.shapes.pieces import Polyline3D
+from pacinian.scene.shapes.local_samples import EDGE, LocalSamples
+from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

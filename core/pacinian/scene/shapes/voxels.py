@@ -13,11 +13,11 @@ from msgspec.structs import force_setattr
 from pacinian.checks import check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.arrays import check_within, decode_array, encode_array
-from pacinian.scene.shapes.solids import sample_solid
+from pacinian.scene.shapes.sdf import sample_solid
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
-    from pacinian.scene.shapes.local import LocalSamples
+    from pacinian.scene.shapes.local_samples import LocalSamples
     from pacinian.types import ArrayLike, Floats, Singles
 
     Values = ArrayLike

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import Hand
 from pacinian.serving.ipc.messages import HandInfo, SetHands
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,7 +11,7 @@ from pacinian.checks import check_near, check_numbers
 from pacinian.errors import ArgumentError, WireError, describe_error
 from pacinian.plugins.backend import Frame
 from pacinian.serving.ipc.messages import HEAD, FrameHead
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.replies import Error, Pressures
 
 if TYPE_CHECKING:

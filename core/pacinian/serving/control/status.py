@@ -11,9 +11,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.devices.description import DIRECTIVITIES
-from pacinian.scene.time.presets import PRESETS
+from pacinian.scene.modulation.presets import PRESETS
 from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities, Sound
 from pacinian.wire.state import ClientState, FrameState, State
 from pacinian.wire.time import Technique

@@ -11,9 +11,9 @@ from msgspec.structs import replace
 from pacinian.errors import describe_error, shorten
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
 from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import status
@@ -22,7 +22,7 @@ from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.quiet_zones import ZonePlacement
 from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.solving.problem import Limits
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_time import technique_to_scene
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.scene.time.technique import Technique
+    from pacinian.scene.modulation.technique import Technique
     from pacinian.serving.ipc.messages import RequestedSettings
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.render.background_loader import BackgroundLoader

@@ -13,21 +13,21 @@ from weakref import WeakKeyDictionary
 from msgspec.structs import force_setattr
 
 from pacinian.errors import describe_error, shorten
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
 from pacinian.serving.render import background_loader, change_decoding
 from pacinian.serving.render.frame_output import Input
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.modulation.envelope import Timed
+    from pacinian.scene.modulation.technique import Technique
     from pacinian.scene.scene import Workspace
-    from pacinian.scene.time.envelope import Timed
-    from pacinian.scene.time.technique import Technique
     from pacinian.serving.render.background_loader import BackgroundLoader
 
 MAX_REFUSALS = 256  # refused objects that are told

@@ -10,8 +10,8 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.rendering.probe import name_of
+from pacinian.scene.sampling.pose_prediction import HOLD
 from pacinian.scene.sampling.samples import BESIDE
-from pacinian.scene.sampling.tracks import HOLD
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer

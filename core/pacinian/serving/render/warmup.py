@@ -9,16 +9,16 @@ from pacinian.acoustics.pose import Pose
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.rerender import CaptureBackend, FixedClock
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.noise import Noise
+from pacinian.scene.modulation.technique import AM, STM
 from pacinian.scene.objects import Object, Path, Point, Volume
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.shapes.round import Sphere
-from pacinian.scene.time.noise import Noise
-from pacinian.scene.time.technique import AM, STM
+from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.serving.render.background_loader import load_object
 from pacinian.solving.problem import Limits
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

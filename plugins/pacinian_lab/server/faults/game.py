@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 from pacinian.errors import PacinianError
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian_lab.server.faults.raw_client import Message, Peer, Silent
 
 RATE = 90.0  # [Hz]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.protocol import MAJOR, MINOR
 
 Message = dict[str, Any]

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.checks import check_number
+from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
 from pacinian_plugins.backends.autd3.levels import PERIOD, PHASES
 from pacinian_plugins.backends.autd3.packages import import_package
-from pacinian_plugins.backends.autd3.states import make_exact, make_silent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from pacinian.types import Gains
-    from pacinian_plugins.backends.autd3.line import Due
+    from pacinian_plugins.backends.autd3.transport import Due
 
 CYCLE = 25_000  # [ns] of the ultrasound
 MAX_MESSAGES = 4096  # messages; at most two cycles of them say what sounds now

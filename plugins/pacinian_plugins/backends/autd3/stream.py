@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pacinian_plugins.backends.autd3.cycles import RepeatDetector
 from pacinian_plugins.backends.autd3.packages import import_package
+from pacinian_plugins.backends.autd3.repeat_detector import RepeatDetector
 
 if TYPE_CHECKING:
     import numpy as np

@@ -8,14 +8,14 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
+from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
+from pacinian_plugins.backends.autd3.error_advice import explain
 from pacinian_plugins.backends.autd3.packages import NAME, import_package
-from pacinian_plugins.backends.autd3.states import make_exact, make_silent
-from pacinian_plugins.backends.autd3.troubles import explain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Sequence
 
-    from pacinian_plugins.backends.autd3.line import Due
+    from pacinian_plugins.backends.autd3.transport import Due
 
 OPENING = 60.0  # [s]; the packages give up before
 LOOK = 1.0  # [s] between two looks whether the units' failsafe has silenced them

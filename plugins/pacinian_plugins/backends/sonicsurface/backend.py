@@ -12,9 +12,9 @@ import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.sonicsurface import ports
-from pacinian_plugins.backends.sonicsurface.feed import WriteScheduler
-from pacinian_plugins.backends.sonicsurface.line import SerialWriter
 from pacinian_plugins.backends.sonicsurface.protocol import BOARD, CLOCKS, PHASES, SELECT, Packer
+from pacinian_plugins.backends.sonicsurface.serial_writer import SerialWriter
+from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -7,7 +7,7 @@ import os
 from typing import Any
 
 import pacinian as pc
-from pacinian.devices.holders import find_users
+from pacinian.devices.device_users import find_users
 from pacinian_plugins.backends.sonicsurface.protocol import BAUD
 
 NAME = "sonicsurface"

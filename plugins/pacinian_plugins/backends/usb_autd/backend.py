@@ -11,7 +11,6 @@ import pacinian as pc
 from pacinian.checks import check_names, check_number
 from pacinian_plugins.backends.usb_autd.board import Board
 from pacinian_plugins.backends.usb_autd.link import DEVICES, Link
-from pacinian_plugins.backends.usb_autd.pretended import SimulatedLink
 from pacinian_plugins.backends.usb_autd.protocol import (
     AMPLITUDES,
     FULL,
@@ -20,6 +19,7 @@ from pacinian_plugins.backends.usb_autd.protocol import (
     RATE,
     UNIT,
 )
+from pacinian_plugins.backends.usb_autd.simulated_link import SimulatedLink
 
 if TYPE_CHECKING:
     from array import array

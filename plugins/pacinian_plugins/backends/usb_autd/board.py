@@ -19,7 +19,7 @@ from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 if TYPE_CHECKING:
     from pacinian.types import Levels
     from pacinian_plugins.backends.usb_autd.link import Link
-    from pacinian_plugins.backends.usb_autd.pretended import SimulatedLink
+    from pacinian_plugins.backends.usb_autd.simulated_link import SimulatedLink
 
 
 class Board:

@@ -12,14 +12,14 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.native import solving as kernels
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.evidence import TOLERANCE, measure_violations, relative_error
-from pacinian.solving.keep import enforce_limits
+from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
-from pacinian.solving.rooms import acquire, release
 from pacinian_plugins.native.lagrange import begin, within
 from pacinian_plugins.solvers.lagrange import regions
-from pacinian_plugins.solvers.lagrange.polish import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.room import SMALL, Workspace
+from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.workspace import SMALL, Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

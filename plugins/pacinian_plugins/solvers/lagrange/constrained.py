@@ -12,7 +12,7 @@ from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose_phases
 from pacinian.solving.propagator import gram_matrix
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
-from pacinian_plugins.solvers.lagrange.convex.products import mean_square
+from pacinian_plugins.solvers.lagrange.convex.matvec import mean_square
 from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.turn import turn
 

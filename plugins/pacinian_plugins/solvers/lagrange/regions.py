@@ -23,11 +23,11 @@ from numpy import float32 as f4
 from scipy.linalg import blas, lapack
 
 import pacinian as pc
-from pacinian.solving.rooms import acquire, release
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.solution import AT_LIMIT
 from pacinian_plugins.native.lagrange import TILE, bend, deliver, evaluate, within
-from pacinian_plugins.solvers.lagrange.double import solve_newton
 from pacinian_plugins.solvers.lagrange.evenly import climb
+from pacinian_plugins.solvers.lagrange.reference import solve_newton
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles

@@ -15,8 +15,8 @@ import pacinian as pc
 from pacinian.scene.hands.bones import BONES
 from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.levels import SPACINGS
 from pacinian.scene.hands.skin import Skin, skin_of
+from pacinian.scene.hands.skin_lod import SPACINGS
 
 from ..tools import to_capsules
 

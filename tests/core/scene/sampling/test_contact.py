@@ -18,17 +18,17 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import DEPTH, Material
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.resolving import ArrayResolution, grazing
-from pacinian.scene.sampling.touchable import PosedSkin
-from pacinian.scene.sampling.tracks import FADE, HOLD
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.sampling.array_resolution import ArrayResolution, grazing
+from pacinian.scene.sampling.pose_prediction import FADE, HOLD
+from pacinian.scene.sampling.posed_skin import PosedSkin
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.texture import grating
 from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.technique import STM
 
 from ..tools import moved, random_pose, to_capsules
 

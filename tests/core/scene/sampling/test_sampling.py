@@ -12,13 +12,13 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.covers import MAX_ENTRIES, SampleCache
+from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
 from pacinian.scene.sampling.sampler import DENSE
 from pacinian.scene.sampling.sources import SinglePoint, WholeObject
 from pacinian.scene.shapes.curves import Circle, Line
-from pacinian.scene.time.technique import STM
 
 from ..tools import moved, random_pose
 

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 import pacinian as pc
 from pacinian.gallery import SCENES
-from pacinian.scene.sampling.resolving import ArrayResolution
+from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.surround import INNER, OUTER
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import felt_on_skin

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.pieces import Polyline3D
+from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

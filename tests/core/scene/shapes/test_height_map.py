@@ -14,7 +14,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 import pacinian as pc
 from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.solids import gradient
+from pacinian.scene.shapes.sdf import gradient
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 import pacinian as pc
-from pacinian.scene.shapes.solids import gradient, sample_interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 
 from ..tools import mesh_of
 
@@ -232,7 +232,9 @@ def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, f
     assert np.linalg.norm(points.mean(axis=0)) < kind.off * spacing
     assert area.max() < 4.0 * spacing**2  # not much more than its cell
     assert area.sum() == pytest.approx(kind.area(size), rel=0.1)
-    for again, first in zip(kind.make(size).sample_surface(spacing), (points, _, area), strict=True):
+    for again, first in zip(
+        kind.make(size).sample_surface(spacing), (points, _, area), strict=True
+    ):
         assert np.array_equal(again, first)
 
 

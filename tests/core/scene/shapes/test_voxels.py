@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.shapes import arrays
-from pacinian.scene.shapes.solids import gradient, sample_interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 from pacinian.scene.shapes.voxels import Voxels
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ BLOCK[1:-1, 1:-1, 1:-1] = 1.0  # 4 x 6 x 8 full ones
 def test_distances_are_those_of_the_solid_to_a_fraction_of_a_voxel(
     radius: float, at: tuple[float, float, float], seed: int
 ) -> None:
-    from pacinian.scene.shapes.combine import Placed
+    from pacinian.scene.shapes.csg import Placed
 
     ball = Placed(pc.Sphere(radius), pc.Pose(at))
     solid = voxelised(ball, (26, 26, 26))

@@ -19,7 +19,7 @@ from pacinian.serving.ipc.messages import (
     SetHands,
 )
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import HandFrame
 from pacinian.wire.time import STEADY, Wave
 

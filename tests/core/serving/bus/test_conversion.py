@@ -16,7 +16,7 @@ from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.ipc.messages import PutObject
 from pacinian.serving.settings import Settings
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Envelopes
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.shapes import Polyline

@@ -8,7 +8,7 @@ import pacinian as pc
 from pacinian.errors import WireError
 from pacinian.serving.bus.field_queries import EmittedGains, FieldQueries
 from pacinian.serving.ipc.messages import DeviceStatus, FrameHead
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.commands import Field
 from pacinian.wire.replies import Error, Pressures
 

@@ -10,7 +10,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.serving.bus import process as module
-from pacinian.serving.bus.process import Bus, opened
+from pacinian.serving.bus.process import Bus, open_bus
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.auth import DOMAIN, USER
 from pacinian.serving.ipc.messages import (
@@ -26,7 +26,7 @@ from pacinian.serving.ipc.messages import (
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.settings import Lattice, Network, Settings
-from pacinian.wire import bulk
+from pacinian.wire import binary_arrays
 from pacinian.wire.codec import decode_reply, encode
 from pacinian.wire.commands import Field, HandFrame
 from pacinian.wire.replies import Error, Ok, Pressures
@@ -109,7 +109,7 @@ def running(folder: Path, settings: Settings) -> Iterator[Server]:
     """With a bus in this thread."""
     with contextlib.ExitStack() as stack:
         server = Server(folder, settings, stack)
-        bus = stack.enter_context(opened(settings, folder, {"token": TOKEN}))
+        bus = stack.enter_context(open_bus(settings, folder, {"token": TOKEN}))
         server.round, server.port, server.bus = bus.round, bus.port, bus
         yield server
 
@@ -268,12 +268,12 @@ def test_the_field_is_of_what_the_device_emits(server: Server) -> None:
     server.memory["frame"].write(head.pack(), phase.tobytes(), amplitude.tobytes())
     socket = server.connect()
     points = np.array([[0, 0, 0.2], [0.01, 0, 0.2]] * 4000, "<f4")
-    send(socket, Field(session=A, sequence=1, time=0.0, id=4, points=bulk.pack(points)))
+    send(socket, Field(session=A, sequence=1, time=0.0, id=4, points=binary_arrays.pack(points)))
     send(socket, put({"a": point()}, session=A, sequence=2, id=5))
     assert server.reply(socket) == Ok(id=5)  # which waits for no query
     answer = server.reply(socket)
     assert isinstance(answer, Pressures)
-    p = bulk.unpack(answer.pressures, 2).view(np.complex64)[:, 0]
+    p = binary_arrays.unpack(answer.pressures, 2).view(np.complex64)[:, 0]
     want = pc.field(array, np.exp(2j * np.pi * phase / 256), points, precision="double")
     assert np.abs(p - want).max() < 1e-3 * np.abs(want).max()
 
@@ -314,7 +314,7 @@ def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
     taken = Settings(array=Lattice(0.1, 0.1), network=Network(command=server.port))
     with (
         pytest.raises(pc.ServerError, match="cannot be bound"),
-        opened(taken, tmp_path, {"token": TOKEN}),
+        open_bus(taken, tmp_path, {"token": TOKEN}),
     ):
         pass
 
@@ -347,7 +347,7 @@ def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
         server.memory["changes"].write(pack(Changes(9, 1, ())))
-        with opened(PLAIN, tmp_path, {"token": TOKEN}):
+        with open_bus(PLAIN, tmp_path, {"token": TOKEN}):
             read = server.memory["changes"].read()
             assert read is not None
             told = msgspec.msgpack.decode(read[1], type=Changes)

@@ -15,7 +15,7 @@ from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import SessionInfo
 from pacinian.serving.settings import Settings
 from pacinian.wire import commands, objects, shapes
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import decode_reply, encode
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_REPLY_BYTES, MAX_SHOWN
 from pacinian.wire.replies import Shown

@@ -11,7 +11,7 @@ from pacinian.serving.bus.shared_scene import MAX_CLIENT_BYTES, QUIET, CommandRe
 from pacinian.serving.bus.stored_object import TooStrong, make_error_reply
 from pacinian.serving.settings import Clients, Safety, Settings, Zone
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Clear, HandFrame, Move
 from pacinian.wire.commands import Zone as Ball
 from pacinian.wire.time import Wave

@@ -283,7 +283,7 @@ PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())
 
 @given(st.floats(0.01, 1.0), st.sampled_from([2, 16, 256, 65_536, PULSES]), st.floats(0.0, 1.0))
 def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, part: float) -> None:
-    from pacinian.rendering.drive import Quantiser
+    from pacinian.rendering.quantiser import Quantiser
 
     bench = Bench(gain=gain)
     can = pc.Capability(256, levels)

@@ -46,7 +46,7 @@ PARENT = """
 import sys, time
 from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Settings
-started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.Told(sys.argv[2], Settings()))
+started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.LaunchConfig(sys.argv[2], Settings()))
 print(started.pid, flush=True)
 time.sleep(600)
 """

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 HOLDER = """
 import sys
 from pathlib import Path
-from pacinian.serving.ipc.file_lock import Lock
-lock = Lock(Path(sys.argv[1]))
+from pacinian.serving.ipc.file_lock import FileLock
+lock = FileLock(Path(sys.argv[1]))
 print("held", flush=True)
 sys.stdin.read()
 """

@@ -25,8 +25,8 @@ posix = pytest.mark.skipif(os.name != "posix", reason="users, and links to files
 WRITER = """
 import sys
 from pathlib import Path
-from pacinian.serving.ipc.shared_memory import Latest
-memory = Latest.attach(Path(sys.argv[1]))
+from pacinian.serving.ipc.shared_memory import SharedRegister
+memory = SharedRegister.attach(Path(sys.argv[1]))
 sys.stdin.readline()
 while True:
     number = memory.number + 1
@@ -250,8 +250,8 @@ def test_a_writer_killed_again_and_again_never_harms_its_reader(place: Path) -> 
 
 MAKER = """
 import sys
-from pacinian.serving.ipc.shared_memory import Latest, folder
-with folder() as made, Latest.create(made / "value", 1000):
+from pacinian.serving.ipc.shared_memory import SharedRegister, folder
+with folder() as made, SharedRegister.create(made / "value", 1000):
     print(made, flush=True)
     sys.stdin.read()
 """

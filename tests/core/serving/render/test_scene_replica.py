@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
+from pacinian.scene.modulation.technique import AM, SIMULTANEOUS, STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Object
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.time.technique import AM, SIMULTANEOUS, STM
 from pacinian.serving.ipc.messages import (
     AnyChange,
     HandInfo,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import SkinFacing
 from pacinian.acoustics.propagation import matrix
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.serving.render.status import make_status
 from pacinian.testing import ManualClock
 from pacinian.wire.state import State

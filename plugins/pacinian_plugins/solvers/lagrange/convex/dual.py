@@ -25,7 +25,7 @@ from pacinian_plugins.native import lagrange as kernels
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
-    from pacinian_plugins.solvers.lagrange.convex.rows import Constraints
+    from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 
 MIN_MU = 1e-15  # least mu where strength is asked for
 BEYOND = 1e6  # ||h||, relative to ||p|| / ||a row of A||

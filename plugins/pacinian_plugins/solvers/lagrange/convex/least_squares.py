@@ -11,10 +11,10 @@ from scipy import linalg
 
 import pacinian as pc
 from pacinian.solving.propagator import gram_matrix as product
-from pacinian_plugins.solvers.lagrange.convex.climb import ascend_dual
+from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
+from pacinian_plugins.solvers.lagrange.convex.dual_ascent import ascend_dual
 from pacinian_plugins.solvers.lagrange.convex.newton import Newton
-from pacinian_plugins.solvers.lagrange.convex.rows import Constraints
 from pacinian_plugins.solvers.lagrange.convex.start import begin
 
 if TYPE_CHECKING:
