@@ -130,7 +130,8 @@ class Particles(
     """Many points that press, each by itself: rain, sparks, smoke.
 
     positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
-    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `HapticObject`. Raises ArgumentError.
+    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `HapticObject`. Raises
+    ArgumentError.
     """
 
     positions: tuple[Vector, ...]
