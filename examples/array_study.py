@@ -1,4 +1,4 @@
-"""An array study: a ring of eight points from arrays of one area, with ever fewer transducers, regular or not."""
+"""An array study: arrays of the same area, regular or not, with ever fewer transducers, make a ring of eight points."""
 
 import sys
 import tempfile
@@ -7,14 +7,14 @@ import pacinian_lab.study as ps
 from pacinian.plot import figure, save
 
 study = ps.Study(
-    layouts=(  # a tuple in the place of a value is swept
+    layouts=(  # a tuple in place of a value is swept
         ps.Lattice(width=0.2, pitch=(0.008, 0.01, 0.0125, 0.016, 0.02)),  # [m]
         ps.Sunflower(diameter=0.226, count=(676, 441, 289, 169, 121)),
     ),
     patterns=(ps.Circle(radius=0.03, count=8),),  # in the plane z = 0.2 m
     picture=ps.Picture(side=0.3, step=0.003),
 )
-with tempfile.TemporaryDirectory() as folder:  # one that stays lets a study go on
+with tempfile.TemporaryDirectory() as folder:  # use a permanent folder to resume a study later
     rows = ps.run(study, folder, workers=0).to_pylist()  # 0: in this process
 page = figure(6.0, 3.2)
 panel = page.subplots()

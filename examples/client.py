@@ -1,4 +1,4 @@
-"""A game that lets a rolling ball be felt by a hand. Start `pacinian serve` first, in another terminal."""
+"""A game in which a hand feels a rolling ball. Start `pacinian serve` in another terminal first."""
 
 import math
 import time
@@ -18,7 +18,7 @@ BALL = pc.Volume(
 with pc.Client(name="example") as client:
     client.put(BALL)
     client.hands(HAND)
-    client.arm()  # from now on `renew` must be called, again and again, or there is silence
+    client.arm()  # from now on, call `renew` repeatedly, or the output falls silent
     begin = time.perf_counter()
     while (t := time.perf_counter() - begin) < SECONDS:  # the game's own loop
         y, v = 0.01 * math.sin(math.tau * t), 0.01 * math.tau * math.cos(math.tau * t)
@@ -26,10 +26,10 @@ with pc.Client(name="example") as client:
         client.hands(HAND, wait=False)
         try:
             client.renew()
-        except pc.Refused as error:  # told once, when sound has ended unasked
-            if error.code != "expired":  # a stop, a fault, another client: somebody should look
+        except pc.Refused as error:  # raised once if the output ended
+            if error.code != "expired":  # a stop, a fault or another client: the user should look
                 raise
-            client.arm()  # the game was late
+            client.arm()  # the game was too late to renew the lease
         time.sleep(1.0 / RATE)
     state = client.status()
 print(f"{state.output}, {len(state.asked) // 4} samples, error {state.error:.2%}")

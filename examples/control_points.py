@@ -1,4 +1,4 @@
-"""Four points that press with 20, 20, 10 and 10 Pa, 20 cm above nine AUTD units, and the proof that they do."""
+"""Four points with 20, 20, 10 and 10 Pa, 20 cm above nine AUTD units, checked by computing the field."""
 
 import sys
 

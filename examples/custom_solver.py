@@ -1,4 +1,4 @@
-"""A solver of one's own beside ours: all foci superposed, strengths cut where they are too much."""
+"""A custom solver compared with Pacinian's: all foci superposed, with amplitudes limited to full drive."""
 
 import sys
 
@@ -9,7 +9,7 @@ from pacinian.plot import figure, save
 
 
 class Superposition(pc.Solver):
-    """Each point's focus by itself, added up. Foci disturb each other."""
+    """Adds up one focus for each point, and ignores that foci disturb each other."""
 
     name = "superposition"
 
@@ -22,11 +22,11 @@ class Superposition(pc.Solver):
         budget: pc.Budget,
         out: pc.Gains,
     ) -> pc.Result:
-        """Conjugate phases, each scaled so that its own focus is what is asked."""
+        """Use conjugate phases, each scaled so that its own focus reaches its target."""
         own = targets.amplitudes / (np.abs(propagator.B) ** 2).sum(axis=1)  # (M,)
-        phases = np.exp(2j * np.pi * np.sqrt(np.arange(len(own))))  # not all alike
+        phases = np.exp(2j * np.pi * np.sqrt(np.arange(len(own))))  # different for each point
         out[:] = propagator.adjoint(own * phases)  # B^H y
-        return pc.Result()  # pressures, error and status are measured by the session
+        return pc.Result()  # the session computes pressures, error and status
 
 
 array, air = pc.autd(3, 3), pc.Air()

@@ -1,4 +1,4 @@
-"""A WAV file on a fingertip: the sound's wave is the strength of what the finger feels."""
+"""Play a WAV file on a fingertip: its waveform modulates the pressure that the finger feels."""
 
 import sys
 import tempfile
@@ -15,7 +15,7 @@ RATE = 2000  # [Hz] of the file
 t = np.arange(RATE // 2) / RATE
 knock = np.exp(-12.0 * (t % 0.25)) * np.sin(2.0 * np.pi * 120.0 * t)  # two knocks
 
-folder = tempfile.TemporaryDirectory()  # a file of yours: pc.Wave(file="knock.wav")
+folder = tempfile.TemporaryDirectory()  # for your own file: pc.Wave(file="knock.wav")
 wavfile.write(Path(folder.name) / "knock.wav", RATE, (32767 * knock).astype(np.int16))
 wave = pc.Wave(file=str(Path(folder.name) / "knock.wav"))
 

@@ -1,4 +1,4 @@
-"""A session with a hand, recorded; then played, and rendered again: the same frames, bit for bit."""
+"""Record a session with a hand, play it back, and render it again: the frames are the same bit for bit."""
 
 import math
 import sys
@@ -18,18 +18,18 @@ ball = pc.Volume(
     envelope=pc.Sine(150.0),
     name="ball",
 )
-REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker supplies pc.Hand(joints, ...)
 
 
 def session(t: float) -> pc.Scene:
-    """The scene at time t [s]: the hand goes to and fro over the ball."""
+    """Return the scene at time t [s]: the hand moves to and fro over the ball."""
     hand = REST.moved(pc.Pose((0.05 * math.sin(math.tau * t), 0.0, 0.0)))
     return pc.Scene((ball,), hands=(hand,))
 
 
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "session.pac"
-    clock = ManualClock()  # the hand's own time; with a tracker leave it out
+    clock = ManualClock()  # simulated time; omit it with a tracker
     report = pc.Renderer(pc.autd(3, 3), session, clock=clock, recorder=pc.Recorder(file)).run(1.0)
     recording = pc.Recording(file)
     ticks, differ = pc.rerender(recording)

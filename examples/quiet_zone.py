@@ -1,4 +1,4 @@
-"""The same three points with and without a quiet zone where an ear is: the solver keeps both."""
+"""Three points with and without a quiet zone at an ear: the solver satisfies both."""
 
 import sys
 
@@ -10,16 +10,16 @@ from pacinian.plot import figure, save
 array, air = pc.autd(3, 3), pc.Air()
 points = np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2], [0.0, 0.03, 0.2]])  # [m]
 amplitudes = pc.sound_pressure([15.0, 15.0, 15.0], air)  # peak sound pressure [Pa]
-# a ball in a side lobe of the pattern, in which 20 Pa of peak sound pressure are allowed: 117 dB
+# A ball in a side lobe of the pattern, with a limit of 20 Pa peak sound pressure (117 dB).
 ear = pc.Zone(position=(0.05, 0.0, 0.2), pressure=20.0, radius=0.006)
 rng = np.random.default_rng(1)
 ways = rng.normal(size=(500, 3))
 ways *= np.cbrt(rng.random((500, 1))) / np.linalg.norm(ways, axis=1, keepdims=True)
-inside = np.array(ear.position) + ear.radius * ways  # places that the solver is not given
+inside = np.array(ear.position) + ear.radius * ways  # places that the solver does not know
 
 
 def at_ear(solution: pc.Solution) -> float:
-    """The loudest that the ear gets [dB SPL]."""
+    """Return the highest level at the ear [dB SPL]."""
     p = pc.field(array, solution.gains, inside, medium=air)
     return float(pc.sound_pressure_level(p).max())
 

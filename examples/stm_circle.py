@@ -1,4 +1,4 @@
-"""Spatio-temporal modulation: one focus that runs round a circle, 100 times a second."""
+"""Spatio-temporal modulation: one focus that runs along a circle, 100 times per second."""
 
 import sys
 
@@ -15,7 +15,7 @@ spark = pc.Point(
     technique=pc.STM(100.0, along=pc.Circle(0.015)),  # [Hz], [m]
     name="circle",
 )
-clock = ManualClock()  # time is told: nothing waits
+clock = ManualClock()  # simulated time, so nothing waits
 emitted, places = [], []
 with pc.Renderer(array, pc.Scene((spark,)), governed=False, clock=clock) as renderer:
     for tick in range(20):  # two turns of 10 ms

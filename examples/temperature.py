@@ -1,4 +1,4 @@
-"""What an error in the temperature of the air costs: a focus that is weaker, and elsewhere."""
+"""The effect of an error in the air temperature: the focus is weaker, and displaced."""
 
 import sys
 
@@ -8,8 +8,8 @@ import numpy as np
 import pacinian as pc
 
 ASSUMED, HEIGHT = 22.0, 0.2  # [degC], [m]
-errors = np.arange(-10, 11)  # [K], of the air less what was assumed
-x, z = (v.ravel() for v in np.mgrid[-15:15.5:0.5, -15:15.5:0.5] / 1e3)  # about the focus [m]
+errors = np.arange(-10, 11)  # true minus assumed temperature [K]
+x, z = (v.ravel() for v in np.mgrid[-15:15.5:0.5, -15:15.5:0.5] / 1e3)  # around the focus [m]
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
 for side, aside in ((1, 0.0), (3, 0.0), (3, 0.15)):
     array, name = pc.autd(side, side), f"{side * side} units" if side > 1 else "1 unit"
@@ -17,11 +17,11 @@ for side, aside in ((1, 0.0), (3, 0.0), (3, 0.15)):
     places = focus + np.stack([x, 0.0 * x, z], axis=1)
     air = pc.Air(temperature=ASSUMED)
     gains = pc.solve(array, focus[None], [1.0], scale="max", medium=air).gains
-    P = []  # radiation pressure there [Pa], by error
+    P = []  # radiation pressure at the places [Pa], by error
     for error in errors.tolist():
         true = pc.Air(temperature=ASSUMED + error)
         P.append(pc.radiation_pressure(pc.field(array, gains, places, true), true))
-    kept = np.array(P)[:, len(x) // 2] / P[10][len(x) // 2]  # of it, at the focus
+    kept = np.array(P)[:, len(x) // 2] / P[10][len(x) // 2]  # fraction that remains at the focus
     top = places[np.argmax(P, axis=1)]
     moved = np.linalg.norm(top - top[10], axis=1)  # [m]
     name += f", {1e3 * aside:g} mm aside" if aside else ""
@@ -33,7 +33,7 @@ for side, aside in ((1, 0.0), (3, 0.0), (3, 0.15)):
             f"{name}, {at} degrees wrong: {lost:.0%} of the pressure lost, {1e3 * off:.1f} mm off"
         )
 left.set(xlabel="error of the temperature [K]", ylabel="radiation pressure at the focus [%]")
-right.set(xlabel="error of the temperature [K]", ylabel="the strongest place is off by [mm]")
+right.set(xlabel="error of the temperature [K]", ylabel="displacement of the maximum [mm]")
 left.set_ylim(0.0)
 left.legend()
 figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "temperature.png", dpi=120)

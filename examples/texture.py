@@ -1,4 +1,4 @@
-"""A hand that strokes a plate with ridges 12 mm apart: what is felt, and where."""
+"""A hand strokes a plate with ridges 12 mm apart: what it feels, and where."""
 
 import sys
 
@@ -8,7 +8,7 @@ from pacinian.testing import ManualClock
 
 plate = pc.Surface(
     shape=pc.Rectangle(0.24, 0.16),
-    texture=pc.grating(0.012),  # [m] from ridge to ridge
+    texture=pc.grating(0.012),  # [m] between ridges
     pose=pc.Pose((0.0, 0.0, 0.204)),
     radiation_pressure=8.0,  # [Pa]
     envelope="trembling",
@@ -19,7 +19,7 @@ REST = pc.Hand.open("right", pc.Pose.turned("x", -12.0, (0.0, -0.08, 0.23)))
 
 
 def stroke(t: float) -> pc.Scene:
-    """The scene at time t [s]: the hand moves by 10 cm a second."""
+    """Return the scene at time t [s]: the hand moves at 10 cm/s."""
     hand = REST.moved(pc.Pose((0.1 * t, 0.0, 0.0)))
     return pc.Scene((plate,), hands=(hand,))
 

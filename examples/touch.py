@@ -1,4 +1,4 @@
-"""A game sends a hand that strokes a ball, 120 times a second; its own loop renders it, 1000 times."""
+"""A game sends a hand that strokes a ball, 120 times per second; its own loop renders it 1000 times per second."""
 
 import math
 import threading
@@ -8,16 +8,16 @@ import pacinian as pc
 
 RATE, SECONDS = 120.0, 2.0  # [Hz] of the game, [s]
 SHAKE = pc.Sine(150.0)
-REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker gives pc.Hand(joints, ...)
+REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker supplies pc.Hand(joints, ...)
 
 
 def swing(t: float, width: float) -> tuple[float, float]:
-    """Where something is that goes to and fro once a second [m], and how fast [m/s]."""
+    """Return position [m] and velocity [m/s] of something that swings once per second."""
     return width * math.sin(math.tau * t), math.tau * width * math.cos(math.tau * t)
 
 
 def ball(t: float) -> pc.Volume:
-    """A ball that rolls across, as the game knows it at time t [s]."""
+    """Return a rolling ball, as the game knows it at time t [s]."""
     y, v = swing(t, 0.01)
     return pc.Volume(
         shape=pc.Sphere(0.03),
@@ -25,12 +25,12 @@ def ball(t: float) -> pc.Volume:
         motion=pc.Motion(velocity=(0.0, v, 0.0), time=t),
         radiation_pressure=8.0,
         envelope=SHAKE,
-        name="ball",  # the next of this name takes its place
+        name="ball",  # `put` replaces the object of this name
     )
 
 
 def hand(t: float) -> pc.Hand:
-    """A hand that strokes it, as a tracker sees it at time t [s]."""
+    """Return a hand that strokes the ball, as a tracker sees it at time t [s]."""
     x, v = swing(t, 0.02)
     joints = REST.moved(pc.Pose((x, 0.0, 0.0))).joints
     return pc.Hand(joints, velocities=(v, 0.0, 0.0), time=t)
@@ -38,7 +38,7 @@ def hand(t: float) -> pc.Hand:
 
 scene = pc.Scene((ball(0.0),), hands=(hand(0.0),))
 with pc.Renderer(pc.autd(3, 3), scene) as renderer:
-    start = time.perf_counter()  # times are the renderer's: since it was opened
+    start = time.perf_counter()  # the renderer counts time from here
     loop = threading.Thread(target=renderer.run, args=(SECONDS,))
     loop.start()
     while loop.is_alive():  # the game

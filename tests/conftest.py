@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""Settings, hooks and helpers of all tests."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 BENCHMARKS = Path(__file__).parent / "benchmarks"
-PATH = f"{os.environ.get('PATH', '')}{os.pathsep}/usr/sbin"  # where QEMU's helpers are
+PATH = f"{os.environ.get('PATH', '')}{os.pathsep}/usr/sbin"  # QEMU's helpers are in /usr/sbin
 
-# BLAS threads that share their cores with other tests wait for each other: ten times as long
+# BLAS threads that share their cores with other tests wait for each other, and take ten times as
+# long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if (
@@ -34,21 +35,21 @@ settings.register_profile("random", deadline=None, database=None, print_blob=Tru
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Draw random examples in the deep tests, the same ones each time in all others; build kernels once."""
+    """Use random examples in the deep tests and fixed ones in all others. Build the kernels once."""
     if not config.getoption("--hypothesis-profile"):
         settings.load_profile("random" if is_deep(config) else "fixed")
-    if config.option.numprocesses and not config.option.collectonly:  # not in workers
+    if config.option.numprocesses and not config.option.collectonly:  # only in the main process
         native.build()
 
 
 def is_deep(config: pytest.Config) -> bool:
-    """Whether these are the deep tests, `-m deep`."""
+    """Return whether these are the deep tests, `-m deep`."""
     return bool(config.option.markexpr == "deep")
 
 
-@pytest.hookimpl(tryfirst=True)  # before `-m` is looked at
+@pytest.hookimpl(tryfirst=True)  # before `-m` selects tests
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Sort tests into tiers, and put files first whose tests share what takes long to start."""
+    """Sort tests into tiers. Files whose tests share a slow fixture come first."""
     for item in items:
         if item.path.is_relative_to(BENCHMARKS):
             item.add_marker("benchmark")
@@ -59,7 +60,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def shares_fixtures(item: pytest.Item) -> bool:
-    """Whether a test uses a fixture, such as a running server, that it shares with others of its file."""
+    """Return whether a test uses a fixture, such as a running server, that the tests of its file share."""
     definitions = getattr(item, "_fixtureinfo").name2fixturedefs.values()  # noqa: B009
     return any(
         each.scope != "function" and each.baseid not in ("", "tests")
@@ -69,7 +70,7 @@ def shares_fixtures(item: pytest.Item) -> bool:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip a test whose programs are missing; fail it where CI is set."""
+    """Skip a test whose programs are missing, or fail it if CI is set."""
     for marker in item.iter_markers("deep"):
         if missing := [name for name in marker.args if shutil.which(name, path=PATH) is None]:
             reason = f"not installed: {', '.join(missing)}; `.ci/setup` installs it"
@@ -80,7 +81,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.fixture(scope="session")
 def need() -> Callable[..., ModuleType]:
-    """Import an optional library: absent, it skips the test, but fails it where CI is set."""
+    """Return a function that imports an optional library. If it is missing, the test is skipped, or fails if CI is
+    set.
+    """
 
     def load(name: str, package: str | None = None) -> ModuleType:
         try:

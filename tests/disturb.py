@@ -29,7 +29,7 @@ BUSY = [sys.executable, "-c", "while True: pass"]
 
 @contextlib.contextmanager
 def keep_busy(count: int) -> Iterator[None]:
-    """Start `count` busy processes, each in a session of its own: Linux shares time out by session."""
+    """Start `count` busy processes, each in its own session, because Linux shares CPU time among sessions."""
     processes = [subprocess.Popen(BUSY, start_new_session=True) for _ in range(count)]
     try:
         yield
@@ -40,7 +40,7 @@ def keep_busy(count: int) -> Iterator[None]:
 
 
 def choose_processes(command: psutil.Process, choose: random.Random) -> list[psutil.Process]:
-    """All of the command's processes, or pytest and its workers alone; parents first."""
+    """Return all of the command's processes, or only pytest and its workers; parents first."""
     workers = command.children()
     if choose.random() < 0.5:
         return [command, *command.children(recursive=True)]
@@ -65,7 +65,7 @@ def stop_at_random(
 
 
 def parse_amount(text: str) -> float:
-    """Of more than nothing."""
+    """Read a number above 0."""
     if not 0.0 < (amount := float(text)) < float("inf"):
         raise argparse.ArgumentTypeError(f"more than 0, not {text}")
     return amount

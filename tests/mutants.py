@@ -35,7 +35,7 @@ from cosmic_ray.plugins import get_operator, operator_names
 ROOT = Path(__file__).parent.parent
 MAX_TEST_SECONDS = 600.0  # a change that makes the tests take longer has been noticed
 LEFT_OUT = re.compile(
-    "Bit|Shift|Mod|FloorDiv|_Pow$|Invert|RemoveDecorator"  # which fail at once, or are the same code
+    "Bit|Shift|Mod|FloorDiv|_Pow$|Invert|RemoveDecorator"  # fail at once, or do not change the code
     "|(?<!_Is)(?<!_IsNot)_Is(Not)?$|_Is(Not)?_(?!Is)"
 )
 TEST = re.compile(r"tests/\S+\.py::\w+")
@@ -43,7 +43,7 @@ TEST = re.compile(r"tests/\S+\.py::\w+")
 
 @dataclass(frozen=True)
 class Area:
-    """sources: what is changed. tests: those that should notice. Both are patterns below the project's root."""
+    """sources: files to change. tests: tests that should notice. Both are patterns relative to the project's root."""
 
     sources: tuple[str, ...]
     tests: tuple[str, ...]
@@ -83,14 +83,14 @@ class Mutant:
     occurrence: int
 
     def apply(self, source: str) -> str:
-        """The changed source."""
+        """Return the changed source."""
         changed = mutate_code(source, get_operator(self.operator)(), self.occurrence)
         assert changed is not None, f"{self} is not of this source"
         return str(changed)
 
 
 def find_mutants(area: str, root: Path) -> list[list[Mutant]]:
-    """All changes of an area, those of one place together."""
+    """Return all changes of an area, grouped by place."""
     operators = {
         name: get_operator(name)
         for name in operator_names()
@@ -109,7 +109,7 @@ def find_mutants(area: str, root: Path) -> list[list[Mutant]]:
 
 
 def sample_mutants(area: str, count: int, seed: int, root: Path) -> list[Mutant]:
-    """`count` places of an area, and one change at each."""
+    """Return one random change at each of `count` places of an area."""
     choose = random.Random(f"{seed} {area}")
     places = find_mutants(area, root)
     return [choose.choice(place) for place in choose.sample(places, min(count, len(places)))]
@@ -124,7 +124,7 @@ class Tree:
         shutil.copytree(root, folder, ignore=parts)
 
     def test(self, area: str, test: str = "") -> tuple[bool, str]:
-        """Whether a test passes, or those of an area, and the last lines of what they say."""
+        """Run a test, or all tests of an area. Returns whether they pass, and the last lines of their output."""
         patterns = AREAS[area].tests
         tests = (
             [test]
@@ -140,12 +140,14 @@ class Tree:
             )  # fmt: skip
         except subprocess.TimeoutExpired:
             return False, "timeout"
-        if test and done.returncode not in (0, 1):  # there is no such test any more
+        if test and done.returncode not in (0, 1):  # the test no longer exists
             return True, ""
         return done.returncode == 0, done.stdout[-300:] + done.stderr[-300:]
 
     def try_mutant(self, mutant: Mutant, test: str) -> dict[str, object]:
-        """Make a change, test, and undo it: what is reported. test: that noticed it the last time, tried first."""
+        """Make a change, test, and undo it. Returns its report. test: the test that noticed it last time, tried
+        first.
+        """
         path = self.root / mutant.path
         source, times = path.read_text("utf-8"), path.stat()
         changed = mutant.apply(source)
@@ -167,37 +169,39 @@ def tell(*words: object) -> None:
 
 
 def parse_count(text: str) -> int:
-    """Of one or more."""
+    """Read an integer of at least 1."""
     if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"a whole number from 1, not {text!r}")
+        raise argparse.ArgumentTypeError(f"must be a whole number of at least 1, not {text!r}")
     return int(text)
 
 
 def parse_project(text: str) -> Path:
-    """A folder that holds the project."""
+    """Check that a folder holds the project."""
     if not (root := Path(text) / "core" / "pacinian").is_dir():
-        raise argparse.ArgumentTypeError(f"there is no {root}")
+        raise argparse.ArgumentTypeError(f"{root} is not a folder")
     return Path(text)
 
 
 def parse_report(text: str) -> list[dict[str, Any]]:
-    """The changes of an earlier report, and what was said of them."""
+    """Read the changes of an earlier report, with the output of their tests."""
     try:
         rows: list[dict[str, Any]] = json.loads(Path(text).read_text("utf-8"))
         assert all(row.keys() >= {"said", *Mutant.__dataclass_fields__} for row in rows)
     except (OSError, ValueError, AttributeError, AssertionError, TypeError) as error:
-        raise argparse.ArgumentTypeError(f"{text} is no report of this program: {error}") from None
+        raise argparse.ArgumentTypeError(
+            f"{text} is not a report of this program: {error}"
+        ) from None
     return rows
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
     parser.add_argument(
-        "--root", type=parse_project, default=ROOT, help="of the project that is changed, in copies"
+        "--root", type=parse_project, default=ROOT, help="project root; changes are made in copies"
     )
-    parser.add_argument("--sample", type=parse_count, default=50, help="changes an area")
+    parser.add_argument("--sample", type=parse_count, default=50, help="changes per area")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--again", type=parse_report, help="an earlier report: the same changes")
+    parser.add_argument("--again", type=parse_report, help="repeat this earlier report's changes")
     parser.add_argument("--area", action="append", choices=AREAS)
     parser.add_argument("--jobs", type=parse_count, default=os.cpu_count() or 1)
     parser.add_argument("--report", type=Path, required=True)
@@ -205,7 +209,7 @@ def main() -> None:
     given.report.parent.mkdir(parents=True, exist_ok=True)
     given.report.touch()
     areas = given.area or list(AREAS)
-    known = {}  # of each change, the test that noticed it the last time
+    known = {}  # by change: the test that noticed it last time
     for row in given.again or []:
         if row["area"] in areas:
             test = TEST.search(row["said"])
@@ -217,7 +221,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(given.jobs) as pool:
         trees: SimpleQueue[Tree] = SimpleQueue()
         first = Tree(given.root, Path(folder) / "0")
-        for area in areas:  # also compiles all kernels
+        for area in areas:  # this also compiles all kernels
             passed, said = first.test(area)
             if not passed:
                 sys.exit(f"the tests of {area} fail without any change:\n{said}")

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def build() -> None:
-    """Compile what is old. What fails is left to the tests, which tell it better."""
+    """Compile what is out of date. Leaves failures to the tests, which report them better."""
     sys.path.insert(0, str(ROOT))
     import native_build
 

@@ -1,4 +1,4 @@
-"""Every public name says what it is, and its arguments' shapes and units."""
+"""Check that every public name has a docstring with the shapes and units of its arguments."""
 
 import inspect
 import re

@@ -1,4 +1,4 @@
-"""Every example runs, says what it says, and draws what the page shows."""
+"""Run every example, and check its output and its picture."""
 
 import re
 import runpy
@@ -26,7 +26,7 @@ SAYS = {
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
-UNSEEN = {"touch", "client"}  # the client is run in test_readme.py, which has a server
+UNSEEN = {"touch", "client"}  # test_readme.py runs the client, because it has a server
 
 
 def test_all_are_run() -> None:
@@ -38,7 +38,7 @@ def test_it_says_and_draws(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     picture = tmp_path / "it.png"
-    monkeypatch.setattr(renderer, "SystemClock", ManualClock)  # no tick is missed
+    monkeypatch.setattr(renderer, "SystemClock", ManualClock)  # so that no tick is missed
     monkeypatch.setattr("sys.argv", [name, str(picture)])
     runpy.run_path(str(ROOT / f"examples/{name}.py"))
     assert SAYS[name] in capsys.readouterr().out
@@ -47,7 +47,7 @@ def test_it_says_and_draws(
 
 
 def coarse(picture: Path) -> np.ndarray[Any, Any]:
-    """A picture's greys, so few that fonts and single ticks do not matter."""
+    """Return a picture's grey levels, coarse enough that fonts and single ticks do not matter."""
     with Image.open(picture) as found:
         return np.asarray(found.convert("L").resize((60, 40), Image.Resampling.BOX), np.float64)
 

@@ -1,4 +1,4 @@
-"""What the README and the pages it leads to show works as shown; all that needs a server to talk to."""
+"""Check that the code in the README and its pages works as shown. Runs all code that needs a server."""
 
 import json
 import re
@@ -32,7 +32,7 @@ SHOWN = [
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    """For what talks to one; a machine that stands still for a moment ends nothing."""
+    """Run a server whose limits are long, so that a machine that pauses for a moment ends nothing."""
     safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
     with serving(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
         patch.setitem(BaseClient.__init__.__kwdefaults__, "timeout", 60.0)
@@ -49,7 +49,7 @@ def test_its_python_runs(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    monkeypatch.chdir(tmp_path)  # for what they write
+    monkeypatch.chdir(tmp_path)  # the examples write their files here
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     if "pc.Client(" in block:
         monkeypatch.setenv(VARIABLE, request.getfixturevalue("server"))
@@ -86,7 +86,7 @@ def test_its_solver_is_short() -> None:
 
 
 def test_the_example_plugin_installs_and_is_found(tmp_path: Path) -> None:
-    """Installed for real, into a folder of its own."""
+    """Install the plug-in with pip, into a folder."""
     subprocess.run(
         [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
          "--disable-pip-version-check", "--target", str(tmp_path), str(ROOT / "examples/plane_wave")],

@@ -1,4 +1,4 @@
-"""Waiting for what is certain to come, however slow the machine is."""
+"""Wait for events that are certain to come, however slow the machine is."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 T = TypeVar("T")
-PATIENCE = 120.0  # [s] only ends a test that hangs
-LOOK = 0.002  # [s] between two looks
+PATIENCE = 120.0  # [s]; ends only a test that hangs
+LOOK = 0.002  # [s] between two polls
 
 
 def eventually(seen: Callable[[], T], each: Callable[[], object] = lambda: None) -> T:
-    """What `seen` returns once that is true. each: done between two looks."""
+    """Return the value of `seen` once it is true. each: called between two polls."""
     due = time.monotonic() + PATIENCE
     while not (value := seen()):
         assert time.monotonic() < due, f"not within {PATIENCE:g} s"

@@ -1,6 +1,6 @@
 """Mid-air haptic rendering: a scene goes in, gains for an ultrasound transducer array come out.
 
-The table of contents is `__init__.pyi`, beside this file; a name is loaded when it is first used.
+`__init__.pyi`, beside this file, lists the public names. Each is imported when it is first used.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Arguments from outside, checked once at the door: each check names the argument and the fix."""
+"""Validation of arguments at the public interface. Each error names the argument and the fix."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 MAX_SAMPLES = 20e6  # samples of one object
-FAR = 10.0  # [m]; nothing in mid-air haptics is further from its array
+FAR = 10.0  # largest plausible length, and distance from the array [m]
 
 
 def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """Return `value` as float64 of the given shape, None being any length; all finite."""
+    """Return `value` as finite float64 of the given shape, where None allows any length. Raises ArgumentError."""
     try:
         array = np.asarray(value)
         if array.dtype != np.float64 and array.dtype.kind not in "biufO" and array.size:
@@ -44,7 +44,7 @@ def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) ->
 def check_number(
     name: str, value: float, *, low: float = -math.inf, high: float = math.inf, above: bool = False
 ) -> float:
-    """Return `value` as a finite float in [low, high]; `above` excludes low itself."""
+    """Return `value` as a finite float in [low, high]; `above` excludes `low`. Raises ArgumentError."""
     try:
         result = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -59,7 +59,7 @@ def check_number(
 
 
 def check_near(name: str, points: Floats, origin: Floats) -> None:
-    """Refuse `points`, shape (M, 3) [m], that must have been meant in millimetres."""
+    """Refuse `points`, shape (M, 3) [m], that are so far away that millimetres were meant. Raises ArgumentError."""
     if not len(points):
         return
     away = np.minimum(np.abs(points - origin), 1e150)  # [m]
@@ -73,7 +73,7 @@ def check_near(name: str, points: Floats, origin: Floats) -> None:
 
 
 def check_length(name: str, value: float) -> float:
-    """Return a positive length [m] that is not meant in millimetres."""
+    """Return a positive length [m], unless it is so large that millimetres were meant. Raises ArgumentError."""
     result = check_number(name, value, low=0.0, above=True)
     if result > FAR:
         raise ArgumentError(name, f"is {result:g} m: lengths are in metres (millimetres given?)")
@@ -81,7 +81,7 @@ def check_length(name: str, value: float) -> float:
 
 
 def check_integer(name: str, value: float, *, low: int) -> int:
-    """Return `value` as an int of at least `low`."""
+    """Return `value` as an int of at least `low`. Raises ArgumentError."""
     try:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError
@@ -95,7 +95,7 @@ def check_integer(name: str, value: float, *, low: int) -> int:
 
 
 def check_kind(name: str, value: object, *kinds: type) -> None:
-    """Refuse a `value` that is none of `kinds`."""
+    """Refuse a `value` that is not an instance of `kinds`. Raises ArgumentError."""
     if not isinstance(value, kinds):
         *most, last = (k.__name__ for k in kinds)
         wanted = f"{', '.join(most)} or {last}" if most else last
@@ -104,7 +104,10 @@ def check_kind(name: str, value: object, *kinds: type) -> None:
 
 
 def check_count(measure: float, spacing: float, dimension: int) -> float:
-    """Samples that cover `measure` [m^dimension], `spacing` [m] apart. Refuses more than 20 million."""
+    """Return the number of samples, `spacing` [m] apart, that cover `measure` [m^dimension].
+
+    Raises ArgumentError if there are more than 20 million.
+    """
     try:
         samples = measure / spacing**dimension
     except (ZeroDivisionError, OverflowError):
@@ -117,7 +120,7 @@ def check_count(measure: float, spacing: float, dimension: int) -> float:
 
 
 def check_names(name: str, given: object) -> tuple[str, ...]:
-    """Different names: a list, or text with commas, as a server's clients give it. Raises ArgumentError."""
+    """Return distinct names from a list, or from a comma-separated string of a client. Raises ArgumentError."""
     parts = given.split(",") if isinstance(given, str) else given
     if isinstance(parts, (list, tuple)) and all(isinstance(part, str) for part in parts):
         made = tuple(part.strip() for part in parts)

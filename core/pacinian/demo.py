@@ -1,4 +1,4 @@
-"""The built-in scene: a ball that circles above the array, around a button."""
+"""The demo's scene: a ball that circles a button above the array."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.renderer import Renderer
 
-HEIGHT = 0.2  # [m] above the array
-ORBIT = 0.04  # [m]
-TURN = 2.0  # [s]
+HEIGHT = 0.2  # height above the array [m]
+ORBIT = 0.04  # radius of the ball's orbit [m]
+TURN = 2.0  # period of the orbit [s]
 TREMBLE = Sine(frequency=150.0)
 
 BALL = Volume(shape=Sphere(0.010), radiation_pressure=8.0, envelope=TREMBLE, name="ball")
@@ -31,7 +31,7 @@ BUTTON = Surface(
 
 
 def circling(t: float) -> Scene:
-    """The scene at time t [s], both trembling."""
+    """Return the scene at time t [s]; both objects vibrate."""
     phi = 2.0 * math.pi * t / TURN
     at = Pose((ORBIT * math.cos(phi), ORBIT * math.sin(phi), HEIGHT))
     return Scene((replace(BALL, pose=at), BUTTON))
@@ -40,10 +40,10 @@ def circling(t: float) -> Scene:
 def alternate(
     renderer: Renderer, seconds: float, on_tick: Callable[[Report], object] | None = None
 ) -> Report:
-    """Run `renderer` for `seconds` [s], second by second in turn with a loop that only burns time.
+    """Run `renderer` for `seconds` [s], alternating every second with a dummy loop that only burns time.
 
-    The dummy loop has the same clock, rate and progress bar, and each of its ticks is as long as the
-    renderer's median tick: what it is late by is the machine's doing. Returns its report.
+    The dummy loop has the same clock, rate and progress bar, and each of its ticks is as long as the renderer's median
+    tick. Therefore its late ticks are due to the machine. Returns the report of the dummy loop.
     """
     clock, burnt = renderer.clock, Report()
     left = seconds

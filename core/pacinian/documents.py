@@ -1,4 +1,4 @@
-"""TOML and JSON files, decoded and checked by msgspec."""
+"""TOML and JSON files, decoded and validated by msgspec."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound=Struct)
 
-MAX_BYTES = 64 << 20  # [bytes]
+MAX_BYTES = 64 << 20  # size of a file [bytes]
 
 
 def decode_document(path: Path, kind: type[S]) -> S:
-    """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
+    """Decode a TOML or JSON file to a struct. Raises SceneFileError, which names the file, the key and the fix."""
     text = read_bytes(path, ".toml", ".json")
     decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
     try:
@@ -39,9 +39,10 @@ def decode_document(path: Path, kind: type[S]) -> S:
 
 
 def read_bytes(path: Path, *suffixes: str, largest: int = MAX_BYTES) -> bytes:
-    """The bytes of a file, without a byte order mark. suffixes: of which it has one, if given. largest: [bytes].
+    """Read a file and strip a byte order mark.
 
-    Raises SceneFileError, which says nothing of what is in it.
+    suffixes: allowed suffixes; any if none are given. largest: largest size [bytes]. Raises SceneFileError, which does
+    not reveal the file's contents.
     """
     if suffixes and path.suffix not in suffixes:
         raise SceneFileError(path, "", f"must end in {' or '.join(suffixes)}")
@@ -62,7 +63,7 @@ def read_bytes(path: Path, *suffixes: str, largest: int = MAX_BYTES) -> bytes:
 
 
 def _advice(kind: type[Struct], problem: str, key: str) -> str:
-    """What was probably meant instead of an unknown key, type or word."""
+    """Suggest a correction for an unknown key, type or word."""
     unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
     if not unknown:
         return ""
@@ -75,7 +76,7 @@ def _advice(kind: type[Struct], problem: str, key: str) -> str:
 
 
 def json_schema(kind: type[Struct], title: str) -> dict[str, Any]:
-    """The JSON Schema of files of a kind, the same by every Python: only some indent what documents a class."""
+    """Return the JSON Schema of files of a kind. Docstrings lose their indent, which depends on the Python version."""
     made = _unindented(msgspec.json.schema(kind))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **made}
 
@@ -95,9 +96,9 @@ def _unindented(made: Any) -> Any:
 
 @functools.cache
 def _words(kind: type[Struct], part: str) -> list[str]:
-    """Keys and words that may stand in a part of the file, such as "medium"; "" for the whole's own keys."""
+    """Return the keys and words allowed in a part of the file, such as "medium"; the top-level keys for ""."""
     schema = msgspec.json.schema(kind)
-    definitions = schema["$defs"]  # by name; with their modules, where two have one name
+    definitions = schema["$defs"]  # by name, which includes the module if two share a name
     root = definitions[schema["$ref"].removeprefix("#/$defs/")]["properties"]
     if part not in root:
         return sorted(root)

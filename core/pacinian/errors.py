@@ -1,23 +1,24 @@
 """Every error that Pacinian raises.
 
     PacinianError
-    ├── ArgumentError (ValueError)          an argument that cannot be meant; names it
-    │   └── PointOnTransducer               the attenuation is singular there; carries the indices
+    ├── ArgumentError (ValueError)          an invalid argument; carries its name
+    │   └── PointOnTransducer               a point lies on a transducer; carries the indices
     ├── SceneFileError (ValueError)         a scene file; names the file, the key and the fix
-    ├── PluginError                         a plug-in that is missing, broken or named twice
-    │   └── UnknownPlugin (ValueError)      no plug-in of that name; lists those there are
-    ├── UnsupportedLimit (ValueError)       the chosen solver cannot keep a limit that was asked
-    ├── BackendError                        a device that refuses, stalls or is gone
-    ├── ServerError                         the server cannot be started, reached, or refuses
+    ├── PluginError                         a plug-in that is missing, broken or not unique
+    │   └── UnknownPlugin (ValueError)      no plug-in has that name; lists the known ones
+    ├── UnsupportedLimit (ValueError)       the chosen solver cannot enforce a requested limit
+    ├── BackendError                        a device refuses, stalls or is gone
+    ├── ServerError                         the server cannot be started or reached, or refuses
     │   ├── Refused                         it refuses a request; carries code, path and advice
-    │   └── ConnectionLost (ConnectionError)   it is gone, or has never been there
+    │   └── ConnectionLost (ConnectionError)   the connection was lost, or never existed
     ├── WireError (ValueError)              bytes that are no message; carries the field's path
     ├── RecordingError (ValueError)         a recording that cannot be read
-    └── MissingExtra (ImportError)          an optional library is not installed; says which extra
+    └── MissingExtra (ImportError)          an optional library is not installed; names the extra
 
-Inside the loop nothing is raised: a tick's outcome is a value (`pacinian.Status`, `pacinian.Fault`).
+The loop raises nothing: the outcome of a tick is a value (`pacinian.Status`, `pacinian.Fault`).
 
-Plug-ins raise anything, of any length. Code that catches it keeps only what `describe_error` returns.
+Plug-ins may raise any exception, with a text of any length. Code that catches one keeps only the result of
+`describe_error`.
 """
 
 from __future__ import annotations
@@ -29,13 +30,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-MAX_TEXT = 500  # characters that are kept of a text of a plug-in or a client
+MAX_TEXT = 500  # length to which texts from plug-ins and clients are cut [characters]
 
 
 def describe_error(error: BaseException) -> str:
-    """The text of an error, at most `MAX_TEXT` characters.
+    """Return the text of an error, at most `MAX_TEXT` characters.
 
-    An error whose `__str__` is slow, or makes a huge text, costs that time and memory once: here.
+    If `__str__` of an error is slow or returns a huge text, only this call pays for it.
     """
     kind = shorten(type(error).__name__)
     try:
@@ -46,12 +47,12 @@ def describe_error(error: BaseException) -> str:
 
 
 def shorten(text: str) -> str:
-    """The first `MAX_TEXT` characters of a text, as valid Unicode."""
+    """Return the first `MAX_TEXT` characters of a text, as valid Unicode."""
     return text[:MAX_TEXT].encode(errors="replace").decode()
 
 
 class PacinianError(Exception):
-    """The root of all errors raised by Pacinian. They travel between processes with their evidence."""
+    """Base class of all errors raised by Pacinian. They can be pickled with their attributes."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, (type(self), self.args, self.__dict__)
@@ -67,9 +68,9 @@ def _rebuilt(
 
 
 class ArgumentError(PacinianError, ValueError):
-    """An argument that cannot be meant.
+    """An invalid argument.
 
-    argument: its name, as in the call.
+    argument: name of the argument, as in the call.
     """
 
     def __init__(self, argument: str, problem: str) -> None:
@@ -78,9 +79,9 @@ class ArgumentError(PacinianError, ValueError):
 
 
 class PointOnTransducer(ArgumentError):
-    """Points so close to a transducer that the attenuation is infinite there.
+    """Points so close to a transducer that the sound pressure is infinite there.
 
-    indices: which points.
+    indices: indices of the points.
     """
 
     def __init__(self, indices: Sequence[int]) -> None:
@@ -96,7 +97,7 @@ class PointOnTransducer(ArgumentError):
 class SceneFileError(PacinianError, ValueError):
     """A scene file that cannot be used.
 
-    path: the file. key: where in it, as `$.objects[0].shape`; empty if the whole file is meant.
+    path: path of the file. key: place in the file, such as `$.objects[0].shape`; empty for the whole file.
     """
 
     def __init__(self, path: Path | str, key: str, problem: str) -> None:
@@ -105,13 +106,13 @@ class SceneFileError(PacinianError, ValueError):
 
 
 class PluginError(PacinianError):
-    """A plug-in that does not load, or two of one name."""
+    """A plug-in does not load, or two plug-ins share a name."""
 
 
 class UnknownPlugin(PluginError, ValueError):
-    """No plug-in of that name.
+    """No plug-in has the requested name.
 
-    kind: "solver" or "backend". name: what was asked. known: what there is.
+    kind: "solver" or "backend". name: requested name. known: names of the installed plug-ins.
     """
 
     def __init__(self, kind: str, name: str, known: Sequence[str], advice: str = "") -> None:
@@ -123,9 +124,9 @@ class UnknownPlugin(PluginError, ValueError):
 
 
 class UnsupportedLimit(PacinianError, ValueError):
-    """The chosen solver cannot keep a limit that was asked.
+    """The chosen solver cannot enforce a requested limit.
 
-    solver, limit: their names.
+    solver, limit: names of the solver and the limit.
     """
 
     def __init__(self, solver: str, limit: str) -> None:
@@ -134,18 +135,18 @@ class UnsupportedLimit(PacinianError, ValueError):
 
 
 class BackendError(PacinianError):
-    """A device that refuses, stalls or is gone."""
+    """A device refuses, stalls or is gone."""
 
 
 class ServerError(PacinianError):
-    """The server cannot be started, reached, or refuses."""
+    """The server cannot be started or reached, or refuses a request."""
 
 
 class Refused(ServerError):
     """The server refuses a request.
 
-    code: as in `pacinian.wire.replies.Code`. path: of the field that is wrong. advice: what to do. request: number of
-    what was refused; 0 where it has none.
+    code: one of `pacinian.wire.replies.Code`. path: path of the field that is wrong. advice: remedy. request: number
+    of the refused request; 0 if it has none.
     """
 
     def __init__(
@@ -157,13 +158,13 @@ class Refused(ServerError):
 
 
 class ConnectionLost(ServerError, ConnectionError):
-    """The server is gone, or has never been there; nothing is sent again by itself."""
+    """The connection to the server was lost, or never existed. Nothing is sent again automatically."""
 
 
 class WireError(PacinianError, ValueError):
     """Bytes that are no message of the protocol.
 
-    path: of the field that is wrong, as `$.objects[...].shape`. problem: what is wrong with it.
+    path: path of the field that is wrong, such as `$.objects[...].shape`. problem: description of the error.
     """
 
     def __init__(self, problem: str, path: str = "") -> None:
@@ -174,7 +175,7 @@ class WireError(PacinianError, ValueError):
 class RecordingError(PacinianError, ValueError):
     """A recording that cannot be read.
 
-    path: the file.
+    path: path of the file.
     """
 
     def __init__(self, path: Path | str, problem: str) -> None:
@@ -185,7 +186,7 @@ class RecordingError(PacinianError, ValueError):
 class MissingExtra(PacinianError, ImportError):
     """An optional library is not installed.
 
-    extra: install `pacinian[extra]`.
+    extra: name of the extra to install, as in `pacinian[extra]`.
     """
 
     def __init__(self, library: str, extra: str) -> None:

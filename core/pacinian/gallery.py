@@ -1,4 +1,4 @@
-"""Built-in scenes: what is felt in games, each from time to a scene. For benchmarks, pictures and first steps."""
+"""Built-in scenes of typical game content, for benchmarks, pictures and first steps. Each maps time to a scene."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.mesh import Mesh
     from pacinian.types import Floats
 
-HEIGHT = 0.2  # [m] of the palm above the array
-TRACKED = 120.0  # [Hz] updates of hands and objects, as trackers and games send them
+HEIGHT = 0.2  # height of the palm above the array [m]
+TRACKED = 120.0  # rate of updates of hands and objects, as sent by trackers and games [Hz]
 TREMBLE = Sine(150.0)
-PALM = 0.015  # [m] from the palm joint to the skin below it
+PALM = 0.015  # distance from the palm joint to the skin below it [m]
 HAND = Hand.open("right", Pose((0.0, 0.0, HEIGHT + PALM)))
 TILTED = Hand.open("right", Pose.turned("x", -12.0, (0.0, -0.08, HEIGHT + 0.03)))
-BUMPS = 0.08  # of its radius, on a stone
+BUMPS = 0.08  # amplitude of the bumps on the stone, relative to its radius
 NEAR = (0.0, 0.0, HEIGHT - 0.007), (-0.026, 0.06, HEIGHT), (0.024, 0.06, HEIGHT)  # [m]
-AWAY = 0.2  # [m] in x or y: out of the hand's reach
-DROPS, BOTTOM, FALL, SPLASH = 40, 0.03, 0.3, 0.05  # [m] above the array; [s]
-INTO = 1e-4  # [m] by which a drop goes into the skin
+AWAY = 0.2  # distance in x or y beyond the reach of the hand [m]
+DROPS, BOTTOM, FALL, SPLASH = 40, 0.03, 0.3, 0.05  # count, start height [m], rise and stay [s]
+INTO = 1e-4  # depth to which a drop enters the skin [m]
 
 
 def _tracked(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
-    """As it was at the last update: what moves is carried on by its velocity in between."""
+    """Return the scene of the last update, so that motion between updates must be extrapolated."""
     seen = functools.lru_cache(maxsize=4)(scene)
 
     @functools.wraps(scene)
@@ -52,13 +52,13 @@ def _tracked(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
 
 
 def static_focus(t: float) -> Scene:
-    """One focus that stays where it is, trembling."""
+    """A vibrating focus at a fixed position."""
     return _static()
 
 
 @_tracked
 def sliding_ball(t: float) -> Scene:
-    """A ball of 3 cm that rolls to and fro below a still hand."""
+    """A 3 cm ball that rolls back and forth below a still hand."""
     x, v = _swing(t, 0.03)
     pose, motion = Pose((x, -0.01, HEIGHT - 0.012)), Motion((v, 0.0, 0.0), time=t)
     return Scene((replace(_ball(), pose=pose, motion=motion),), hands=(HAND,))
@@ -78,28 +78,28 @@ def mesh(t: float) -> Scene:
 
 @_tracked
 def crowd(t: float) -> Scene:
-    """A hundred balls, of which three are within the hand's reach."""
+    """A hundred balls, three of which the hand can touch."""
     return balls(100).held(_moving(HAND, t, 0.01))
 
 
 @_tracked
 def palm(t: float) -> Scene:
-    """A plate on which the whole palm lies, and moves a little."""
+    """A plate on which the whole palm lies and moves slightly."""
     return _board().held(_moving(HAND, t, 0.005))
 
 
 def stm_circle(t: float) -> Scene:
-    """A focus that runs round a circle, 15 mm in radius, 100 times a second."""
+    """A focus that runs around a circle of 15 mm radius 100 times a second."""
     return _circle()
 
 
 def rain(t: float) -> Scene:
-    """Forty drops that rise to the palm, one after the other: rain upside down, as the array is below."""
+    """Forty drops that rise to the palm one after the other, like rain upside down, because the array is below."""
     return _drops(math.floor(t * TRACKED) % int(TRACKED))
 
 
 def empty(t: float) -> Scene:
-    """Nothing."""
+    """An empty scene."""
     return NOTHING
 
 
@@ -114,19 +114,19 @@ SCENES: dict[str, Callable[[float], Scene]] = {
     "rain": rain,
     "empty": empty,
 }
-"""By name."""
+"""The scenes by name."""
 
 NOTHING = Scene()
 
 
 def _swing(t: float, swing: float) -> tuple[float, float]:
-    """Where something is that goes `swing` [m] to either side once a second [m], and how fast [m/s]."""
+    """Return position [m] and velocity [m/s] of an oscillation with amplitude `swing` [m] at 1 Hz, at time t [s]."""
     s = 2.0 * math.pi * t
     return swing * math.sin(s), 2.0 * math.pi * swing * math.cos(s)
 
 
 def _moving(hand: Hand, t: float, swing: float) -> Hand:
-    """A hand that goes `swing` [m] to either side once a second, as a tracker sees it at time t [s]."""
+    """Return a hand that oscillates by `swing` [m] at 1 Hz, as a tracker reports it at time t [s]."""
     x, v = _swing(t, swing)
     joints = hand.moved(Pose((x, 0.0, 0.0))).joints
     return Hand(joints, hand.radii, velocities=(v, 0.0, 0.0), time=t)
@@ -169,7 +169,7 @@ def _stone() -> Scene:
 
 
 def stone_mesh(count: int = 51, radius: float = 0.045) -> Mesh:
-    """A closed bumpy sphere of about 2 count^2 triangles; radius: its mean [m]."""
+    """Make a closed, bumpy sphere of about 2 count^2 triangles; radius: its mean radius [m]."""
     from trimesh.creation import uv_sphere
 
     from pacinian.scene.shapes.mesh import Mesh
@@ -182,7 +182,7 @@ def stone_mesh(count: int = 51, radius: float = 0.045) -> Mesh:
 
 @functools.cache
 def balls(count: int) -> Scene:
-    """Balls of 1 cm: the first three touch the palm and two fingers, the others lie all around."""
+    """Make a scene of balls of 1 cm radius. The first three touch the palm and two fingers; the others lie around."""
     rng = np.random.default_rng(0)
     far = rng.uniform([-0.4, -0.4, 0.03], [0.4, 0.4, 0.4], (2 * count, 3))
     far = far[(np.abs(far[:, :2]) > AWAY).any(axis=1)]
@@ -217,7 +217,7 @@ def _circle() -> Scene:
 
 @functools.lru_cache(maxsize=int(TRACKED))
 def _drops(update: int) -> Scene:
-    """The drops at one of the updates of a second: each rises, stays at the skin for a moment, starts again."""
+    """Return the drops at one update of the second: each rises, stays at the skin briefly, and starts again."""
     places, tops, begun = _clouds()
     age = (update / TRACKED - begun) % 1.0  # [s]
     z = np.where(
@@ -230,7 +230,7 @@ def _drops(update: int) -> Scene:
 
 @functools.cache
 def _clouds() -> tuple[Floats, Floats, Floats]:
-    """Where under the hand each drop rises, (40, 2), how far, (40,) [m], and when in each second, (40,) [s]."""
+    """Return for each drop its x and y, (40, 2) [m], its top, (40,) [m], and its start in each second, (40,) [s]."""
     rng, flesh = np.random.default_rng(1), make_capsules(HAND)
     places = rng.uniform([-0.03, -0.03], [0.025, 0.025], (DROPS, 2))
     tops = np.full(DROPS, BOTTOM)

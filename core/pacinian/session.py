@@ -1,4 +1,4 @@
-"""From points and pressures to gains: the session that the loop uses, and the one-shot `solve`."""
+"""Solve for gains: `Session`, which the render loop uses, and the one-shot `solve`."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
 PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
-FEWER = 4  # where up to a quarter of the points, and one, come or go, the last solution is a start
-MAX_MULTIPLE = 1e6  # times as strong: beyond that a problem is solved anew
+FEWER = 4  # warm start if the number of points changes by at most 1/FEWER of it, plus one
+MAX_MULTIPLE = 1e6  # largest factor by which a solution is scaled instead of solved again
 
 
 class Session:
-    """Solves again and again for one array: keeps the propagator's caches and the last solution.
+    """Solve repeatedly for one array; keeps the propagator's caches and the last solution between solves.
 
-    array, medium (`Air()` unless given). solver: a name or a `Solver`; may be replaced at any time.
-    precision: "single", or "double" for studies of ill-conditioned problems. clock: [s], for deadlines.
-    Raises ArgumentError, UnknownPlugin, PluginError. Not for several threads at once.
+    array: the array. medium: `Air()` by default. solver: a name or a `Solver`; it can be replaced at any time.
+    precision: "single", or "double" for studies of ill-conditioned problems. clock: returns the time [s] for deadlines.
+    Raises ArgumentError, UnknownPlugin, PluginError. Not thread-safe.
     """
 
     def __init__(
@@ -77,17 +77,17 @@ class Session:
         self.solver = solver
         self.clock = clock
         self.tilt = 0.0
-        """By how much the waves of regions come from aside, over the array's radius: for frames that are to differ."""
+        """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
         self.last: Solution | None = None
         self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
-        self._base: Solution | None = None  # what was last solved: its gains are in _work
+        self._base: Solution | None = None  # solved by a solver; its gains are in _work
         self._solved_with: tuple[Solver, Limits, int, float] | None = None
         self._solved_at = np.empty((0, 3))  # points [m]
 
     @property
     def solver(self) -> Solver:
-        """The solver in use; set it by name or by object, from the next solve on."""
+        """The solver. Set it to a name or a `Solver`; the next solve uses it."""
         return self._solver
 
     @solver.setter
@@ -109,24 +109,24 @@ class Session:
         deadline: float | None = None,
         out: Complexes | None = None,
     ) -> Solution:
-        """Find gains that make `amplitudes` at `points`.
+        """Find gains that produce `amplitudes` at `points`.
 
-        points: [m], shape (M, 3). amplitudes: peak sound pressure [Pa], real, not negative, shape (M,).
-        phases: None where free, else [rad], broadcast to (M,), NaN where free.
-        regions: whole numbers, (M,), the same for the points of one surface; -1 for an isolated point; -2 for one
-        beside the surfaces, of amplitude 0, from where sound is to be kept, with the little weight that this takes
-        (by solvers that can: `Solver.surrounds`). The free phases of a region are those of one wave
-        (`joint_phases`), so that the field is as asked between its points too, where they are at most half a
-        wavelength apart.
-        facing: of the skin at the points: then pressures, asked and achieved, are those that press along
-        its normals, by the sound that gets there; where none does, the status is `unreachable`.
-        limits: `Limits(gain=1.0)` unless given. scale: "exact" (the asked pressures) or "max" (as
-        strong as the solver can, in these proportions). deadline: seconds from now; then the best so far.
-        out: complex64 (complex128 in double precision), shape (N,), contiguous, to write the gains to.
+        points: [m], shape (M, 3). amplitudes: peak sound pressures [Pa], not negative, shape (M,).
+        phases: [rad], broadcast to (M,), NaN where free; None if all are free.
+        regions: integers, shape (M,): equal for the points of one surface; -1 for an isolated point; -2 for a point
+        beside the surfaces, with amplitude 0, where the sound should stay low. Solvers with `Solver.surrounds` give
+        these points a small weight; for others they are ordinary points. The free phases of a region are set to those
+        of a single wave (`joint_phases`), so that the field also meets the target between the region's points, if they
+        are at most half a wavelength apart.
+        facing: the skin at the points. Target and achieved pressures are then those that press along its normals,
+        from the sound that reaches the point. If no sound reaches it, the status is `unreachable`.
+        limits: `Limits(gain=1.0)` by default. scale: "exact" (these pressures) or "max" (as strong as the solver can
+        make them, in these proportions). deadline: time from now [s]; the solver then returns its best result so far.
+        out: array to write the gains to: contiguous, complex64 (complex128 in double precision), shape (N,).
 
-        The result's evidence (pressures, residual, status) is measured here, on the gains as
-        returned, whatever the solver says. Gains are finite and |g| <= limits.gain, in every case.
-        Raises ArgumentError; PointOnTransducer; UnsupportedLimit; what a solver plug-in raises.
+        The session measures the evidence in the result (pressures, residual, status) on the returned gains and does
+        not rely on the solver's report. Gains are always finite, and |g| <= limits.gain always holds.
+        Raises ArgumentError, PointOnTransducer, UnsupportedLimit, and any exception of a solver plug-in.
         """
         start = self.clock()
         budget = ENDLESS if deadline is None else Budget.until(deadline, self.clock)
@@ -148,11 +148,11 @@ class Session:
             )
         self.last = self._base = self._solved(targets, limits, warm, budget, out, start, ready)
         self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
-        self._solved_at = q.copy()  # the caller may move its own
+        self._solved_at = q.copy()  # the caller may change its array
         return self.last
 
     def _carried(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
-        """The last solution as one of the points q, (M, 3) [m]; None where it says nothing of them."""
+        """Return the last solution carried over to the points q, (M, 3) [m]; None if they differ too much."""
         if warm.asked_phases is not None and targets.regions is not None:
             return carry_phases(self.propagator, targets, warm, self._solved_at)
         M = len(warm.sound_pressure)
@@ -162,21 +162,21 @@ class Session:
         return self._there(warm) if alike else None
 
     def _there(self, warm: Solution) -> Solution:
-        """The last solution as it is heard at the points of now: those that stay keep their phases."""
+        """Return the last solution evaluated at the present points, so that points that remain keep their phases."""
         p = self.propagator.apply(warm.gains)
         return dataclasses.replace(warm, sound_pressure=p, multipliers=None, asked_phases=None)
 
     def forget(self) -> None:
-        """Forget all that was solved and cached: the next solve is a cold one."""
+        """Discard the last solution and all caches, so that the next solve is a cold start."""
         self.last = self._base = self._solved_with = None
         self.propagator.forget()
 
     def certify(self, gains: ArrayLike, *, over_phases: bool = False) -> Solution:
-        """The evidence of the last solution, for `gains`, (N,), as emitted: rounded by a device, say.
+        """Evaluate the last solution for other gains, for example as rounded by a device.
 
-        Everything is computed anew in double precision: pressures, residual, objective, the bound from
-        the multipliers, violations of limits. over_phases: also `Solution.least_error`, which takes seconds; for at
-        most 16 points and `scale="exact"`. Raises ArgumentError.
+        Computes pressures, residual, objective, dual bound and violated limits again in double precision.
+        gains: as emitted, shape (N,). over_phases: also compute `Solution.least_error`, which takes seconds; only for
+        at most 16 points and `scale="exact"`. Raises ArgumentError.
         """
         last, with_ = self.last, self._solved_with
         if last is None or with_ is None:
@@ -201,7 +201,7 @@ class Session:
             least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
         nulls = self.propagator.nulls
         if nulls is not None:
-            nulls.leave_out(B, points)  # as those multipliers are of
+            nulls.leave_out(B, points)  # the multipliers belong to the B without them
         phases = np.angle(p) if last.asked_phases is None else last.asked_phases
         asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
@@ -236,7 +236,7 @@ class Session:
         return self.felt(certified)
 
     def felt(self, solution: Solution) -> Solution:
-        """The last solution with what is felt of its regions, and a status that holds between samples too."""
+        """Return `solution`, the last one, with `felt` filled in and a status that also holds between the points."""
         targets = solution.targets
         if targets.regions is None or not targets.norm:
             return solution
@@ -257,7 +257,7 @@ class Session:
         self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str,
         regions: ArrayLike | None,
     ) -> tuple[Floats, Targets]:  # fmt: skip
-        """The points, (M, 3), and what is asked there, checked: in one pass where they are arrays."""
+        """Check the arguments and return the points, (M, 3), and their targets; arrays take a fast path."""
         plain = phases is None and type(scale) is str and scale == "exact"
         if plain and isinstance(points, np.ndarray) and isinstance(amplitudes, np.ndarray):
             q, t = cast("Floats", points), cast("Floats", amplitudes)
@@ -275,9 +275,9 @@ class Session:
         return q, Targets.checked(len(q), amplitudes, phases, scale, regions)
 
     def _place(self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget) -> bool:
-        """Put the points, and the quiet points, where they are now; those are in the free field.
+        """Pass the points and the quiet points (which are in the free field) to the propagators.
 
-        Whether the quiet zones are prepared, too.
+        Returns whether the quiet zones are prepared.
         """
         if limits.solver_limits and (unkept := limits.solver_limits - self._solver.keeps):
             raise UnsupportedLimit(self._solver.name, min(unkept))
@@ -304,7 +304,7 @@ class Session:
         return nulls is not None or not limits.zones
 
     def _multiple(self, targets: Targets, limits: Limits) -> float:
-        """The c by which what was solved last need only be multiplied; NaN if there is none."""
+        """Return the c for which c times the last solved gains are the solution; NaN if there is none."""
         base = self._base
         if base is None or self._solved_with != (
             self._solver, limits, self.propagator.version, self.tilt
@@ -319,7 +319,7 @@ class Session:
             not (met and self._solver.linear)
             or limits.solver_limits
             or limits.power is not None
-            or (limits.zones and c > 1.0)  # what is left in a zone would be louder, too
+            or (limits.zones and c > 1.0)  # the residual sound in the zones would be louder, too
             or not c > 0.0
         ):
             return math.nan
@@ -329,9 +329,9 @@ class Session:
         return c if not held and 1.0 / MAX_MULTIPLE < c < MAX_MULTIPLE else math.nan
 
     def _scaled(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
-        """What was solved last, c times as strong."""
+        """Return the last solved solution, scaled by c."""
         base, work = self._base, self.propagator.work
-        assert base is not None  # `_multiple` has seen it
+        assert base is not None  # `_multiple` has checked it
         work.solutions_kept += c == 1.0
         work.solutions_scaled += c != 1.0
         np.multiply(self._work, c, out=out, casting="unsafe")
@@ -347,11 +347,11 @@ class Session:
         self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
         out: Complexes, start: float, ready: bool,
     ) -> Solution:  # fmt: skip
-        """A new solution; silence if the quiet zones are not ready."""
+        """Return a new solution; zero gains if the quiet zones are not ready."""
         solver, propagator = self._solver, self.propagator
         if targets.scale == "max" and limits.gain is None and limits.power is None:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
-        g = self._work  # apart from `out`, which may hold the gains of `warm`
+        g = self._work  # not `out`, which may hold the gains of `warm`
         g[:] = 0.0
         version, result, asked = propagator.version, SILENCE if ready else PREPARES, targets
         propagator.work.solved += 1
@@ -376,7 +376,7 @@ class Session:
             quiet = p[targets.beside]
             rest = rest * rest + result.quiet_weight * float(np.vdot(quiet, quiet).real)
             objective = (rest + result.mu * kernels.power(g)) / 2.0
-            bound = min(bound, objective)  # what is above it is rounding
+            bound = min(bound, objective)  # any excess is rounding
         hard = limits.solver_limits or limits.zones
         broken = measure_violations(propagator, limits, targets, p, g) if hard else {}
         status = Status.failed
@@ -425,10 +425,10 @@ def solve(
     out: Complexes | None = None,
     precision: Precision = "single",
 ) -> Solution:
-    """Find gains that make `amplitudes` at `points`: a session of one solve.
+    """Find gains that produce `amplitudes` at `points`, by a session that solves once.
 
-    Nothing that was computed is kept; the space of small problems is, for the next call. Arguments and
-    errors as in `Session` and `Session.solve`.
+    No result is kept between calls, but the workspace of small problems is reused. Arguments and errors are those of
+    `Session` and `Session.solve`.
     """
     check_kind("array", array, Array)
     medium = AIR if medium is None else medium

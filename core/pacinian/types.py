@@ -1,4 +1,4 @@
-"""Array types used throughout, and what they hold."""
+"""Array types used throughout, and their contents."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Complexes: TypeAlias = NDArray[np.complexfloating[Any, Any]]
 Levels: TypeAlias = NDArray[np.uint16]
 """Device levels of phase or amplitude."""
 Numbers: TypeAlias = NDArray[np.int32]
-"""Whole numbers for the kernels."""
+"""Integers for the kernels."""
 Flags: TypeAlias = NDArray[np.bool_]
-"""True or false."""
+"""Booleans."""
 Indices: TypeAlias = NDArray[np.intp]
 """Indices."""
 Longs: TypeAlias = NDArray[np.int64]
-"""Whole numbers that name things."""
+"""Integers that serve as identifiers."""
 
 __all__ = [
     "ArrayLike",

@@ -33,20 +33,20 @@ from pacinian.testing import ManualClock
 Floats = NDArray[np.float64]
 
 SECONDS, FPS = 6.0, 20
-SETTLED = 20  # ticks after which nothing is left of how a moment began
-SIZE, FINER, QUALITY = (800, 480), 2, 50  # [pixel]; rays along each side of a pixel; of the WebP
+SETTLED = 20  # ticks until the start of a moment has no effect any more
+SIZE, FINER, QUALITY = (800, 480), 2, 50  # pixels; rays per side of a pixel; quality of the WebP
 EYE, TARGET = np.array([0.0, -0.47, 0.095]), np.array([0.005, 0.0, 0.108])  # [m]
-ANGLE = 52.0  # [deg] of the camera, from left to right
+ANGLE = 52.0  # horizontal angle of view [deg]
 BALL, RADIUS, PRESSURE = np.array([0.0, 0.0, 0.168]), 0.032, 6.0  # [m], [m], [Pa]
-TOP = 9.0  # [Pa] where the colours end
+TOP = 9.0  # end of the colour scale [Pa]
 PLANE = 0.0  # [m] y of the plane that shows the field in the air
-HALF, UPPER, STEP = 0.12, 0.26, 1.8e-3  # [m] half its width, its upper edge, between its points
-DOT = 0.0042  # [m] radius of a transducer as drawn
+HALF, UPPER, STEP = 0.12, 0.26, 1.8e-3  # [m] half its width, its upper edge, its grid spacing
+DOT = 0.0042  # radius of a transducer as drawn [m]
 NIGHT, FLESH, GLASS = (np.array(c) for c in ((13.0, 17, 23), (168.0, 142, 130), (120.0, 175, 255)))
 PALE, DIM = (230, 237, 243), (139, 148, 158)  # text
 LAMP = np.array([-0.45, -0.70, 0.50]) / math.sqrt(0.9425)
 FINGERS = {2: (22, 12), 6: (28, 38, 26), 11: (28, 38, 26), 16: (28, 38, 26), 21: (30, 36, 22)}
-"""How far each finger's joints bend around the ball [deg]; by the first joint of its metacarpal."""
+"""Bend of each finger's joints around the ball [deg], by the first joint of its metacarpal."""
 MAP = colormaps["inferno"]
 
 
@@ -54,13 +54,13 @@ MAP = colormaps["inferno"]
 
 
 def ease(t: float, start: float, end: float) -> float:
-    """0 before `start`, 1 after `end`, smooth between [s]."""
+    """Return 0 before `start`, 1 after `end`, and a smooth transition in between [s]."""
     x = min(max((t - start) / (end - start), 0.0), 1.0)
     return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
 
 
 def bent(joints: Floats, closing: float) -> Floats:
-    """The joints of a flat right hand, (26, 3) [m], its fingers bent: 0 not at all, 1 around the ball."""
+    """Bend the fingers of a flat right hand, (26, 3) [m]. closing: 0 leaves them flat, 1 bends them around the ball."""
     made = joints.copy()
     for first, angles in FINGERS.items():
         last = first + (3 if first == 2 else 4)
@@ -74,7 +74,7 @@ def bent(joints: Floats, closing: float) -> Floats:
 
 
 def about(turn: Floats) -> pc.Pose:
-    """A rotation about a vector by its length [rad]."""
+    """Return the rotation about a vector by its length [rad]."""
     angle = math.sqrt(turn @ turn)
     x, y, z = (turn * np.sinc(angle / math.tau) / 2.0).tolist()  # sinc(a) = sin(pi a) / (pi a)
     return pc.Pose(rotation=(x, y, z, math.cos(angle / 2.0)))
@@ -82,7 +82,7 @@ def about(turn: Floats) -> pc.Pose:
 
 @functools.cache
 def ball() -> pc.Volume:
-    """What the hand feels; not modulated, so that each picture shows the full pressure."""
+    """Return the ball. It is not modulated, so that each picture shows the full pressure."""
     x, y, z = BALL.tolist()
     return pc.Volume(
         shape=pc.Sphere(RADIUS), pose=pc.Pose((x, y, z)), radiation_pressure=PRESSURE, name="ball"
@@ -90,7 +90,7 @@ def ball() -> pc.Volume:
 
 
 def scene(t: float) -> pc.Scene:
-    """The ball, and the hand at time t [s]."""
+    """Return the ball and the hand at time t [s]."""
     here = ease(t, 0.1, 1.3) - ease(t, 4.9, 6.0)
     closing = ease(t, 0.9, 1.9) - ease(t, 4.2, 5.2)
     stroke = ease(t, 1.7, 2.3) * (1.0 - ease(t, 3.9, 4.5))
@@ -98,7 +98,7 @@ def scene(t: float) -> pc.Scene:
     yaw, tilt = pc.Pose.turned("z", 9.0 * sway - 75.0), pc.Pose.turned("x", -26.0)
     joints = pc.Hand.open("right").joints
     assert joints is not None
-    held = np.array([[-0.006, 0.010, 0.0]])  # [m] the part of the palm that is on the ball
+    held = np.array([[-0.006, 0.010, 0.0]])  # [m] the part of the palm that lies on the ball
     made = tilt.points(yaw.points(bent(joints, closing) - held))
     up = tilt.directions(np.array([[0.0, 0.0, 1.0]]))[0]
     along = tilt.directions(yaw.directions(np.array([[0.0, 1.0, 0.0]])))[0]
@@ -112,7 +112,7 @@ def scene(t: float) -> pc.Scene:
 
 @functools.cache
 def rays(width: int, height: int) -> Floats:
-    """The directions of the camera's rays, row by row, (height * width, 3)."""
+    """Return the directions of the camera's rays, row by row, (height * width, 3)."""
     ahead = TARGET - EYE
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     ahead, right = ahead / np.sqrt(ahead @ ahead), right / np.sqrt(right @ right)
@@ -124,7 +124,7 @@ def rays(width: int, height: int) -> Floats:
 
 
 def cast(flesh: Floats, d: Floats) -> Floats:
-    """How far along each ray, (K, 3), the hand is [m], infinite where there is none: sphere tracing."""
+    """Return the distance of the hand along each ray, (K, 3) [m], or infinity, by sphere tracing."""
     far = np.full(len(d), np.inf)
     ends = np.concatenate([flesh[:, :3], flesh[:, 3:6]])
     middle = (ends.min(axis=0) + ends.max(axis=0)) / 2.0
@@ -142,8 +142,8 @@ def cast(flesh: Floats, d: Floats) -> Floats:
 
 
 def slopes(flesh: Floats, points: Floats) -> Floats:
-    """Outward normals of the skin at points, (K, 3)."""
-    steps = 2.5e-3 * np.eye(3)  # so wide that the creases between bones are smooth
+    """Return the outward normals of the skin at points, (K, 3)."""
+    steps = 2.5e-3 * np.eye(3)  # wide enough to smooth the creases between bones
     n = np.stack(
         [distance_to_skin(flesh, points + e) - distance_to_skin(flesh, points - e) for e in steps],
         axis=-1,
@@ -155,17 +155,17 @@ def slopes(flesh: Floats, points: Floats) -> Floats:
 
 
 def fire(P: Floats) -> Floats:
-    """The colours of pressures [Pa], 0..255."""
+    """Return the colours of pressures [Pa], 0..255."""
     return 255.0 * np.asarray(MAP(np.clip(P / TOP, 0.0, 1.0)))[..., :3]
 
 
 def mix(under: Floats, over: Floats, share: Floats) -> Floats:
-    """Colours over others, (K, 3), as opaque as `share`, (K,)."""
+    """Blend colours over others, (K, 3), with the opacity `share`, (K,)."""
     return np.asarray(under + (over - under) * share[:, None])
 
 
 class Picture:
-    """What the camera sees of a renderer now."""
+    """The camera's view of a renderer now."""
 
     def __init__(self, renderer: pc.Renderer) -> None:
         self.renderer, self.array = renderer, renderer.session.array
@@ -187,7 +187,7 @@ class Picture:
         return label(made.resize(SIZE, Image.Resampling.BOX))
 
     def _felt(self, points: Floats, facing: pc.SkinFacing | None) -> Floats:
-        """Radiation pressure at points, (M,) [Pa]."""
+        """Return the radiation pressure at points, (M,) [Pa]."""
         p = self.renderer.hear(points, facing)
         return np.asarray(pc.radiation_pressure(p, self.renderer.session.medium))
 
@@ -249,12 +249,12 @@ class Picture:
 
 @functools.cache
 def font(size: int) -> Any:
-    """Matplotlib's own font, [pixel] high."""
+    """Return the font that Matplotlib ships, `size` pixels high."""
     return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), size)
 
 
 def label(page: Image.Image) -> Image.Image:
-    """Write what is seen, with a bar of its colours."""
+    """Write what the picture shows, with a colour bar."""
     pen = ImageDraw.Draw(page)
     left, top, wide, high = 20, 40, 170, 8
     for x in range(wide):

@@ -1,4 +1,4 @@
-"""What the laboratory adds to Pacinian: its commands."""
+"""The plug-in that adds the laboratory's commands to Pacinian."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ if TYPE_CHECKING:
 
 @hookimpl
 def register_commands() -> Iterable[click.Command]:
-    """`pacinian bench`, `soak`, `stress`, `study` and `paper`."""
+    """Return `pacinian bench`, `soak`, `stress`, `study` and `paper`."""
     return bench, soak, stress, study, paper

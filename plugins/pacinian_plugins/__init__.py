@@ -1,1 +1,1 @@
-"""Pacinian's own plug-ins: one file each, every one its own entry point, no privileges."""
+"""Pacinian's own plug-ins. Each has its own entry point and uses only the public plug-in interface."""

@@ -93,7 +93,7 @@ def test_a_file_that_is_no_recording_and_a_wide_host_are_refused(tmp_path: Path)
 def test_samples_are_made_of_a_file_only() -> None:
     result = CliRunner().invoke(view, ["--samples", "--no-browser"])
     assert result.exit_code == 2
-    assert "is for a FILE" in result.output
+    assert "needs a FILE" in result.output
 
 
 def test_without_its_libraries_it_says_which_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,1 +1,1 @@
-"""Sound in air: the medium, transducers, arrays, and the propagation between array and points."""
+"""Sound in air: the medium, transducers, arrays, and propagation from an array to points."""

@@ -1,4 +1,4 @@
-"""The medium: speed of sound, density and attenuation of air."""
+"""The medium: speed of sound, density and attenuation in air."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ GAS = 8.314462618  # [J/(mol K)]
 DRY_AIR = 0.0289647  # [kg/mol]
 WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
-ROOM = 22.0  # [degC], of a heated or cooled room, which we take to have 19 to 25
-HUMIDITY = 0.5  # relative, of such a room
+ROOM = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
+HUMIDITY = 0.5  # default relative humidity, of such a room
 POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 
 
@@ -22,13 +22,13 @@ POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 class Air:
     """Air at rest, with its attenuation a(r) = r^-n exp(-beta r).
 
-    temperature: [degC], 22 unless given: measure it at the array. 10 degrees of error cost nine units 31 % of the
-        pressure at a focus, and move it by 6 mm (docs/concepts.md). None, not known, where only a speed is given.
+    temperature: [degC], 22 by default. Measure it at the array: an error of 10 degrees costs 31 % of the pressure at a
+        focus of nine units, and moves the focus by 6 mm (docs/concepts.md). None if only `speed_of_sound` is given.
     humidity: relative, 0..1. ambient_pressure: [Pa].
-    speed_of_sound: [m/s]. density: [kg/m^3]. Each is computed from these three, as of an ideal gas, unless given.
+    speed_of_sound: [m/s]. density: [kg/m^3]. By default, computed from these three, as for an ideal gas.
     attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), a power n, or
         "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency).
-    absorption: beta [1/m], given instead of computed.
+    absorption: beta [1/m], used instead of the computed value.
     Raises ArgumentError.
     """
 
@@ -73,15 +73,15 @@ class Air:
         set_("power", power)
 
     def wavenumber(self, frequency: float) -> float:
-        """K = 2 pi f / c [rad/m] at `frequency` [Hz]."""
+        """Return the wavenumber k = 2 pi f / c [rad/m] at `frequency` [Hz]."""
         return 2.0 * math.pi * frequency / self.speed_of_sound
 
     def wavelength(self, frequency: float) -> float:
-        """C / f [m] at `frequency` [Hz]."""
+        """Return the wavelength c / f [m] at `frequency` [Hz]."""
         return self.speed_of_sound / frequency
 
     def beta(self, frequency: float) -> float:
-        """Absorption coefficient of the amplitude [1/m] at `frequency` [Hz]."""
+        """Return the absorption coefficient of the amplitude [1/m] at `frequency` [Hz]."""
         if self.absorption is not None:
             return self.absorption
         if self.attenuation != "absorbing":
@@ -102,10 +102,10 @@ class Air:
 def iso_9613_1(
     frequency: float, temperature: float, humidity: float, ambient_pressure: float = ATMOSPHERE
 ) -> float:
-    """Attenuation of sound by the atmosphere [dB/m], ISO 9613-1:1993, equations (3) to (5), (B.1) to (B.3).
+    """Return the atmospheric attenuation of sound [dB/m], by ISO 9613-1:1993, equations (3) to (5), (B.1) to (B.3).
 
     frequency: [Hz]. temperature: [degC]. humidity: relative, 0..1. ambient_pressure: [Pa].
-    The standard's table ends at 10 kHz; its formula is used beyond (1.32 dB/m at 40 kHz, 20 degC, 50 %).
+    The standard's table ends at 10 kHz; above, its formula is used (1.32 dB/m at 40 kHz, 20 degC, 50 %).
     """
     kelvin = temperature + 273.15
     T = kelvin / 293.15  # relative to 20 degC
@@ -123,14 +123,14 @@ def iso_9613_1(
 
 
 def _saturation(kelvin: float) -> float:
-    """Saturation vapour pressure of water over one atmosphere, ISO 9613-1 (B.2), (B.3)."""
+    """Return the saturation vapour pressure of water, relative to one atmosphere, by ISO 9613-1 (B.2), (B.3)."""
     return float(10.0 ** (-6.8346 * (273.16 / kelvin) ** 1.261 + 4.6151))
 
 
 def _ideal_gas(temperature: float, humidity: float, ambient_pressure: float) -> tuple[float, float]:
-    """Speed of sound [m/s] and density [kg/m^3] of moist air as a mixture of ideal gases.
+    """Return speed of sound [m/s] and density [kg/m^3] of moist air, as a mixture of ideal gases.
 
-    Molar heat capacities 7/2 R (dry air) and 4 R (water vapour); 343.2 m/s at 20 degC, dry.
+    The molar heat capacities are 7/2 R (dry air) and 4 R (water vapour). Dry air at 20 degC has 343.2 m/s.
     """
     kelvin = temperature + 273.15
     x = humidity * _saturation(kelvin) * ATMOSPHERE / ambient_pressure  # mole fraction of water

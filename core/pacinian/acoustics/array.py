@@ -1,4 +1,4 @@
-"""An array of transducers: where they are, where they point, what kind they are."""
+"""Arrays of transducers: positions, normals, type and responses."""
 
 from __future__ import annotations
 
@@ -17,27 +17,28 @@ if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
     from pacinian.types import ArrayLike, Complexes, Floats
 
-PITCH = 0.01016  # [m], AUTD unit
-UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
-HINGE = 1e-9  # [m]; a transducer this near is on the hinge
-MIN_STRENGTH = 1e-3  # of its kind's strength; below, a transducer is dead
-WORLD = 1e7  # [m]; positions farther from the origin are rounded to more than 2 nm
-DOTS = 5000  # at most, in a notebook's small picture
-MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
+PITCH = 0.01016  # spacing of transducers in an AUTD unit [m]
+UNIT = (0.1920, 0.1514)  # size of an AUTD unit's board [m]
+HINGE = 1e-9  # distance within which a transducer is on the hinge [m]
+MIN_STRENGTH = 1e-3  # smallest |response|; a weaker transducer counts as dead
+WORLD = 1e7  # largest coordinate; beyond, positions are rounded to more than 2 nm [m]
+DOTS = 5000  # most transducers drawn in a notebook's card
+MISSING = ((1, 1), (2, 1), (16, 1))  # empty (column, row) of the 18 x 14 grid
 
 
 class CoincidentTransducers(UserWarning):
-    """Some transducers are at the same place, which no real array can have."""
+    """Some transducers have the same position, which is impossible in a real array."""
 
 
 @dataclass(frozen=True, eq=False)
 class Array:
-    """N transducers.
+    """An array of N transducers.
 
-    positions: [m], shape (N, 3), within 1e7 m of the origin. normals: where they point, shape (N, 3), normalised here.
-    transducer: their kind; ideal (omni, 1 Pa at 1 m) unless given.
-    response: how each differs from its kind, complex, (N,): its strength, and by how much its sound leads
-        [rad]; None where none differs. It is a factor of B's columns, so solvers make up for it.
+    positions: [m], shape (N, 3), within 1e7 m of the origin. normals: directions of the transducers, shape (N, 3);
+        normalised here.
+    transducer: their type; ideal (omnidirectional, 1 Pa at 1 m) by default.
+    response: complex factor by which each transducer differs from its type, (N,): relative strength and phase lead
+        [rad]. None if none differs. The factors multiply the columns of B, so that solvers compensate for them.
     Raises ArgumentError; warns of coincident transducers.
     """
 
@@ -60,7 +61,7 @@ class Array:
             raise ArgumentError(
                 "positions",
                 f"reach {farthest:.4g} m from the origin, more than {WORLD:g} m, where rounding would "
-                "make phases wrong: put the origin nearer",
+                "make phases wrong: choose an origin closer to the array",
             )
         check_near("positions", r, r.mean(axis=0))
         try:
@@ -73,14 +74,14 @@ class Array:
             ) from None
         largest = np.abs(n).max(axis=1, keepdims=True)
         if not (largest > 1e-12).all():
-            raise ArgumentError("normals", f"has no length at {int(np.argmin(largest))}")
+            raise ArgumentError("normals", f"has zero length at {int(np.argmin(largest))}")
         n = n / largest
         n /= np.sqrt((n * n).sum(axis=1, keepdims=True))
         _, first, count = np.unique(r, axis=0, return_index=True, return_counts=True)
         if (count > 1).any():
             where = ", ".join(map(str, sorted(first[count > 1].tolist())[:5]))
             warnings.warn(
-                f"{int((count - 1).sum())} transducers share the place of others (first: {where})",
+                f"{int((count - 1).sum())} transducers share the position of others (first: {where})",
                 CoincidentTransducers,
                 stacklevel=2,
             )
@@ -111,7 +112,7 @@ class Array:
         return Card(f"Array of {len(self)} transducers", rows, draw=self._draw)
 
     def _draw(self, panel: Any) -> None:
-        """Where they are, seen along the axis that most of them face."""
+        """Plot the positions, viewed along the axis closest to the normals."""
         along = int(np.abs(self.normals).mean(axis=0).argmax())
         i, j = (k for k in range(3) if k != along)
         r = 1e3 * self.positions[:: 1 + len(self) // DOTS]
@@ -119,11 +120,11 @@ class Array:
         panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]", aspect="equal")
 
     def __add__(self, other: object) -> Array:
-        """Both arrays' transducers, in order; they must be of one kind."""
+        """Return an array with the transducers of both, in order; their type must be the same."""
         if not isinstance(other, Array):
             return NotImplemented
         if other.transducer != self.transducer:
-            raise ArgumentError("other", "has another kind of transducer: one array has one kind")
+            raise ArgumentError("other", "has another type of transducer: an array has one type")
         return Array(
             np.concatenate([self.positions, other.positions]),
             np.concatenate([self.normals, other.normals]),
@@ -133,21 +134,21 @@ class Array:
 
     @property
     def centre(self) -> Floats:
-        """The mean position [m], shape (3,)."""
+        """Mean position of the transducers [m], shape (3,)."""
         return np.asarray(self.positions.mean(axis=0))
 
     @property
     def responses(self) -> Complexes:
-        """`response`, (N,), with ones where none differs."""
+        """`response`, (N,); all ones if it is None."""
         return np.ones(len(self), np.complex128) if self.response is None else self.response
 
     def moved(self, pose: Pose) -> Array:
-        """This array placed by `pose`."""
+        """Return this array moved by `pose`."""
         r, n = pose.points(self.positions), pose.directions(self.normals)
         return replace(self, positions=r, normals=n)
 
     def without(self, dead: ArrayLike) -> Array:
-        """This array less the transducers `dead`: indices, or a flag for each. Raises ArgumentError."""
+        """Return this array without the transducers `dead`: indices, or a flag for each. Raises ArgumentError."""
         N, given = len(self), np.asarray(dead)
         keep = np.ones(N, dtype=np.bool_)
         if given.dtype.kind == "b" and given.shape == (N,):
@@ -163,14 +164,14 @@ class Array:
         )
 
     def fold(self, hinge: str = "x", angle: float = 45.0) -> Array:
-        """This planar array folded towards +z about the middle line of its bounding box.
+        """Return this planar array folded towards +z about the centre line of its bounding box.
 
-        hinge: "x" or "y", the axis that stays. angle: by how much each half is raised [deg].
+        hinge: "x" or "y", the axis parallel to the fold. angle: by which each half is raised [deg].
         Transducers on the hinge keep their normals. Raises ArgumentError.
         """
         if hinge not in ("x", "y"):
             raise ArgumentError("hinge", f'must be "x" or "y", not {hinge!r}')
-        bent = 1 if hinge == "x" else 0  # the coordinate that is bent
+        bent = 1 if hinge == "x" else 0  # coordinate across the hinge
         radians = np.radians(check_number("angle", angle, low=-180.0, high=180.0))
         r, n = self.positions.copy(), self.normals.copy()
         low, high = r.min(axis=0), r.max(axis=0)
@@ -183,12 +184,12 @@ class Array:
         return replace(self, positions=r, normals=n)
 
     def driven_by(self, transducer: Transducer) -> Array:
-        """This array with another kind of transducer."""
+        """Return this array with another type of transducer."""
         return replace(self, transducer=transducer)
 
 
 def _response(given: ArrayLike | None, count: int) -> Complexes | None:
-    """A response, (count,), checked and sealed; None where all of it is 1."""
+    """Check `given` and return a read-only response, (count,); None if it is 1 everywhere."""
     if given is None:
         return None
     try:
@@ -203,7 +204,7 @@ def _response(given: ArrayLike | None, count: int) -> Complexes | None:
         raise ArgumentError(
             "response",
             f"must be {MIN_STRENGTH:g} to {1.0 / MIN_STRENGTH:g} in size: [{worst}] is {size[worst]:g}; "
-            "leave out what is dead (`without`)",
+            "remove dead transducers with `without`",
         )
     made.flags.writeable = False
     return None if (made == 1.0).all() else made
@@ -212,10 +213,10 @@ def _response(given: ArrayLike | None, count: int) -> Complexes | None:
 def lattice(
     width: float, height: float, pitch: float = 0.01, transducer: Transducer = IDEAL
 ) -> Array:
-    """A planar lattice on the xy-plane centred on the origin, pointing to +z.
+    """Make a planar lattice in the xy-plane, centred on the origin and pointing to +z.
 
-    width, height: its extent in x and y [m], both ends included, rounded to whole steps. pitch: [m].
-    transducer: their kind, ideal unless given.
+    width, height: its extent in x and y [m], both ends included, rounded to multiples of the pitch. pitch: [m].
+    transducer: their type, ideal by default.
     `lattice(0.2, 0.4)` has 21 x 41 transducers. Raises ArgumentError.
     """
     pitch = check_length("pitch", pitch)
@@ -237,11 +238,11 @@ def lattice(
 
 
 def autd(columns: int = 1, rows: int = 1, transducer: Transducer = T4010A1) -> Array:
-    """A grid of AUTD units side by side, 249 transducers each, centred on the origin, pointing to +z.
+    """Make a grid of AUTD units side by side, 249 transducers each, centred on the origin and pointing to +z.
 
-    columns, rows: units in x and y; `autd(3, 3)` is the paper's array, 2241 transducers, 57 x 45 cm.
-    transducer: their kind. Positions [m] are those of the AUTD3 board, 10.16 mm apart.
-    Order: unit by unit along x, then y; in a unit row by row. Raises ArgumentError.
+    columns, rows: number of units in x and y. `autd(3, 3)` is the paper's array: 2241 transducers, 57 x 45 cm.
+    transducer: their type. Positions [m] are those of the AUTD3 board, 10.16 mm apart.
+    The transducers are ordered by unit, first along x, then along y, and within a unit by row. Raises ArgumentError.
     """
     columns, rows = check_integer("columns", columns, low=1), check_integer("rows", rows, low=1)
     if columns * rows > 1000:

@@ -1,4 +1,4 @@
-// The kernel of `resolution`: under which directions an array is seen from points.
+// The kernel of `resolution`: the distribution of directions from points to an array's transducers.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-"""Directivity D(theta) of a transducer, as functions of cos(theta); all but `omni` are zero behind it."""
+"""Directivities D(theta) of a transducer, as functions of cos(theta). All except `omni` are zero behind it."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ SEGMENTS = np.array(
 
 
 def omni(cos_theta: Floats) -> Floats:
-    """1 in every direction, also behind (the paper's experiment). cos_theta: any shape (M, N)."""
+    """Return 1 for every direction, also behind (the paper's experiment). cos_theta: any shape."""
     return np.ones_like(cos_theta)
 
 
 def t4010a1(cos_theta: Floats) -> Floats:
-    """The T4010A1 of the AUTD units; zero behind it. cos_theta: any shape (M, N)."""
+    """Return the directivity of the AUTD units' T4010A1; zero behind it. cos_theta: any shape."""
     theta = np.degrees(np.arccos(np.clip(cos_theta, 0.0, 1.0)))  # [deg]
     segment = np.clip(np.ceil(theta / 10.0).astype(np.intp) - 1, 0, 8)
     x = theta - 10.0 * segment
@@ -58,7 +58,7 @@ class Piston:
         object.__setattr__(self, "wavenumber", check_number("wavenumber", self.wavenumber, low=0.0))
 
     def __call__(self, cos_theta: Floats) -> Floats:
-        """D, same shape as `cos_theta`."""
+        """Return D, with the shape of `cos_theta`."""
         from scipy.special import j1
 
         sine = np.sqrt(np.clip(1.0 - cos_theta**2, 0.0, 1.0))

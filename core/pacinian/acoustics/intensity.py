@@ -1,8 +1,8 @@
-"""Where sound goes, and how hard it presses along the skin's normal: both in double precision.
+"""Acoustic intensity, and radiation pressure along the skin's normal, in double precision.
 
     I = Re(p v*) / 2,    v = j grad(p) / (rho omega)
 
-p: complex sound pressure, in time as exp(j omega t). v: particle velocity, by Euler's equation.
+p: complex sound pressure, with time dependence exp(j omega t). v: particle velocity, by Euler's equation.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
 
-CHUNK = 1 << 16  # elements of B at a time
-STEP = 1e-6  # of cos(theta): over this the slope of a directivity is taken
-TINY = 1e-30  # keeps quotients finite
+CHUNK = 1 << 16  # elements of B in one chunk
+STEP = 1e-6  # step of cos(theta) for the slope of a directivity
+TINY = 1e-30  # smallest divisor
 
 
 def intensity(
@@ -38,11 +38,11 @@ def intensity(
     medium: Air | None = None,
     facing: SkinFacing | None = None,
 ) -> Floats:
-    """Active intensity I [W/m^2] at M points, (M, 3): where energy flows to, and how much.
+    """Return the active intensity I at M points, (M, 3) [W/m^2]: the direction and density of the energy flow.
 
-    array: N transducers. gains: (N,). points: [m], (M, 3). medium: `Air()` unless given. facing: of the
-    points, where they are on skin; then only the sound counts that comes to its outward side and that the hand does not
-    hide. Raises ArgumentError; PointOnTransducer.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: `Air()` by default. facing: of the points, if they
+    are on skin; then only sound counts that arrives on the skin's outward side and that the hand does not block.
+    Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
     g, q = _checked(array, gains, points, medium, facing)
@@ -65,10 +65,10 @@ def normal_pressure(
     facing: SkinFacing,
     medium: Air | None = None,
 ) -> Floats:
-    """Radiation pressure along the normals of skin [Pa], (M,); 2 E cos^2(theta) for a plane wave.
+    """Return the radiation pressure along the normals of skin, (M,) [Pa]; 2 E cos^2(theta) for a plane wave.
 
-    array: N transducers. gains: (N,). points: [m], (M, 3). facing: of the points. medium: `Air()` unless given.
-    Raises ArgumentError; PointOnTransducer.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. facing: of the points. medium: `Air()` by default.
+    Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
     g, q = _checked(array, gains, points, medium, facing)
@@ -82,9 +82,9 @@ def normal_pressure(
 def _checked(
     array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, facing: SkinFacing | None
 ) -> tuple[Complexes, Floats]:
-    """Gains (N,) and points (M, 3) that fit."""
+    """Check and return gains, (N,), and points, (M, 3)."""
     q = check_numbers("points", points, (None, 3))
-    field(array, gains, q, medium)  # refuses what it cannot evaluate
+    field(array, gains, q, medium)  # raises for invalid arguments
     if facing is not None:
         check_kind("facing", facing, SkinFacing)
         if len(facing) != len(q):
@@ -98,7 +98,7 @@ def _parts(M: int, N: int) -> Iterator[slice]:
 
 
 def _with_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes, Complexes]:
-    """B [Pa], (M, N), and its gradient over the points [Pa/m], (M, 3, N)."""
+    """Return B, (M, N) [Pa], and its gradient with respect to the points, (M, 3, N) [Pa/m]."""
     kind = array.transducer
     d = (points[:, None, :] - array.positions).transpose(0, 2, 1)  # (M, 3, N) [m]
     r = np.maximum(np.sqrt((d * d).sum(axis=1)), TINY)  # (M, N) [m]

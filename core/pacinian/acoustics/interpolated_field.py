@@ -1,11 +1,13 @@
 """The field on a regular grid, interpolated from fewer points where it is smooth enough.
 
-Away from the transducers sound has no detail finer than half a wavelength, and a picture of it has several points
-there. Along each axis the field is taken as a series of Chebyshev polynomials of sin(a x), whose nodes are almost even,
-so that little more than two of them for each wavelength do (Kosloff and Tal-Ezer, J. Comput. Phys. 104, 1993). It is
-evaluated by the barycentric formula (Berrut and Trefethen, SIAM Review 46, 2004). Whether the nodes were enough is seen
-from the last coefficients: they are large wherever there is detail that the nodes do not resolve, beside a transducer
-or where the sound of one ends; and from some points of the grid, where the field is computed beside.
+Away from the transducers, sound has no detail finer than half a wavelength, while a picture has several points in half
+a wavelength. Along each axis, the field is expanded in Chebyshev polynomials of sin(a x). Their nodes are almost evenly
+spaced, so that little more than two nodes per wavelength suffice (Kosloff and Tal-Ezer, J. Comput. Phys. 104, 1993).
+The series is evaluated by the barycentric formula (Berrut and Trefethen, SIAM Review 46, 2004).
+
+Two checks decide whether the nodes were enough. The last coefficients are large if there is detail that the nodes do
+not resolve, for example near a transducer, or at the edge of its radiation. And at some grid points, the field is also
+computed directly.
 """
 
 from __future__ import annotations
@@ -25,18 +27,21 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats, Singles
 
-MORE = 20  # nodes along an axis beyond two for each wavelength
-EVEN = 1e-5  # error that lets the nodes be so even
-LAST = 3  # coefficients that are looked at
-SMALL = 1e-4  # of the largest pressure: what they may be
-PROBES = 9  # points along an axis, corners among them, where the field is computed beside
-WRONG = 4e-4  # of the largest pressure: what may be missed there
-PAYS = 0.7  # of the grid's points: with more nodes than that there is nothing to win
+MORE = 20  # nodes along an axis, in addition to two per wavelength
+EVEN = 1e-5  # error accepted in return for almost even nodes
+LAST = 3  # highest coefficients along an axis that are checked
+SMALL = 1e-4  # largest size of these, relative to the largest pressure
+PROBES = 9  # check points along an axis, including corners, where the field is computed directly
+WRONG = 4e-4  # largest error at these, relative to the largest pressure
+PAYS = 0.7  # largest ratio of nodes to grid points at which interpolation saves time
 
 
 @dataclass(frozen=True)
 class InterpolatedField:
-    """Points origin + i steps[0] + j steps[1] + ... [m], for i < shape[0], j < shape[1], ..., the last one fastest."""
+    """A grid of points origin + i steps[0] + j steps[1] + ... [m], i < shape[0], j < shape[1], ...
+
+    The last index varies fastest.
+    """
 
     origin: tuple[float, ...]
     steps: tuple[tuple[float, ...], ...]
@@ -44,20 +49,21 @@ class InterpolatedField:
 
     @property
     def points(self) -> Floats:
-        """All of them [m], shape (*shape, 3)."""
+        """The points [m], shape (*shape, 3)."""
         return self._at([np.arange(count, dtype=np.float64) for count in self.shape])
 
     def _at(self, places: list[Floats]) -> Floats:
-        """Where the places along each axis, in steps, meet [m]."""
+        """Return the grid spanned by positions along each axis, which are in steps, as points [m]."""
         found = np.array(self.origin)
         for along, step in zip(places, np.array(self.steps), strict=True):
             found = found[..., None, :] + along[:, None] * step
         return found
 
     def field(self, array: Array, gains: ArrayLike, medium: Air) -> Complexes | None:
-        """Complex sound pressure [Pa] at its points, shape `shape`, by interpolation; None where that would not do.
+        """Return the complex sound pressure [Pa] at the points, shape `shape`, by interpolation.
 
-        |p|^2 is within 0.2 % of its largest. array, gains, medium: as of `propagation.field`. Raises ArgumentError.
+        Errors of |p|^2 are within 0.2 % of its largest value. Returns None if interpolation is too inaccurate, or would
+        not save time. array, gains, medium: as for `propagation.field`. Raises ArgumentError.
         """
         turns = medium.wavenumber(array.transducer.frequency) / (2.0 * math.pi)
         lengths = np.linalg.norm(self.steps, axis=1) * (np.array(self.shape) - 1)
@@ -86,9 +92,10 @@ class InterpolatedField:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Interpolation along an axis of K points from n nodes.
+    """Interpolation from n nodes to K points along one axis.
 
-    nodes: in steps, (n,). values: at the points per value at the nodes, (K, n). last: coefficients, (LAST, n).
+    nodes: positions in steps, (n,). values: matrix from values at the nodes to values at the points, (K, n). last:
+    matrix from values at the nodes to the last coefficients, (LAST, n).
     """
 
     nodes: Floats
@@ -98,7 +105,7 @@ class Axis:
 
 @functools.lru_cache(maxsize=64)
 def _axis(K: int, n: int) -> Axis:
-    """Of K points, from n nodes: x = arcsin(a c) / arcsin(a) on -1..1, c: Chebyshev's nodes of the first kind."""
+    """Make an axis of K points from n nodes x = arcsin(a c) / arcsin(a) on -1..1; c: Chebyshev nodes, first kind."""
     angles = np.pi * (np.arange(n) + 0.5) / n
     c = np.cos(angles)
     a = 1.0 / math.cosh(math.log(EVEN) / n)

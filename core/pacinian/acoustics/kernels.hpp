@@ -1,13 +1,13 @@
 // The propagation kernels: equations (3) to (7) fused, in single precision, without temporaries.
 //
-// A wave is evaluated on tiles of transducers small enough for the first-level cache, in passes that the compiler
-// vectorises: distance, amplitude, phase. Phase is kept in turns, so that the range reduction is one rounding; the
-// error of a phase is that of a float32 distance: 6e-8 k r [rad] RMS, 5 times that at most.
-// `propagation.matrix` in double precision is the reference that tests compare with.
+// A wave is evaluated on tiles of transducers that fit the first-level cache, in passes that the compiler vectorises:
+// distance, amplitude, phase. Phase is kept in turns, so that range reduction is a single rounding. The error of a
+// phase is that of a float32 distance: 6e-8 k r [rad] RMS, and at most 5 times that.
+// Tests compare the kernels with `propagation.matrix`, in double precision.
 //
-// Arguments shared by all: r, n: positions [m] and normals of the transducers relative to their centre, (3, N).
-// law: (k / 2 pi [1/m], power, beta [1/m], P0 [Pa m]). table: the directivity in the middle of equal steps of
-// cos(theta) from 0 to 1, after one entry for all that lies behind; of length 1 for an omnidirectional transducer.
+// Common arguments: r, n: positions [m] and normals of the transducers, relative to their centre, (3, N).
+// law: (k / 2 pi [1/m], power, beta [1/m], P0 [Pa m]). table: one entry for directions behind, then the directivity at
+// the middle of equal steps of cos(theta) from 0 to 1; of length 1 for an omnidirectional transducer.
 #pragma once
 #include <algorithm>
 
@@ -18,16 +18,16 @@
 namespace pacinian::acoustics {
 
 constexpr Index TILE = 256;
-constexpr f4 NEAREST = 1e-30f;   // [m^2]; keeps 1 / r finite on a transducer
-constexpr f4 TOUCHING = 1e-12f;  // [m^2]; a point this near is on the transducer
+constexpr f4 NEAREST = 1e-30f;   // smallest r^2, so that 1 / r is finite on a transducer [m^2]
+constexpr f4 TOUCHING = 1e-12f;  // squared distance within which a point is on a transducer [m^2]
 
 struct Tile {
     alignas(64) f4 real[TILE], imag[TILE], inverse[TILE];
     alignas(64) i4 place[TILE];
 };
 
-// Sound pressure at (x, y, z) per gain of the transducers first..first + count, to tile.real and tile.imag; the inverse
-// distance [1/m] to tile.inverse. Returns how many of the transducers the point lies on.
+// Write the sound pressure at (x, y, z) per gain of the transducers first..first + count to tile.real and tile.imag, and
+// the inverse distance [1/m] to tile.inverse. Returns the number of transducers that the point lies on.
 inline f4 wave(f4 x, f4 y, f4 z, View<const f4, 2> r, View<const f4, 2> n, Index first, Index count, const f4* law,
                View<const f4, 1> table, Tile& tile) {
     const f4 turns = law[0], exponent = law[1], beta = law[2], P0 = law[3];
@@ -39,11 +39,11 @@ inline f4 wave(f4 x, f4 y, f4 z, View<const f4, 2> r, View<const f4, 2> n, Index
         const f4 squared = dx * dx + dy * dy + dz * dz;
         touching += squared < TOUCHING ? 1.0f : 0.0f;
         inverse[i] = 1.0f / std::sqrt(squared + NEAREST);
-        // The distance [m]; as the inverse may be an estimate, with a step of Newton's.
+        // The distance [m], with one Newton step, because the inverse may be an estimate.
         const f4 distance = squared * inverse[i];
         real[i] = distance + 0.5f * inverse[i] * (squared - distance * distance);
     }
-    // Amplitude into imag; the two usual laws need no power.
+    // Write the amplitude to imag; the two usual laws need no power function.
     if (exponent == 1.0f) {
         for (Index i = 0; i < count; ++i) imag[i] = P0 * inverse[i];
     } else if (exponent == 0.0f) {
@@ -71,14 +71,14 @@ inline f4 wave(f4 x, f4 y, f4 z, View<const f4, 2> r, View<const f4, 2> n, Index
         const f4 steps = static_cast<f4>(last);
         for (Index i = 0; i < count; ++i) {
             const f4 cosine = ((x - rx[i]) * nx[i] + (y - ry[i]) * ny[i] + (z - rz[i]) * nz[i]) * inverse[i];
-            const f4 front = cosine > 0.0f ? cosine : 0.0f;  // NaN is behind
+            const f4 front = cosine > 0.0f ? cosine : 0.0f;  // NaN counts as behind
             place[i] = static_cast<i4>(std::ceil(front * steps));
         }
         for (Index i = 0; i < count; ++i) imag[i] *= table[std::min(place[i], last)];
     }
     for (Index i = 0; i < count; ++i) {
         f4 t = real[i] * turns;
-        t -= std::nearbyint(t);  // -1/2 .. 1/2 turns; half of it below: sin and cos of pi t
+        t -= std::nearbyint(t);  // -1/2..1/2 turns; below, sin and cos of half the angle, pi t
         const f4 u = t * t;
         const f4 s = t * (3.14159258f + u * (-5.16770687f + u * (2.55003119f + u * (-0.59804419f + u * 0.07721839f))));
         const f4 c = 1.0f + u * (-4.93480214f + u * (4.05870916f + u * (-1.335212f + u * (0.23493731f + u * -0.02439632f))));

@@ -1,4 +1,4 @@
-"""A rigid pose."""
+"""Rigid poses."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def vector(name: str, value: ArrayLike) -> Vector:
 
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The rotation b, then the rotation a."""
+    """Return the rotation b followed by the rotation a."""
     x, y, z, w = a
     p, q, r, s = b
     return (
@@ -43,7 +43,7 @@ def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def rotate(rotation: Quaternion, angular_velocity: Vector, seconds: float) -> Quaternion:
-    """`rotation`, turned on at `angular_velocity` [rad/s], about the world's axes, for `seconds` [s]."""
+    """Return `rotation` after `seconds` [s] at `angular_velocity` [rad/s], about the world's axes."""
     rate = hypot(*angular_velocity)
     if not rate:
         return rotation
@@ -53,7 +53,7 @@ def rotate(rotation: Quaternion, angular_velocity: Vector, seconds: float) -> Qu
 
 
 class Pose(Struct, frozen=True, forbid_unknown_fields=True):
-    """Where something is: a rotation about its own origin, then a translation.
+    """The pose of an object: a rotation about its own origin, followed by a translation.
 
     position: [m]. rotation: quaternion (x, y, z, w); normalised here if its length is within 1 % of 1.
     Raises ArgumentError.
@@ -76,7 +76,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def matrix(self) -> Floats:
-        """The rotation as a matrix, shape (3, 3)."""
+        """The rotation matrix, shape (3, 3)."""
         x, y, z, w = self.rotation
         return np.array(
             [
@@ -87,16 +87,16 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         )
 
     def points(self, local: Floats) -> Floats:
-        """World positions [m] of local points, shape (M, 3)."""
+        """Return the world positions of local points, shape (M, 3) [m]."""
         return np.asarray(self.directions(local) + np.array(self.position))
 
     def directions(self, local: Floats) -> Floats:
-        """World directions of local ones, shape (M, 3)."""
+        """Return the world directions of local directions, shape (M, 3)."""
         return np.asarray(local @ self.matrix.T)
 
     @classmethod
     def turned(cls, axis: str, angle: float, position: ArrayLike = (0.0, 0.0, 0.0)) -> Pose:
-        """A pose turned about "x", "y" or "z" by `angle` [deg], then placed at `position` [m]."""
+        """Return a pose rotated about "x", "y" or "z" by `angle` [deg], at `position` [m]."""
         if axis not in ("x", "y", "z"):
             raise ArgumentError("axis", f'must be "x", "y" or "z", not {axis!r}')
         half = np.radians(check_number("angle", angle)) / 2.0

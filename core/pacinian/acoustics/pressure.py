@@ -1,4 +1,4 @@
-"""Equation (1): radiation pressure from sound pressure, and back. The only place of that conversion."""
+"""Equation (1): convert sound pressure to radiation pressure and back. No other module does this conversion."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
-SKIN = 2.0  # alpha for skin, or any liquid or solid: nearly all of the sound is reflected
-REFERENCE = 20e-6  # [Pa] RMS, 0 dB sound pressure level
+SKIN = 2.0  # alpha for skin, or any liquid or solid, which reflect nearly all of the sound
+REFERENCE = 20e-6  # RMS sound pressure at a sound pressure level of 0 dB [Pa]
 
 
 def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
-    """Radiation pressure P = alpha p_rms^2 / (rho c^2) [Pa], the paper's equation (1).
+    """Return the radiation pressure P = alpha p_rms^2 / (rho c^2) [Pa], the paper's equation (1).
 
     p: sound pressure, complex or peak amplitude [Pa], any shape; p_rms = |p| / sqrt(2).
-    medium: gives rho and c. alpha: about 2 on skin. Returns the shape of `p`.
+    medium: provides rho and c. alpha: about 2 on skin. Returns the shape of `p`.
     Raises ArgumentError.
     """
     check_kind("medium", medium, Air)
@@ -31,9 +31,9 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
 
 
 def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
-    """Peak sound pressure amplitude |p| [Pa] that makes a radiation pressure; the inverse of equation (1).
+    """Return the peak sound pressure amplitude |p| [Pa] for a radiation pressure; the inverse of equation (1).
 
-    radiation_pressure: [Pa], not negative, any shape. medium: gives rho and c. alpha: about 2 on skin.
+    radiation_pressure: [Pa], not negative, any shape. medium: provides rho and c. alpha: about 2 on skin.
     Returns the shape of `radiation_pressure`. Raises ArgumentError.
     """
     check_kind("medium", medium, Air)
@@ -48,7 +48,7 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
 
 
 def sound_pressure_level(p: ArrayLike) -> Floats:
-    """Sound pressure level [dB re 20 uPa RMS]; -inf where silent. p: complex or peak amplitude [Pa]."""
+    """Return the sound pressure level [dB re 20 uPa RMS]; -inf for silence. p: complex or peak amplitude [Pa]."""
     with np.errstate(divide="ignore"):
         return np.asarray(20.0 * np.log10(_amplitude(p) / np.sqrt(2.0) / REFERENCE))
 

@@ -1,9 +1,9 @@
-"""Equations (3) to (7): the sound pressure that an array makes at points.
+"""Equations (3) to (7): the sound pressure that an array produces at points.
 
     p = B g,    B_mn = s_n P0 D(theta_mn) a(|q_m - r_n|) exp(-j k |q_m - r_n|)
 
-B: shape (M, N) [Pa], the pressure at point m per unit gain of transducer n. s_n: `Array.response`, by which real
-transducers differ; nowhere else are strengths and phases made up for.
+B: shape (M, N) [Pa], the pressure at point m per unit gain of transducer n. s_n: `Array.response`, the measured
+differences between real transducers, which are compensated only here.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ Precision = Literal["single", "double"]
 
 STEPS = (
     1 << 16
-)  # of cos(theta) in the kernels' directivity table, constant on each; T4010A1: 1.5e-5 off at most
-MAX_GAIN = 1e30  # gain; single precision ends at 3e38
-TOUCHING = 1e-6  # [m]; a point this near is on the transducer
-CHUNK = 1 << 18  # elements of B that one step of the double-precision field holds
+)  # steps of cos(theta) in the kernels' directivity table; error at most 1.5e-5 for the T4010A1
+MAX_GAIN = 1e30  # largest gain; single precision ends at 3e38
+TOUCHING = 1e-6  # distance within which a point is on the transducer [m]
+CHUNK = 1 << 18  # elements of B in one chunk of the double-precision field
 
 
 @dataclass(frozen=True, eq=False)
 class KernelData:
-    """What the kernels need of an array and a medium, prepared once.
+    """An array and a medium in the form that the kernels need, prepared once.
 
-    origin: the array's centre [m], subtracted in double precision, so that an array a kilometre from
-    the origin of the world loses nothing. r, n, law, table: as in `kernels`. response: the array's, (N,).
+    origin: the array's centre [m]. It is subtracted in double precision, so that an array a kilometre from the world's
+    origin loses no precision. r, n, law, table: as in the kernels. response: of the array, (N,).
     """
 
     array: Array
@@ -57,7 +57,7 @@ class KernelData:
     @classmethod
     @functools.lru_cache(maxsize=16)
     def prepare(cls, array: Array, medium: Air) -> KernelData:
-        """Prepare for `array` in `medium`; kept for a few of them."""
+        """Prepare the data for `array` in `medium`; the last 16 are cached."""
         kind = array.transducer
         origin = array.centre
         turns = medium.wavenumber(kind.frequency) / (2.0 * np.pi)
@@ -75,10 +75,11 @@ class KernelData:
         )
 
     def matrix(self, points: Floats, out: Complexes, rows: Indices | None = None) -> None:
-        """Write B, shape (M, N), for `points` [m], shape (M, 3); or only those of its rows.
+        """Write B for `points` [m], shape (M, 3), to `out`, shape (M, N), or only some of its rows.
 
-        Single precision where `out` is complex64, else the reference in double precision.
-        points: (K, 3) for `rows`, (K,). Raises PointOnTransducer where the attenuation is singular.
+        Uses the kernel if `out` is complex64, else the reference in double precision.
+        rows: indices of the rows to write, (K,), for points of shape (K, 3). Raises PointOnTransducer if a point is on
+        a transducer and the attenuation is singular.
         """
         rows = np.arange(len(points)) if rows is None else rows
         if out.dtype == np.complex64:
@@ -95,14 +96,14 @@ class KernelData:
             out[rows] = matrix(self.array, points, self.medium)
 
     def refuse(self, touches: Singles) -> None:
-        """Raise PointOnTransducer for points that touch one, (M,), where that is singular."""
+        """Raise PointOnTransducer if any point touches a transducer, (M,), and the attenuation is singular."""
         if self.medium.singular and touches.any():
             raise PointOnTransducer(np.flatnonzero(touches).tolist())
 
 
 @functools.lru_cache(maxsize=16)
 def _table(directivity: Callable[[Floats], Floats]) -> Singles:
-    """A directivity as the kernels read it. Raises ArgumentError."""
+    """Return a directivity as the kernels' table. Raises ArgumentError."""
     if directivity is omni:
         return np.ones(1, dtype=np.float32)
     D = np.asarray(directivity((np.arange(STEPS) + 0.5) / STEPS), dtype=np.float64)
@@ -112,10 +113,10 @@ def _table(directivity: Callable[[Floats], Floats]) -> Singles:
 
 
 def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Complexes:
-    """B [Pa], shape (M, N), complex128, in double precision: the reference for the kernels.
+    """Return B [Pa], shape (M, N), complex128, in double precision; the reference for the kernels.
 
-    array: N transducers. points: [m], shape (M, 3). medium: `Air()` unless given.
-    Raises ArgumentError; PointOnTransducer where the attenuation is singular.
+    array: N transducers. points: [m], shape (M, 3). medium: `Air()` by default.
+    Raises ArgumentError, and PointOnTransducer if the attenuation is singular there.
     """
     medium = medium or Air()
     q = check_numbers("points", points, (None, 3))
@@ -145,12 +146,12 @@ def field(
     medium: Air | None = None,
     precision: Precision = "single",
 ) -> Complexes:
-    """Complex sound pressure p = B g [Pa] at any number of points, without building B.
+    """Return the complex sound pressure p = B g [Pa] at any number of points, without storing B.
 
-    array: N transducers. gains: (N,). points: [m], shape (..., 3). medium: `Air()` unless given.
-    precision: "single" (fused kernel on all cores; phases to 6e-8 k r rad; beyond 10 m of the array
-    double is used) or "double", which takes 100 times as long.
-    Returns shape (...). Raises ArgumentError; PointOnTransducer.
+    array: N transducers. gains: (N,). points: [m], shape (..., 3). medium: `Air()` by default.
+    precision: "single" (a fused kernel on all cores, with phase errors of 6e-8 k r rad; points more than 10 m from the
+    array use double precision) or "double", which takes 100 times as long.
+    Returns shape (...). Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
     if precision not in ("single", "double"):

@@ -1,10 +1,10 @@
-"""How finely an array resolves, and how wide its focus is, by the directions from which the sound comes.
+"""Resolution and focal area of an array, from the directions in which the sound arrives.
 
-Near a focus at q, with each transducer's sound in phase and weighted w_n there, the field is
+Near a focus at q, where the sound of all transducers is in phase and has weights w_n, the field is
 
     |p(q + d)| / |p(q)| = 1 - k^2 d^T C d / 2
 
-where C is the covariance of the unit vectors from q to the transducers, weighted with w_n.
+where C is the covariance of the unit vectors from q to the transducers, with weights w_n.
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Floats
 
-MAIN_LOBE = 0.86  # of pi / (k^2 sqrt(det C)): 0.853 of a rectangle, 0.838 of a disc, more where w falls to the rim
-MIN_LENGTH = 1e-30  # of a vector that is divided by its length
+# Area of the main lobe, relative to pi / (k^2 sqrt(det C)): 0.853 for a rectangular array, 0.838 for a disc, more if w
+# decreases towards the rim.
+MAIN_LOBE = 0.86
+MIN_LENGTH = 1e-30  # smallest vector length used as a divisor
 
 
 def resolution(array: Array, points: ArrayLike, medium: Air | None = None) -> Floats:
-    """How far from a focus its main lobe ends, in the direction in which that is nearest [m], (M,).
+    """Return the distance from a focus to the end of its main lobe, in the direction where it is shortest, (M,) [m].
 
-    With w = |B|^2. Directions that spread evenly with the variance sigma^2, C's largest, make the first null at
-    lambda / (2 sqrt(3) sigma). Infinite where a single transducer is heard, or none.
-
-    array: N transducers. points: [m], (M, 3). medium: `Air()` unless given. Raises ArgumentError; PointOnTransducer.
+    The weights are w = |B|^2. Uniformly distributed directions with variance sigma^2, the largest eigenvalue of C, have
+    the first null at lambda / (2 sqrt(3) sigma). Infinite if sound arrives from one transducer only, or from none.
+    array: N transducers. points: (M, 3) [m]. medium: `Air()` by default. Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
     q = check_numbers("points", points, (None, 3))
@@ -52,19 +53,19 @@ def focal_area(
     *,
     even: bool = False,
 ) -> Floats:
-    """Force of a focus over the radiation pressure at its centre [m^2], (M,).
+    """Return the force of a focus divided by the radiation pressure at its centre, (M,) [m^2].
 
-    The force is the integral of the radiation pressure over the main lobe, out to where it first stops falling, on a
-    plane through the focus. Its area is 0.86 pi / (k^2 sqrt(det C)), with C in that plane: within 7 % of the integral
-    for flat filled, sparse and random arrays, 0.08 to 0.4 m away, 15 % for one folded by 30 degrees; a ring may be off
-    by far more (docs/concepts.md). Infinite where there is no focus: a
-    single transducer is heard, or none, or all of them in one line.
+    The force is the integral of the radiation pressure on a plane through the focus, over the main lobe, which ends
+    where the pressure first stops falling. The result is 0.86 pi / (k^2 sqrt(det C)), with C in that plane. This is
+    within 7 % of the integral for flat filled, sparse and random arrays at 0.08 to 0.4 m, and within 15 % for an array
+    folded by 30 degrees. For a ring, it may be far off (docs/concepts.md). Infinite if there is no focus, because sound
+    arrives from one transducer only, from none, or from transducers in a line.
 
-    array: N transducers. points: [m], (M, 3). normals: of the skin, outward, (M, 3); zero, or not given, for a plane
-    across the way on which the sound comes. Where there is a normal, sound counts with the cosine of its incidence
-    (`SkinFacing`). medium: `Air()` unless given. even: whether all transducers are driven alike, as by `single-focus`
-    (w = |B|); else in proportion to how well each is heard, which takes the least power (w = |B|^2), as by `lagrange`.
-    Raises ArgumentError; PointOnTransducer.
+    array: N transducers. points: (M, 3) [m]. normals: of the skin, outward, (M, 3); zero, or None, for a plane
+    perpendicular to the arriving sound. If there is a normal, sound is weighted by the cosine of its incidence
+    (`SkinFacing`). medium: `Air()` by default. even: whether all transducers are driven equally (w = |B|), as by
+    `single-focus`; otherwise in proportion to their sound at the focus, which takes the least power (w = |B|^2), as by
+    `lagrange`. Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
     q = check_numbers("points", points, (None, 3))
@@ -84,7 +85,7 @@ def focal_area(
 def _spread(
     array: Array, q: Floats, n: Floats, medium: Air, *, even: bool = False
 ) -> tuple[Floats, Floats]:
-    """Mean, (M, 3), and covariance, (M, 3, 3), of the unit vectors from points q, (M, 3), to the transducers."""
+    """Return mean, (M, 3), and covariance, (M, 3, 3), of the unit vectors from points q, (M, 3), to the transducers."""
     from pacinian.native.acoustics import spread
 
     B = np.empty((len(q), len(array)), dtype=np.complex64)

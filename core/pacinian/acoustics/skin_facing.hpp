@@ -1,7 +1,7 @@
-// The kernel of `facing`: rows of B times the weights, tile by tile, in single precision.
+// The kernel of `SkinFacing`: multiply rows of B by the weights, tile by tile, in single precision.
 //
-// What lies below a plane through a sample hides nothing that comes from above that plane. So a capsule is computed
-// only where no such plane is found between it and a tile of transducers.
+// A capsule below a plane through a sample cannot occlude transducers above that plane. Therefore a capsule is evaluated
+// only if no such plane is found between it and a tile of transducers.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,27 +10,27 @@
 
 namespace pacinian::acoustics {
 
-constexpr Index LANES = 16;          // in whole vectors more is done for nothing, and sooner
-constexpr f4 SMALLEST = 1e-30f;      // [m^2]; keeps quotients finite
-constexpr f4 PARALLEL = 1e-6f;       // squared sine of an angle that rounding could make
-constexpr f4 FAINT = 1e-3f;          // as in `facing`
-constexpr f4 SLACK = 1e-3f;          // of the edge: what rises by this does not count
-constexpr f8 FAR = 1e3;              // [m]; no hand is as far from its array
+constexpr Index LANES = 16;          // counts are rounded up to this, because whole vectors are faster
+constexpr f4 SMALLEST = 1e-30f;      // smallest divisor [m^2]
+constexpr f4 PARALLEL = 1e-6f;       // squared sine of an angle that may be due to rounding
+constexpr f4 FAINT = 1e-3f;          // as in skin_facing.py
+constexpr f4 SLACK = 1e-3f;          // height above a plane that does not count, relative to the edge
+constexpr f8 FAR = 1e3;              // distance from the array that no hand exceeds [m]
 
-// Of each transducer of a tile: how far it is from the sample [m], and the unit vector to it.
+// For each transducer of a tile: its distance from the sample [m], and the unit vector to it.
 struct Ways {
     f4 *away, *x, *y, *z;
 };
 
-// Of each capsule, seen from the sample: one end of the axis, the way to the other, the radius there, by how much the
-// other is larger [m], and where on that way the axis is nearest, 0..1.
+// For each capsule, relative to the sample: one end of the axis, the vector to the other end, the radius at the first
+// end, the radius at the other end minus this one [m], and the nearest position on the axis, 0..1.
 struct Seen {
     f4 *ax, *ay, *az, *ex, *ey, *ez, *radius, *grows, *nearest;
 };
 
 inline Index whole_vectors(Index count) { return (count + LANES - 1) / LANES * LANES; }
 
-// The weights at q of the transducers first..first + count, without a hand.
+// Write the weights at q of the transducers first..first + count, without a hand.
 inline void look(const f4* q, const f4* normal, View<const f4, 2> r, Index first, Index count, f4* __restrict w) {
     const f4 x = q[0], y = q[1], z = q[2], nx = normal[0], ny = normal[1], nz = normal[2];
     const f4 free = nx == 0.0f && ny == 0.0f && nz == 0.0f ? 1.0f : 0.0f;
@@ -43,7 +43,7 @@ inline void look(const f4* q, const f4* normal, View<const f4, 2> r, Index first
     }
 }
 
-// How far the transducers first..first + count are from q, and where.
+// Write distances and directions of the transducers first..first + count from q.
 inline void aim(const f4* q, View<const f4, 2> r, Index first, Index count, const Ways& ways) {
     const f4 x = q[0], y = q[1], z = q[2];
     const f4 *__restrict rx = r.row(0) + first, *__restrict ry = r.row(1) + first, *__restrict rz = r.row(2) + first;
@@ -58,19 +58,19 @@ inline void aim(const f4* q, View<const f4, 2> r, Index first, Index count, cons
     }
 }
 
-// Where on an axis a way is deepest, if it is nearest at t, `gap` away: as in `facing._depth`.
+// Return the position on an axis where a path is deepest, if it is nearest at t, `gap` away: as in `_depth`.
 inline f4 deepest(f4 t, f4 gap, f4 across, f4 grows) {
     const f4 room = across * std::max(across - grows * grows, 0.0f) + SMALLEST;
     return std::min(std::max(t + grows * gap / std::sqrt(room), 0.0f), 1.0f);
 }
 
-// What passes a capsule so deep [m]. sharp: one over the edge [1/m].
+// Return the fraction of sound that passes a capsule at this depth [m]. sharp: one over the edge [1/m].
 inline f4 passing(f4 deep, f4 sharp) {
     const f4 u = std::min(std::max(1.0f - deep * sharp, 0.0f), 1.0f);
     return u * u * (3.0f - 2.0f * u);
 }
 
-// Multiply weights by what a capsule lets through to transducers in it or before it: there the way is deepest.
+// Multiply weights by the fraction that passes a capsule, for transducers in or before it, where the path is deepest.
 inline void shade_ends(const Seen& near, Index c, f4 sharp, const Ways& ways, f4* w, Index count) {
     const f4 ax = near.ax[c], ay = near.ay[c], az = near.az[c], ex = near.ex[c], ey = near.ey[c], ez = near.ez[c];
     const f4 grows = near.grows[c], ee = ex * ex + ey * ey + ez * ez + SMALLEST, ae = ax * ex + ay * ey + az * ez;
@@ -92,7 +92,7 @@ inline void shade_ends(const Seen& near, Index c, f4 sharp, const Ways& ways, f4
     }
 }
 
-// Multiply weights by what a capsule lets through: see `facing._depth`.
+// Multiply weights by the fraction that passes a capsule; see `_depth` in skin_facing.py.
 inline void shade(const Seen& near, Index c, f4 edge, const Ways& ways, f4* __restrict w, Index count) {
     const f4 ax = near.ax[c], ay = near.ay[c], az = near.az[c], ex = near.ex[c], ey = near.ey[c], ez = near.ez[c];
     const f4 radius = near.radius[c], grows = near.grows[c], nearest = near.nearest[c];
@@ -102,7 +102,7 @@ inline void shade(const Seen& near, Index c, f4 edge, const Ways& ways, f4* __re
     for (Index i = 0; i < count; ++i) {
         const f4 eu = ex * ux[i] + ey * uy[i] + ez * uz[i], au = ax * ux[i] + ay * uy[i] + az * uz[i];
         const f4 across = std::max(ee - eu * eu, least);
-        f4 t = (eu * au - ae) / across;  // where the lines are nearest
+        f4 t = (eu * au - ae) / across;  // where the lines are nearest to each other
         f4 s = au + eu * t;
         f4 x = ax + t * ex - s * ux[i], y = ay + t * ey - s * uy[i], z = az + t * ez - s * uz[i];
         t = deepest(t, std::sqrt(x * x + y * y + z * z), across, grows);
@@ -110,7 +110,7 @@ inline void shade(const Seen& near, Index c, f4 edge, const Ways& ways, f4* __re
         s = std::max(au + eu * t, 0.0f);
         x = ax + t * ex - s * ux[i], y = ay + t * ey - s * uy[i], z = az + t * ez - s * uz[i];
         const f4 let = passing(radius + t * grows - std::sqrt(x * x + y * y + z * z), sharp);
-        w[i] *= s <= away[i] ? let : 1.0f;  // else deepest at the transducer: below
+        w[i] *= s <= away[i] ? let : 1.0f;  // otherwise deepest at the transducer, see below
     }
     const f4 aa = ax * ax + ay * ay + az * az;
     f4 shortest = away[0];
@@ -118,10 +118,10 @@ inline void shade(const Seen& near, Index c, f4 edge, const Ways& ways, f4* __re
     if (std::max(aa, aa + 2.0f * ae + ee) >= shortest * shortest) shade_ends(near, c, sharp, ways, w, count);
 }
 
-// Sine of the angle by which a ray turns from straight ahead until it touches a circle of radius r.
+// Return the sine of the angle by which a ray must turn from straight ahead to touch a circle of radius r.
 //
-// along, across: how far ahead and to that side the circle's middle is. 1 where it turns by 90 degrees or more, -1 where
-// it begins in the circle.
+// along, across: distance of the circle's centre ahead and to the side. Returns 1 if the ray turns by 90 degrees or
+// more, and -1 if it starts inside the circle.
 inline f4 tangent(f4 along, f4 across, f4 r) {
     const f4 square = along * along + across * across + SMALLEST;
     const f4 k = std::sqrt(std::max(square - r * r, 0.0f));
@@ -130,10 +130,10 @@ inline f4 tangent(f4 along, f4 across, f4 r) {
     return square > r * r ? sine : -1.0f;
 }
 
-// Whether each capsule may hide something of a box: its middle and half of its sides, (6,) [m].
+// Write whether each capsule may occlude part of a box. box: its middle and half its sides, (6,) [m].
 //
-// Two planes are tried for each that touch it on the box's side: the nearest place of its axis decides to which side one
-// leans, its middle the other.
+// For each capsule, two planes are tried that touch it on the side of the box. The nearest point of its axis determines
+// the tilt of one plane, and the middle of its axis that of the other.
 inline void sift(const Seen& near, Index count, const f4* box, f4 slack, i4* __restrict hides) {
     const f4 bx = box[0], by = box[1], bz = box[2], sx = box[3], sy = box[4], sz = box[5];
     const f4 inverse = 1.0f / std::sqrt(bx * bx + by * by + bz * bz + SMALLEST);
@@ -162,7 +162,8 @@ inline void sift(const Seen& near, Index count, const f4* box, f4 slack, i4* __r
     }
 }
 
-// The capsules that rise above the tangent plane at q, as seen from there; how many. One that q lies in ends at q.
+// Collect the capsules that rise above the tangent plane at q, relative to q; return their number. A capsule that
+// contains q is reduced so that its surface passes through q.
 inline Index gather(const f8* q, View<const f8, 2> capsules, const f4* normal, const f8* origin, f4 slack, const Seen& near) {
     const bool free = normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f;
     f4* const ends[6] = {near.ax, near.ay, near.az, near.ex, near.ey, near.ez};
@@ -216,7 +217,7 @@ inline void weigh(View<const f8, 2> points, View<const f8, 2> normals, View<cons
         const Index found = gather(points.row(k), capsules, normal, origin.data, slack, near);
         for (Index j = 0; j < tiles; ++j) {
             const Index first = j * step;
-            const Index count = std::min(whole_vectors(step), N - first);  // the next tile begins anew where this one ends
+            const Index count = std::min(whole_vectors(step), N - first);  // the next tile overwrites the surplus
             f4* w = weights + first;
             f4 high = 0.0f;
             for (int axis = 0; axis < 3; ++axis) {

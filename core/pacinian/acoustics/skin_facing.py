@@ -1,14 +1,15 @@
-"""From which side the sound comes: skin is pressed along its normal, and a hand hides what is behind it.
+"""Weight sound by its angle of incidence on the skin, and by the hand's occlusion.
 
-A plane wave of energy density E that meets skin at theta from its normal and is turned back presses with
-2 E cos^2(theta), twice its flux of momentum along the normal. So does |sum_n w_mn B_mn g_n|, with
+Sound presses skin along its normal. A plane wave of energy density E that is reflected at an angle theta from the
+normal presses with 2 E cos^2(theta), which is twice its momentum flux along the normal. The same pressure follows from
+|sum_n w_mn B_mn g_n|, with
 
     w_mn = max(0, cos(theta_mn)) s_mn
 
-theta_mn: between the skin's outward normal at sample m and the way from there to transducer n. s_mn, 0..1:
-what passes the hand on that way. In the far field of each transducer the sum is rho c times the particle
-velocity along the normal. Where waves of several directions meet, it holds on the average over some
-wavelengths of skin: from place to place, what they do along the skin makes pressure higher or lower.
+theta_mn: angle between the skin's outward normal at sample m and the direction to transducer n. s_mn, 0..1: fraction of
+the sound on this path that the hand does not block. In the far field of each transducer, the sum is rho c times the
+particle velocity along the normal. If waves from several directions meet, this holds only on average over some
+wavelengths of skin, because their interference along the skin raises or lowers the pressure locally.
 """
 
 from __future__ import annotations
@@ -27,23 +28,24 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices, Singles
 
 NO_HAND = np.empty((0, 8))
-QUARTER = 2.125e-3  # [m]: of the wavelength at 40 kHz in 340 m/s
-FAINT = 1e-3  # a sample whose weights are smaller than this, ||w_m||, faces nothing: they are 0
-TILE = 256  # transducers at a time: what the kernel needs of them stays in the first-level cache
-TINY = 1e-30  # keeps quotients finite
+QUARTER = 2.125e-3  # a quarter of the wavelength at 40 kHz and 340 m/s [m]
+FAINT = 1e-3  # smallest ||w_m||; smaller weights of a sample are set to 0
+TILE = 256  # transducers per tile, so that the kernel's data fit the first-level cache
+TINY = 1e-30  # smallest divisor
 
 
 @dataclass(frozen=True, eq=False)
 class SkinFacing:
-    """Which way the skin faces at M samples, and the hand that may be in the way.
+    """The orientation of the skin at M samples, and the hand that may occlude them.
 
-    normals: outward, of unit length, (M, 3); zero where sound counts from every side.
-    capsules: tapered, (C, 8) [m], both ends of the axis and the radius at either; none unless given.
-    edge: [m]; a ray that passes this far below a capsule's surface is lost, and less of it the nearer
-    it passes to the surface: gains do not jump as the hand moves, and sound bends around a hand, so
-    that a harder edge would be no truer.
-    A convex body hides nothing from its own outward side. A sample inside a capsule, as that of a mesh
-    may be, is taken to be on its surface: the capsule counts up to there. Raises ArgumentError.
+    normals: outward, of unit length, (M, 3); zero for samples at which sound from all sides counts.
+    capsules: tapered capsules of the hand, (C, 8) [m]: both ends of the axis, then the radius at each; none by default.
+    edge: width of the soft edge of occlusion [m]. A ray that passes this far below a capsule's surface is blocked
+    entirely; closer to the surface, it is blocked partly. Therefore gains do not jump when the hand moves. A sharper
+    edge would not be more accurate, because sound bends around a hand.
+
+    A convex body does not occlude its own outward side. A sample inside a capsule, which is possible for a mesh, is
+    treated as if it were on the capsule's surface. Raises ArgumentError.
     """
 
     normals: Floats
@@ -73,7 +75,7 @@ class SkinFacing:
 
     @classmethod
     def of(cls, normals: Floats, capsules: Floats) -> SkinFacing:
-        """As the constructor, of float64 that is known to be right, and not copied: for each tick."""
+        """Make a `SkinFacing` from valid float64 arrays, without checks and copies, for use in each tick."""
         made = object.__new__(cls)
         made.__dict__.update(normals=normals, capsules=capsules, edge=QUARTER)
         return made
@@ -82,11 +84,11 @@ class SkinFacing:
         return len(self.normals)
 
     def only(self, rows: Indices | slice) -> SkinFacing:
-        """Those samples, with the same hand."""
+        """Return the facing of samples `rows`, with the same hand."""
         return SkinFacing(self.normals[rows], self.capsules, self.edge)
 
     def weights(self, points: Floats, positions: Floats) -> Floats:
-        """W, (M, N), in double precision: the reference for the kernel.
+        """Return the weights w, (M, N), in double precision; the reference for the kernel.
 
         points: the samples, (M, 3) [m]. positions: of the transducers, (N, 3) [m].
         """
@@ -95,11 +97,11 @@ class SkinFacing:
         return w
 
     def arriving(self, points: Floats, positions: Floats) -> Floats:
-        """As `weights`, of sound that meets the skin at any angle: s_mn, 0 from behind, (M, N)."""
+        """Like `weights`, but independent of the angle: s_mn for sound from the front, 0 from behind, (M, N)."""
         return (self._cosines(points, positions) > 0.0) * self._passing(points, positions)
 
     def weigh(self, points: Floats, wave: KernelData, rows: Indices, out: Complexes) -> None:
-        """Multiply rows of B in place by their weights. points: (K, 3) for `rows`, (K,). out: (M, N)."""
+        """Multiply rows of B, `out`, (M, N), by their weights in place. points: (K, 3), for `rows`, (K,)."""
         if out.dtype == np.complex64:
             from pacinian.native.acoustics import weigh
 
@@ -110,7 +112,7 @@ class SkinFacing:
             out[rows] *= self.only(rows).weights(points, wave.array.positions)
 
     def moved(self, before: SkinFacing, points: Floats) -> Flags:
-        """Samples at `points`, (M, 3), for which other sound may count than `before`, (M,)."""
+        """Return whether the weights of each sample at `points`, (M, 3), may differ from those of `before`, (M,)."""
         new, old = self.capsules, before.capsules
         if len(new) == len(old) and self.edge == before.edge:
             other = np.not_equal(new, old).any(axis=1)
@@ -119,21 +121,21 @@ class SkinFacing:
         return np.asarray(turned | self._under(new, points) | self._under(old, points))
 
     def _under(self, capsules: Floats, points: Floats) -> Flags:
-        """Whether any of those capsules rises above the skin's tangent plane, (M,)."""
+        """Return whether any of these capsules rises above the skin's tangent plane, (M,)."""
         n, a, b = self.normals, capsules[:, :3], capsules[:, 3:6]
         top = np.maximum(n @ a.T + capsules[:, 6], n @ b.T + capsules[:, 7])  # (M, C)
         height = top - (n * points).sum(axis=1)[:, None]
         return np.asarray((height > 0.0).any(axis=1))
 
     def _cosines(self, points: Floats, positions: Floats) -> Floats:
-        """max(0, cos(theta)), (M, N); 1 for samples without a normal."""
+        """Return max(0, cos(theta)), (M, N); 1 for samples without a normal."""
         d = positions - points[:, None]  # (M, N, 3) [m]
         along = np.einsum("mnk,mk->mn", d, self.normals)
         cosine = along / np.maximum(np.sqrt((d * d).sum(axis=2)), TINY)
         return np.where(self.normals.any(axis=1, keepdims=True), np.maximum(cosine, 0.0), 1.0)
 
     def _passing(self, points: Floats, positions: Floats) -> Floats:
-        """s, (M, N): the product of what each capsule lets through."""
+        """Return s, (M, N), the product of the fractions that the capsules let through."""
         d = positions - points[:, None]  # (M, N, 3) [m]
         s = np.ones(d.shape[:2])
         for capsule in self.capsules:
@@ -147,7 +149,7 @@ class SkinFacing:
 
 @functools.lru_cache(maxsize=16)
 def _boxes(wave: KernelData) -> Singles:
-    """Boxes around equal tiles of the transducers: the middle and half of the sides, (tiles, 6) [m]."""
+    """Return boxes around equal tiles of the transducers: middle and half the sides, (tiles, 6) [m]."""
     N = wave.r.shape[1]
     starts = np.arange(0, N, -(-N // -(-N // TILE)))
     low, high = (f.reduceat(wave.r, starts, axis=1) for f in (np.minimum, np.maximum))
@@ -156,40 +158,41 @@ def _boxes(wave: KernelData) -> Singles:
 
 
 def smoothstep(x: Floats) -> Floats:
-    """3 x^2 - 2 x^3, from 0 at x = 0 to 1 at x = 1, and the same beyond."""
+    """Return 3 x^2 - 2 x^3, which rises from 0 at x = 0 to 1 at x = 1; constant outside."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
 def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
-    """How deep the ways w + s d, 0 <= s <= 1, go into the capsule along e from the origin [m]; negative outside.
+    """Return how deep the paths w + s d, 0 <= s <= 1, go into a capsule, (M, N) [m]; negative outside.
 
-    The most of r + t grows less the distance of t e, 0 <= t <= 1, for w (M, 1, 3), d (M, N, 3): (M, N). As for
-    `from_axis` of tapered.hpp, with e less its part along the way; where the way would be deepest before it begins, or
-    after it ends, its end is deepest.
+    The capsule's axis is t e, 0 <= t <= 1, and its radius is r + t grows. The depth is the maximum over s and t of the
+    radius minus the distance between path and axis. w: (M, 1, 3). d: (M, N, 3). As in `from_axis` of tapered.hpp, with
+    the part of e along the path removed. If the infinite line is deepest outside the path, one end of the path is the
+    deepest point.
     """
     ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e
     dw, we = (d * w).sum(axis=2), w @ e
     inverse = 1.0 / np.maximum(dd, TINY)
 
     def along(t: Floats) -> Floats:
-        """Where on the way it is nearest to t e, if the way went on."""
+        """Return the parameter s at which the path, extended to a line, is nearest to t e."""
         return np.asarray((t * de - dw) * inverse)
 
     def away(t: Floats, s: Floats) -> Floats:
-        """How far t e is from w + s d."""
+        """Return the distance of t e from w + s d."""
         gap = w + s[..., None] * d - t[..., None] * e
         return np.asarray(np.sqrt((gap * gap).sum(axis=2)))
 
     def deepest(t: Floats, s: Floats, across: Floats) -> Floats:
-        """Where on the axis it is, if t e is nearest to w + s d. across: |e|^2 less its part along the way."""
+        """Return the deepest t, if t e is nearest to w + s d. across: |e|^2 minus the part along the path."""
         room = np.maximum(across * (across - grows * grows), TINY)
         return np.clip(t + grows * away(t, s) / np.sqrt(room), 0.0, 1.0)
 
     across = np.maximum(ee - de * de * inverse, TINY)
     t = (we - de * dw * inverse) / across
     t = deepest(t, along(t), across)
-    s = np.clip(along(t), 0.0, 1.0)  # an end of the way is a point: all of e is across
+    s = np.clip(along(t), 0.0, 1.0)  # for an end, a point, all of e is across
     at_end = deepest((we + s * de) / max(ee, TINY), s, np.full_like(t, ee))
     t = np.where(along(t) == s, t, at_end)
     return np.asarray(r + t * grows - away(t, np.clip(along(t), 0.0, 1.0)))

@@ -1,4 +1,4 @@
-"""A kind of transducer: frequency, strength, directivity."""
+"""Transducer types: frequency, strength and directivity."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer:
-    """A kind of transducer.
+    """A type of transducer.
 
     frequency: [Hz].
     pressure: P0, peak sound pressure at 1 m on the axis at full drive [Pa m]. Published values for a
         T4010A1: 3.4, 4.386 (AUTD3 software, taken as peak), 6.0, 8.02.
-    directivity: D(cos(theta)), any function of an array; anything but `omni` is silent behind.
+    directivity: D(cos(theta)), any function of an array. All directivities except `omni` are zero behind.
     Raises ArgumentError.
     """
 
@@ -41,4 +41,4 @@ IDEAL = Transducer()
 """Omnidirectional, 1 Pa at 1 m."""
 
 T4010A1 = Transducer(pressure=4.386, directivity=t4010a1)
-"""The transducer of the AUTD units."""
+"""The transducer type of the AUTD units."""

@@ -1,4 +1,4 @@
-"""What the commands share that talk to a running server."""
+"""The `--connection` option of the commands that talk to a running server."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ CONNECTION = click.option(
     "--connection",
     default=None,
     metavar="FILE",
-    help="The server's connection file.  [default: $PACINIAN_CONNECTION, or where servers write it]",
+    help="The server's connection file.  [default: $PACINIAN_CONNECTION, or the server's default]",
 )

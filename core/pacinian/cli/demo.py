@@ -11,7 +11,7 @@ from pacinian.cli.run_output import drawable
 
 @click.command()
 @click.option(
-    "--seconds", type=click.FloatRange(0.1, 3600), default=10.0, show_default=True, help="How long."
+    "--seconds", type=click.FloatRange(0.1, 3600), default=10.0, show_default=True, help="Duration."
 )
 @click.option(
     "--units",
@@ -36,7 +36,7 @@ from pacinian.cli.run_output import drawable
     help="The picture; empty for none.",
 )
 @click.option(
-    "--dummy", is_flag=True, help="Also run a loop that only burns as much time, for comparison."
+    "--dummy", is_flag=True, help="For comparison, also run a loop that only burns as much time."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def demo(
@@ -44,8 +44,8 @@ def demo(
 ) -> None:
     """Feel a circling ball: the built-in scene on the simulated array, no hardware needed.
 
-    Renders a ball that circles around a button at 1 kHz on 9 AUTD units, then tells how well it went
-    and draws the field of the last tick.
+    Renders a ball that circles around a button at 1 kHz on 9 AUTD units, then prints a summary and draws the field of
+    the last tick.
     """
     from pacinian.acoustics.array import autd
     from pacinian.cli.run_output import picture, progress, summary, tell

@@ -1,4 +1,4 @@
-"""`pacinian devices calibrate`: a microphone scan goes in, strengths and phases of the channels come out."""
+"""`pacinian devices calibrate`: computes strengths and phases of the channels from a microphone scan."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from pacinian.devices.scan import Scan
     from pacinian.devices.scan_fit import ScanFit
 
-MISFIT = 0.5  # of the rms expected at a position; more, and it is named
-VAGUE = 10.0  # [deg], standard error of phases that costs 3 % of a focus
-SHOWN = 8
+MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
+VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
+SHOWN = 8  # items listed in one finding
 
 
 @click.command()
@@ -30,10 +30,10 @@ SHOWN = 8
 @click.option(
     "--out", default=Path("calibration.csv"), show_default=True, type=click.Path(path_type=Path)
 )
-@click.option("--temperature", type=float, help="Of the air [degC]; fitted unless given.")
+@click.option("--temperature", type=float, help="Temperature of the air [degC]; fitted by default.")
 @click.option(
     "--position-error", default=0.001, show_default=True, type=float,
-    help="Standard error of the microphone's coordinates [m]; they are corrected.",
+    help="Standard error of the microphone's coordinates [m], which the fit corrects.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def calibrate(
@@ -44,12 +44,12 @@ def calibrate(
     position_error: float,
     as_json: bool,
 ) -> None:
-    """Measure the channels' strengths and phases: from a description FILE and microphone SCANS to a calibration.
+    """Compute a calibration from a description FILE and microphone SCANS.
 
-    A scan is a CSV file with the columns x,y,z,serial,channel,amplitude,phase ([m], any unit, [rad]) of
-    channels driven one at a time, or an NPZ file with positions, drives and readings. At least 6 positions of
-    the microphone, better 12, which differ in height, too. All that FILE says of strengths, phases and dead
-    channels is measured anew. docs/devices.md says how to measure. Nothing is driven.
+    A scan is a CSV file with the columns x,y,z,serial,channel,amplitude,phase ([m], any unit, [rad]) of channels driven
+    one at a time, or an NPZ file with positions, drives and readings. It needs at least 6 positions of the microphone,
+    better 12, at different heights. The result replaces all strengths, phases and dead channels of FILE. This command
+    drives no device; docs/devices.md explains how to measure.
     """
     from pacinian.acoustics.air import Air
     from pacinian.cli.doctor import tell
@@ -60,10 +60,10 @@ def calibrate(
     given = {path.resolve() for path in (file, *scans)}
     if out.suffix != ".csv" or out.resolve() in given or not out.parent.is_dir():
         raise click.BadParameter(
-            f"{out} must end in .csv, be in a folder that is there, and be none of the files read"
+            f"{out} must end in .csv, be in an existing folder, and be none of the input files"
         )
     if len(given) <= len(scans):
-        raise click.BadParameter("a file is given twice, which would count its readings twice")
+        raise click.BadParameter("a file is given twice, so its readings would count twice")
     device = undo_calibration(file)
     scan = reduce(add, (read_scan(path, device) for path in scans))
     speed = None if temperature is None else Air(temperature=temperature).speed_of_sound
@@ -102,11 +102,11 @@ def calibrate(
         click.echo(json.dumps(told))
     else:
         tell(findings)
-        click.echo(f"{out}: {len(measured)} channels; in {file}, name it as `calibration`")
+        click.echo(f"{out}: {len(measured)} channels; set it as `calibration` in {file}")
 
 
 def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> list[Finding]:
-    """What to tell of a fit. names: of the transducers. pressure: of their kind [Pa m]."""
+    """Return the findings of a fit. names: names of the transducers. pressure: pressure of their kind [Pa m]."""
     from pacinian.acoustics.air import Air
 
     good = ~fit.dead & ~fit.unseen
@@ -129,21 +129,19 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
     }
     found = [Finding(name, "ok", text) for name, text in told.items()]
     if mean > VAGUE:
-        fix = (
-            "scan at more positions, farther apart and at different heights; measure where they are"
-        )
+        fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
     places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
     for name, which, items, fix in (
         ("positions that do not fit", fit.residuals > MISFIT, places, "measure there again"),
-        ("dead", fit.dead, names, "they get strength 0 and are not driven: look at their joints"),
+        ("dead", fit.dead, names, "they get strength 0 and are not driven: check their joints"),
         (
             "reversed",
             fit.reversed,
             names,
-            "nothing is to be done: the calibration turns their phase",
+            "nothing to do: the calibration turns their phase",
         ),
-        ("unseen", fit.unseen, names, "left out: scan them from nearer, or at more positions"),
+        ("unseen", fit.unseen, names, "left out: scan closer to them, or at more positions"),
     ):
         chosen = [items[i] for i in np.flatnonzero(which)]
         more = f" and {len(chosen) - SHOWN} more" if len(chosen) > SHOWN else ""

@@ -1,4 +1,4 @@
-"""What `pacinian devices check` makes of a description and of what is connected: pure, facts are given."""
+"""The rules of `pacinian devices check`: pure functions from a description and connected devices to findings."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from pacinian.devices.description import Board, DeviceDescription
     from pacinian.plugins.backend import Capability, Found
 
-APART = 0.008  # [m]; transducers are wider than that
-UNLIKE = 2.0  # times as strong, or as weak, as its kind: hardly a transducer's spread
-BAND = 39_000.0, 41_000.0  # [Hz] a T4010A1 is strong in
-SHOWN = 8
+APART = 0.008  # least plausible distance of transducers [m]
+UNLIKE = 2.0  # largest plausible ratio of a channel's strength to that of its kind, or inverse
+BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
+SHOWN = 8  # items listed in one finding
 
 
 def described(device: DeviceDescription) -> list[Finding]:
-    """What the description alone tells."""
+    """Check the description alone."""
     array = device.array()
     size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(array.positions, axis=0))
     told = f"{len(array)} transducers on {len(device.boards)} boards, {size} mm"
@@ -71,7 +71,7 @@ def _frequency(device: DeviceDescription) -> Finding:
 
 
 def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]) -> Finding:
-    """Whether all channels that are not dead were measured. measured: their serials and numbers."""
+    """Check that all live channels were measured. measured: serial and number of each measured channel."""
     left = [
         f"{board.serial} {c}".strip()
         for board in device.boards
@@ -79,14 +79,14 @@ def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]
         if (board.serial, c) not in measured
     ]
     if left:
-        fix = "measure them: `pacinian devices calibrate`; until then they count as described"
+        fix = "measure them with `pacinian devices calibrate`; until then the description applies"
         told = f"{len(measured)} channels measured, not: {_some(left)}"
         return Finding("calibration", "warning", told, fix)
     return Finding("calibration", "ok", f"{len(measured)} channels measured")
 
 
 def levels(device: DeviceDescription, can: Capability) -> Finding:
-    """The levels that the description gives, and those that its backend has."""
+    """Check the described levels against those of the backend."""
     given = device.levels
     if given and (given.phases, given.amplitudes) != (can.phases, len(can.sizes)):
         what = f"described: {given.phases} and {given.amplitudes}; {device.backend} has {can}"
@@ -95,7 +95,7 @@ def levels(device: DeviceDescription, can: Capability) -> Finding:
 
 
 def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
-    """Whether the boards are there, and others are."""
+    """Check that the described boards are connected, and no others."""
     ours = [f for f in found if device.backend in ("", f.backend)]
     here = [f for f in ours if f.title]
     blind = next((f for f in ours if not f.title), None)
@@ -106,7 +106,7 @@ def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding
         if not board.serial and len(here) == 1:
             one = here[0]
         if one is None and blind is not None:
-            made.append(Finding(name, "problem", "cannot be looked for", blind.problem))
+            made.append(Finding(name, "problem", "search failed", blind.problem))
         elif one is None:
             others = _some([f.serial or "one without a serial" for f in here]) or "none"
             fix = f"plug it in and switch it on, or correct its serial (connected: {others})"
@@ -118,7 +118,7 @@ def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding
     serials = {board.serial for board in device.boards}
     spare = [f.serial for f in here if f.serial and f.serial not in serials]
     if spare and "" not in serials:
-        fix = "describe them, or leave them: they are not driven"
+        fix = "describe them, or ignore this: they are not driven"
         made.append(Finding("others", "warning", f"not described: {_some(spare)}", fix))
     return made
 

@@ -1,4 +1,4 @@
-"""`pacinian devices`: what is connected, and whether it is what a description says."""
+"""`pacinian devices`: lists connected devices and checks device descriptions."""
 
 from __future__ import annotations
 
@@ -23,21 +23,22 @@ FILE = click.argument("file", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 ADVICE = {
     "linux": f"Rights: {RIGHTS}.",
-    "win32": "Driver: give the device WinUSB with Zadig (https://zadig.akeo.ie): Options, List All Devices, "
-    "choose it by its name, never a keyboard or a hub.",
+    "win32": "Driver: install WinUSB for the device with Zadig (https://zadig.akeo.ie): Options, List All Devices, "
+    "then select it by its name. Never select a keyboard or a hub.",
     "darwin": "macOS needs no driver and no rights for USB; a serial port must be free of other programs.",
 }
 
 
 @click.group(invoke_without_command=True)
-@click.option("--backend", default="", help="Ask this backend only, and import no other.")
+@click.option("--backend", default="", help="Ask only this backend, and import no other.")
 @JSON
 @click.pass_context
 def devices(context: click.Context, backend: str, as_json: bool) -> None:
-    """List the devices that are connected; or check, draw or calibrate a description of one.
+    """List the connected devices, or check, draw or calibrate the description of one.
 
-    Opens none of them and changes nothing. Exit code 1 if one that is connected cannot be used, or the backend that is
-    named cannot look; 2 if there is no such backend, or it does not load; else 0, also where nothing is connected.
+    Opens no device and changes nothing. Exit code 1 if a connected device cannot be used, or if the backend given with
+    --backend cannot search; 2 if that backend does not exist or does not load; otherwise 0, even if no device is
+    connected.
     """
     if context.invoked_subcommand:
         return
@@ -63,7 +64,7 @@ def _list(found: list[Found]) -> None:
     for name in ("backend", "serial", "device", "state"):
         table.add_column(name, overflow="fold")
     for f in found:
-        bad = "[red]cannot be used[/]" if f.title else "[yellow]cannot be looked for[/]"
+        bad = "[red]cannot be used[/]" if f.title else "[yellow]search failed[/]"
         state = bad if f.problem else "[green]ready[/]"
         table.add_row(f.backend, escape(f.serial) or "-", escape(f.title) or "-", state)
     if found:
@@ -83,12 +84,12 @@ devices.add_command(calibrate)
 
 @devices.command()
 @FILE
-@click.option("--offline", is_flag=True, help="Check the file alone; do not look for its boards.")
+@click.option("--offline", is_flag=True, help="Check only the file; do not search for its boards.")
 @JSON
 def check(file: Path, offline: bool, as_json: bool) -> None:
-    """Check a device description: boards, places, dead transducers, levels, and what is connected.
+    """Check a device description: boards, places, dead transducers, levels, and connected devices.
 
-    Exit code 1 if anything is a problem; warnings are none.
+    Exit code 1 if there is a problem; warnings do not count.
     """
     from pacinian.cli.device_findings import calibration, described
     from pacinian.cli.doctor import tell
@@ -110,7 +111,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 
 
 def _looked(device: DeviceDescription) -> list[Finding]:
-    """What the backend and the devices tell."""
+    """Check the description against its backend and the connected devices."""
     from pacinian.cli.device_findings import connected, levels
     from pacinian.plugins import discovery, registry
 
@@ -124,7 +125,7 @@ def _looked(device: DeviceDescription) -> list[Finding]:
 @FILE
 @click.option("--out", default="device.png", show_default=True, callback=drawable)
 def draw(file: Path, out: str) -> None:
-    """Draw a device description: boards where they are, the order of their channels, what is dead."""
+    """Draw a device description: the poses of the boards, the order of their channels, and dead channels."""
     from pacinian.devices.description import DeviceDescription
     from pacinian.plot.boards import boards
     from pacinian.plot.page import save
@@ -135,9 +136,9 @@ def draw(file: Path, out: str) -> None:
 
 @devices.command()
 def udev() -> None:
-    """Print the udev rule (Linux) that gives whoever sits at the machine the right to its arrays.
+    """Print the udev rules (Linux) that let the user at the machine open its arrays.
 
-    Its file must sort below 73: 72-pacinian.rules.
+    The name of the file must sort below 73: use 72-pacinian.rules.
     """
     from pacinian.cli.udev import make_rules
     from pacinian.plugins.registry import installed

@@ -20,9 +20,9 @@ COLOURS = {"ok": "green", "warning": "yellow", "problem": "bold red"}
 @CONNECTION
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of lines.")
 def doctor(connection: str | None, as_json: bool) -> None:
-    """Tell what is wrong with this machine or its server, and how to mend it.
+    """Find problems of this machine and its server, and print how to fix them.
 
-    Changes nothing. Exit code 1 if anything is a problem; warnings are none.
+    Changes nothing. Exit code 1 if there is a problem; warnings do not count.
     """
     from pacinian.cli.doctor_probes import examine
 
@@ -36,7 +36,7 @@ def doctor(connection: str | None, as_json: bool) -> None:
 
 
 def tell(findings: list[Finding]) -> None:
-    """Print findings, a line for each, and what to do."""
+    """Print findings, one per line, each with its remedy."""
     from rich.console import Console
     from rich.markup import escape
 
@@ -47,4 +47,4 @@ def tell(findings: list[Finding]) -> None:
         if f.fix:
             console.print(f"         -> {escape(f.fix)}")
     problems = sum(f.level == "problem" for f in findings)
-    console.print("no problem found" if not problems else f"{problems} to be mended")
+    console.print("no problem found" if not problems else f"problems to fix: {problems}")

@@ -1,4 +1,4 @@
-"""What `pacinian doctor` sees of this machine. Each look is on its own: one that fails is a finding, too."""
+"""The probes of `pacinian doctor`. They are independent, and a probe that fails is a finding, too."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from pacinian.errors import PacinianError, describe_error
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-SLEEPS, SLEEP = 200, 0.001  # how many, [s]
-MAX_ANSWER_TIME = 1.0  # [s] for the server's answer
+SLEEPS, SLEEP = 200, 0.001  # number and duration of the sleeps that are measured [s]
+MAX_ANSWER_TIME = 1.0  # time for the server's answer [s]
 SHARED = Path("/dev/shm")
 EXTRAS = "plot", "view", "devices", "study", "autd3"
-DEVICES = 2241 * 4  # transducers that shared memory should have room for
+DEVICES = 2241 * 4  # transducers for which shared memory should have room
 
 
 def examine(connection: str | None = None) -> list[Finding]:
-    """All findings, in the order in which they should be mended."""
+    """Return all findings, in the order in which they should be fixed."""
     looks: dict[str, Callable[[], Finding]] = {
         "Python": python,
         "libraries": libraries,
@@ -56,17 +56,17 @@ def _safely(name: str, look: Callable[[], Finding]) -> Finding:
     try:
         return look()
     except Exception as error:
-        why = f"cannot be looked at: {describe_error(error)}"
+        why = f"cannot be checked: {describe_error(error)}"
         return Finding(name, "problem", why, doctor_rules.INSTALL)
 
 
 def python() -> Finding:
-    """The interpreter."""
+    """Probe the interpreter."""
     return doctor_rules.python(sys.version_info[:3], sys.executable)
 
 
 def libraries() -> Finding:
-    """What the distribution says that it requires, without extras."""
+    """Probe the libraries that the distribution requires, without extras."""
     needed = [r for r in importlib.metadata.requires("pacinian") or () if "extra ==" not in r]
     return doctor_rules.libraries({name: _version(name) for name in map(_name, needed)})
 
@@ -84,7 +84,7 @@ def _version(name: str) -> str | None:
 
 
 def extras() -> Finding:
-    """Optional libraries: of each extra the first that is not there."""
+    """Probe the optional libraries: the first missing one of each extra."""
     missing: dict[str, str] = {}
     for requirement in importlib.metadata.requires("pacinian") or ():
         name = _name(requirement)
@@ -95,27 +95,27 @@ def extras() -> Finding:
 
 
 def curve() -> Finding:
-    """ZeroMQ's encryption."""
+    """Probe ZeroMQ's encryption."""
     import zmq
 
     return doctor_rules.curve(zmq.has("curve"), zmq.zmq_version())
 
 
 def kernels() -> Finding:
-    """The variant of the kernels that runs."""
+    """Probe the variant of the kernels in use."""
     from pacinian import native
 
     return doctor_rules.kernels(native.VARIANT, native.load(native.__name__, "_plain").level())
 
 
 def processor() -> Finding:
-    """Cores."""
+    """Probe the number of cores."""
     affinity = getattr(os, "sched_getaffinity", None)
     return doctor_rules.processor(len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
 def plugins() -> Finding:
-    """Solvers and backends; imports them all."""
+    """Probe the solvers and backends. Imports all of them."""
     from pacinian.plugins.registry import installed
 
     found = installed()
@@ -126,7 +126,7 @@ def plugins() -> Finding:
 
 
 def port() -> Finding:
-    """Whether a port on loopback can be had."""
+    """Probe whether a port can be bound on loopback."""
     try:
         with socket.socket() as listener:
             listener.bind(("127.0.0.1", 0))
@@ -137,7 +137,7 @@ def port() -> Finding:
 
 
 def memory() -> Finding:
-    """Where the server's processes would share memory."""
+    """Probe the folder in which the server's processes would share memory."""
     from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
     from pacinian.serving.ipc.shared_memory import SLOTS
 
@@ -148,7 +148,7 @@ def memory() -> Finding:
 
 
 def clock() -> Finding:
-    """How fine the clock is, and how punctual sleep is, measured for a fifth of a second."""
+    """Probe the resolution of the clock and the lateness of sleeps. Takes a fifth of a second."""
     return doctor_rules.clock(time.get_clock_info("perf_counter").resolution, list(_late()))
 
 
@@ -160,20 +160,20 @@ def _late() -> Iterator[float]:
 
 
 def usb() -> Finding:
-    """libusb, through pyusb."""
+    """Probe libusb through pyusb."""
     from usb.backend import libusb1
 
     return doctor_rules.usb(libusb1.get_backend() is not None, sys.platform)
 
 
 def permissions() -> Finding:
-    """USB devices' files."""
+    """Probe the permissions of the USB devices' files."""
     files = list(Path("/dev/bus/usb").glob("*/*"))
     return doctor_rules.permissions(len(files), sum(os.access(f, os.W_OK) for f in files))
 
 
 def file(given: str | None) -> Finding:
-    """The connection file."""
+    """Probe the connection file."""
     from pacinian.wire.connection import Connection, locate_connection
 
     path, error = locate_connection(given or ""), ""
@@ -186,7 +186,7 @@ def file(given: str | None) -> Finding:
 
 
 def server(given: str | None) -> Finding:
-    """The server that the connection file is of."""
+    """Probe the server of the connection file."""
     from pacinian.client.client import Client
 
     try:
@@ -197,12 +197,12 @@ def server(given: str | None) -> Finding:
 
 
 def air(given: str | None) -> Finding:
-    """The air that the server of the connection file computes with."""
+    """Probe the air that the server of the connection file assumes."""
     from pacinian.cli.status import describe_air
     from pacinian.client.client import Client
 
     try:
         with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
             return doctor_rules.air(describe_air(client.capabilities().sound))
-    except PacinianError:  # which is a finding already
-        return doctor_rules.air("no server tells")
+    except PacinianError:  # `server` has reported it already
+        return doctor_rules.air("not reported")

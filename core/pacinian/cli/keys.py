@@ -5,19 +5,19 @@ from __future__ import annotations
 import click
 
 FOLDER = click.option(
-    "--folder", required=True, type=click.Path(file_okay=False), help="Where the keys are kept."
+    "--folder", required=True, type=click.Path(file_okay=False), help="Folder of the keys."
 )
 
 
 @click.group()
 def keys() -> None:
-    """Make the keys that the server needs to be reached from other machines."""
+    """Make the keys for connections from other machines."""
 
 
 @keys.command()
 @FOLDER
 def server(folder: str) -> None:
-    """Make the server's own pair of keys."""
+    """Make the server's key pair."""
     from pacinian.serving.ipc.auth import make_key_pair
 
     public, secret = make_key_pair(folder, "server", server=True)
@@ -28,13 +28,13 @@ def server(folder: str) -> None:
 @keys.command()
 @click.argument("name")
 @FOLDER
-@click.option("--host", default="", help="Address of the server: writes a connection file, too.")
+@click.option("--host", default="", help="Address of the server; also writes a connection file.")
 @click.option("--ports", nargs=3, type=click.IntRange(1, 65535), help="CONTROL COMMAND STATE.")
 def client(name: str, folder: str, host: str, ports: tuple[int, int, int] | None) -> None:
-    """Make a client's pair of keys and let it in.
+    """Make a client's key pair and admit the client.
 
-    With --host and --ports a connection file is written that holds all that the client needs: carry it there
-    by a way that nobody else can read, and delete it here.
+    With --host and --ports, also write a connection file with everything that the client needs. Copy it to the client
+    over a channel that nobody else can read, and delete it here.
     """
     from pacinian.serving.ipc.auth import make_key_pair, write_remote_connection
 

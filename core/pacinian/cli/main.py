@@ -36,21 +36,21 @@ Exit codes: 0 done; 1 the run met a fault; 2 a bad argument, file or plug-in; 13
 
 
 class Commands(click.Group):
-    """The core's commands, and those of plug-ins.
+    """The commands of the core and of plug-ins.
 
-    Plug-ins are imported only for help and for a name that the core does not have. A plug-in cannot replace a command
+    Plug-ins are imported only for help, and for a name that the core does not have. A plug-in cannot replace a command
     of the core.
     """
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The core's commands, then those of plug-ins by name."""
+        """Return the commands of the core, then those of plug-ins, sorted by name."""
         from pacinian.plugins.registry import installed
 
         installed().load(kind="command")
         return [*self.commands, *sorted(set(installed().commands) - set(self.commands))]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name. Raises UsageError if there is none and a plug-in did not load."""
+        """Return the command of that name. Raises UsageError if there is none and a plug-in did not load."""
         if command := self.commands.get(cmd_name):
             return command
         from pacinian.plugins.registry import installed
@@ -80,9 +80,9 @@ for command in COMMANDS:
 
 
 def main() -> NoReturn:
-    """Run the command; the entry point."""
+    """Run the command line. This is the entry point."""
     signal.signal(signal.SIGTERM, _interrupt)
-    if sys.platform == "win32":  # the console is closed
+    if sys.platform == "win32":  # sent when the console is closed
         signal.signal(signal.SIGBREAK, _interrupt)
     try:
         cli(standalone_mode=False)
@@ -95,7 +95,7 @@ def main() -> NoReturn:
     except PacinianError as error:
         click.echo(f"error: {error}", err=True)
         sys.exit(2)
-    except OSError as error:  # a full disk, a closed pipe
+    except OSError as error:  # such as a full disk or a closed pipe
         _quietly(f"error: {error}")
         sys.exit(1)
     sys.exit(0)
@@ -104,9 +104,9 @@ def main() -> NoReturn:
 def _quietly(message: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(message, err=True)
-    sys.stdout = None  # the interpreter would try to flush it again
+    sys.stdout = None  # otherwise the interpreter would try to flush it again
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """SIGTERM ends a run as Ctrl-C does: with silence."""
+    """Handle SIGTERM like Ctrl-C, so that the run ends in silence."""
     raise KeyboardInterrupt

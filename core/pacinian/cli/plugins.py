@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def plugins(as_json: bool) -> None:
-    """List solvers, backends and commands: their settings and where they come from.
+    """List solvers, backends and commands, with their settings and origin.
 
-    A plug-in that does not load is named with the reason; the exit code is then 1.
+    Names plug-ins that do not load, with the reason. The exit code is then 1.
     """
     from pacinian.plugins.registry import installed
 

@@ -17,10 +17,10 @@ from pacinian.cli.run_output import drawable
     type=click.FloatRange(0.0),
     default=5.0,
     show_default=True,
-    help="How long; 0 until Ctrl-C.",
+    help="Duration; 0 to run until Ctrl-C.",
 )
-@click.option("--solver", default=None, help="Instead of the file's.")
-@click.option("--backend", default=None, help="Instead of the file's.")
+@click.option("--solver", default=None, help="Override the file's solver.")
+@click.option("--backend", default=None, help="Override the file's backend.")
 @click.option(
     "--record", default="", help="Record every tick to this file: scene, decisions, frame."
 )

@@ -9,16 +9,16 @@ import click
 
 @click.command()
 @click.argument("recording")
-@click.option("--backend", default=None, help="Where to play it.  [default: simulated]")
+@click.option("--backend", default=None, help="Backend to play on.  [default: simulated]")
 @click.option(
-    "--again", is_flag=True, help="Render the scenes again instead, and compare with the frames."
+    "--again", is_flag=True, help="Instead, render the scenes again and compare the frames."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
 def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> None:
-    """Play a recording's frames on a backend, at the times they had.
+    """Play the frames of a recording on a backend, with their original timing.
 
-    With --again, its scenes are rendered once more, as fast as it goes, with the decisions that were
-    made: on the same machine the frames are the same, bit for bit. Exit code 1 if any differs.
+    With --again, render its scenes again as fast as possible, with the recorded decisions. On the same machine the
+    frames are identical, bit for bit. Exit code 1 if any frame differs.
     """
     from pacinian.plugins.registry import backend as make
     from pacinian.rendering.recording import Recording

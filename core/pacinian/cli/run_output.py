@@ -1,4 +1,4 @@
-"""What `demo` and `render` share: the progress bar, the summary, the picture."""
+"""Output shared by `demo` and `render`: progress bar, summary and picture."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Report
 
 
-SHOWN = 8  # objects whose felt figures are shown
+SHOWN = 8  # objects whose felt quality is shown
 
 
 def progress(
     what: str, seconds: float, quiet: bool
 ) -> AbstractContextManager[Callable[[Report], object] | None]:
-    """A progress bar on standard error, drawn between ticks by the loop's own thread; none where quiet."""
+    """Return a progress bar on standard error, which the loop's own thread draws between ticks; none if `quiet`."""
     from pacinian.notebook import progress as bar
 
     return nullcontext() if quiet else bar(what, seconds)
 
 
 def picture(renderer: Renderer, path: str, title: str) -> str:
-    """Draw the field of the last gains; return the file, or nothing where it cannot be drawn."""
+    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn."""
     import numpy as np
 
     from pacinian import plot
@@ -50,7 +50,7 @@ def picture(renderer: Renderer, path: str, title: str) -> str:
 
 
 def drawable(context: click.Context, parameter: click.Parameter, path: str) -> str:
-    """Check, before anything runs, that a picture can be written to `path`."""
+    """Check that a picture can be written to `path`, before anything runs. Raises BadParameter."""
     if path and Path(path).suffix.lower() not in (".png", ".pdf", ".svg"):
         raise click.BadParameter(f"{path!r} must end in .png, .pdf or .svg")
     try:
@@ -62,7 +62,7 @@ def drawable(context: click.Context, parameter: click.Parameter, path: str) -> s
 
 
 def summary(renderer: Renderer, extra: dict[str, Any]) -> dict[str, Any]:
-    """All that is told of a run."""
+    """Return the figures of a run."""
     session = renderer.session
     return {
         "transducers": len(session.array),
@@ -76,7 +76,7 @@ def summary(renderer: Renderer, extra: dict[str, Any]) -> dict[str, Any]:
 
 
 def tell(told: dict[str, Any], as_json: bool) -> None:
-    """Print a summary: a table, or one JSON object. Ends with exit code 1 after a fault, 130 after Ctrl-C."""
+    """Print a summary as a table, or as one JSON object. Exits with code 1 after a fault, 130 after Ctrl-C."""
     if as_json:
         click.echo(json.dumps(told))
     else:
@@ -99,7 +99,7 @@ def _table(told: dict[str, Any]) -> None:
         "solver, backend": f"{told['solver']}, {told['backend']}",
         "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {_late(told)}",
         "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
-        "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the sound pressures asked",
+        "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the target sound pressures",
         **{
             f"felt of {name}": str(FeltRegion(**felt))
             for name, felt in list(told["felt"].items())[:SHOWN]

@@ -15,40 +15,40 @@ if TYPE_CHECKING:
     from pacinian.scene.file import Choice
     from pacinian.serving.settings import Settings
 
-FAREWELL = 5.0  # [s] that the viewer may take to end
+FAREWELL = 5.0  # time for the viewer to end [s]
 PORT = click.IntRange(0, 65535)
 VIEWER = "starlette", "uvicorn", "websockets"
 
 
 @click.command()
 @click.argument("config", type=click.Path(path_type=Path), required=False)
-@click.option("--solver", default=None, help="Instead of the file's.")
-@click.option("--backend", default=None, help="Instead of the file's.")
+@click.option("--solver", default=None, help="Override the file's solver.")
+@click.option("--backend", default=None, help="Override the file's backend.")
 @click.option(
-    "--host", default=None, help="IP address to listen on; but for loopback, keys are needed."
+    "--host", default=None, help="IP address to listen on; any but loopback needs --keys."
 )
-@click.option("--control", type=PORT, default=None, help="Port; 0 for any that is free.")
-@click.option("--command", type=PORT, default=None, help="Port; 0 for any that is free.")
-@click.option("--state", type=PORT, default=None, help="Port; 0 for any that is free.")
+@click.option("--control", type=PORT, default=None, help="Port; 0 for any free port.")
+@click.option("--command", type=PORT, default=None, help="Port; 0 for any free port.")
+@click.option("--state", type=PORT, default=None, help="Port; 0 for any free port.")
 @click.option("--keys", default=None, help="Folder of keys: see `pacinian keys`.")
-@click.option("--connection", default=None, help="Where clients find how to connect.")
+@click.option("--connection", default=None, help="Connection file to write for clients.")
 @click.option("--metrics", type=PORT, default=None, help="Port for Prometheus, on 127.0.0.1.")
 @click.option(
-    "--log-format", type=click.Choice(["console", "json"]), default=None, help="On standard error."
+    "--log-format", type=click.Choice(["console", "json"]), default=None, help="Of standard error."
 )
 @click.option(
     "--temperature",
     type=float,
     default=None,
-    help="Of the air at the array [degC], 22 unless told: measure it. Instead of the file's.",
+    help="Temperature of the air at the array [degC]; measure it. Overrides the file.  [default: 22]",
 )
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
 @click.option("--view", is_flag=True, help="Open the viewer beside it: see `pacinian view`.")
 def serve(config: Path | None, view: bool, **given: Any) -> None:
     """Run the server that games connect to, until Ctrl-C.
 
-    CONFIG is a TOML or JSON file; options go before what it says. Prints where the connection file is, once
-    clients may come.
+    CONFIG is a TOML or JSON file, which options override. Prints the path of the connection file as soon as clients
+    can connect.
     """
     from pacinian.serving.server import serve as run
     from pacinian.serving.settings import Settings, load
@@ -68,7 +68,7 @@ def serve(config: Path | None, view: bool, **given: Any) -> None:
 
 
 def _known(settings: Settings) -> None:
-    """Whether there are such plug-ins, before anything starts. Raises UnknownPlugin, PluginError."""
+    """Check that the chosen plug-ins exist, before anything starts. Raises UnknownPlugin, PluginError."""
     from importlib.metadata import entry_points
 
     from pacinian.plugins.registry import GROUP, Plugins
@@ -80,12 +80,12 @@ def _known(settings: Settings) -> None:
     )
     for kind, choice in chosen:
         name = choice if isinstance(choice, str) else choice.name
-        if name not in installed.names:  # only then are plug-ins imported to look for it
+        if name not in installed.names:  # import plug-ins only if no entry point has that name
             Plugins().find(kind, name)
 
 
 def _viewable() -> None:
-    """Whether the viewer's libraries are there, before anything starts. Raises MissingExtra."""
+    """Check that the viewer's libraries are installed, before anything starts. Raises MissingExtra."""
     from importlib.util import find_spec
 
     from pacinian.errors import MissingExtra
@@ -97,7 +97,7 @@ def _viewable() -> None:
 
 @contextlib.contextmanager
 def _viewer(connection: Path) -> Generator[None]:
-    """The viewer in a process of its own, which ends with its standard input."""
+    """Run the viewer in a process of its own, which ends when its standard input closes."""
     import subprocess
     import sys
 
@@ -110,7 +110,7 @@ def _viewer(connection: Path) -> Generator[None]:
         "--connection",
         str(connection),
     ]
-    # a group of its own: Ctrl-C is the server's, which lets the sound fade before all ends
+    # A process group of its own: only the server receives Ctrl-C, and fades the sound out first.
     process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
     try:
         yield
@@ -123,7 +123,7 @@ def _viewer(connection: Path) -> Generator[None]:
 
 
 def _with(settings: Settings, given: dict[str, Any]) -> Settings:
-    """The settings with what the options say."""
+    """Return the settings, overridden by the options."""
     from msgspec.structs import replace
 
     from pacinian.serving.settings import Metrics, Security
@@ -141,7 +141,7 @@ def _with(settings: Settings, given: dict[str, Any]) -> Settings:
     }
     if "metrics" in chosen:
         chosen["metrics"] = Metrics(chosen["metrics"])
-    if "temperature" in chosen:  # a speed that a file gives would go before it
+    if "temperature" in chosen:  # drop a speed of sound from the file, which would take precedence
         medium = replace(settings.medium, speed_of_sound=0.0, density=0.0)
         chosen["medium"] = replace(medium, temperature=chosen.pop("temperature"))
         chosen["medium"].make()

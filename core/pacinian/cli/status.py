@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Sound
     from pacinian.wire.state import State
 
-BULK = {  # type and width of rows
+BULK = {  # type and width of the rows
     "points": ("<f4", 3),
     "normals": ("<f4", 3),
     "asked": ("<f4", 1),
@@ -30,7 +30,7 @@ BULK = {  # type and width of rows
 @CONNECTION
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def status(connection: str | None, as_json: bool) -> None:
-    """Tell what a running server emits, and how it is.
+    """Print what a running server emits, and its health.
 
     Exit code 1 after a fault, 2 if no server answers.
     """
@@ -51,22 +51,22 @@ def status(connection: str | None, as_json: bool) -> None:
 
 
 def air(sound: Sound | None) -> dict[str, float | None]:
-    """Temperature [degC] and speed of sound [m/s] that the server computes with; empty for one that does not tell."""
+    """Return the temperature [degC] and speed of sound [m/s] that the server uses; empty if it does not report them."""
     if sound is None:
         return {}
     return {"temperature": sound.temperature, "speed_of_sound": sound.speed_of_sound}
 
 
 def describe_air(sound: Sound | None) -> str:
-    """The same for people."""
+    """Return the same as text."""
     if sound is None:
-        return "not told"
+        return "not reported"
     told = "" if sound.temperature is None else f"{sound.temperature:g} °C, "
     return f"{told}{sound.speed_of_sound:.1f} m/s"
 
 
 def plain(state: State) -> dict[str, Any]:
-    """A state as JSON holds it: bulk numbers as lists, of rows where a row is more than one."""
+    """Convert a state for JSON. Bulk numbers become lists, or lists of rows if a row has several numbers."""
     import msgspec
     import numpy as np
 
@@ -79,7 +79,7 @@ def plain(state: State) -> dict[str, Any]:
 
 
 def table(state: State) -> Table:
-    """A state for people."""
+    """Return a state as a table."""
     from rich.markup import escape
     from rich.table import Table
 
@@ -93,7 +93,7 @@ def table(state: State) -> Table:
             f"{state.technique or 'of each object'}, {state.intensity:.0%}"
         ),
         "rendered": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
-        "at the samples, as emitted": f"{state.error:.3%} off the sound pressures asked",
+        "at the samples, as emitted": f"{state.error:.3%} off the target sound pressures",
         **_felt(state),
         "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",
         "tick time": f"p50 {median:.3f} ms, p99 {p99:.3f} ms, max {longest:.3f} ms",
@@ -103,7 +103,7 @@ def table(state: State) -> Table:
         "faults": f"{state.fault_count}",
     }
     for i, fault in enumerate(reversed(state.faults[-3:])):
-        rows[f"  {i + 1} before the end" if i else "  the last"] = escape(fault)
+        rows[f"  {i + 1} from the end" if i else "  the last"] = escape(fault)
     for client in state.clients:
         what = "owner, " if client.owner else ""
         rows[escape(f"client {client.name}")] = escape(
@@ -116,7 +116,7 @@ def table(state: State) -> Table:
 
 
 def _felt(state: State) -> dict[str, str]:
-    """What is felt of objects that have regions, between their samples."""
+    """Return the felt quality of objects that have regions, between their samples."""
     import numpy as np
     from rich.markup import escape
 

@@ -18,13 +18,13 @@ STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Clie
     type=click.FloatRange(0.01, 60),
     default=2.0,
     show_default=True,
-    help="Seconds to wait for the server to confirm it.",
+    help="Seconds to wait for the server's confirmation.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
 def stop(connection: str | None, timeout: float, as_json: bool) -> None:
-    """Emergency stop: silence at once, whoever owns the output, until a client resets it.
+    """Emergency stop: silence the output at once, whoever owns it, until a client resets it.
 
-    Exit code 0 only if the server has confirmed it; else switch the array off.
+    Exit code 0 only if the server has confirmed the stop. Otherwise switch the array off.
     """
     from pacinian.client.emergency import emergency_stop
 

@@ -1,4 +1,4 @@
-"""The udev rule for the arrays of the installed backends."""
+"""The udev rules for the arrays of the installed backends."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RULE = (
 
 
 def make_rules(plugins: Plugins) -> str:
-    """The text of the rule, with a line for each kind of USB device."""
+    """Return the text of the rules, with a line for each kind of USB device."""
     plugins.load(kind="backend")
     text = HEAD
     for (kind, name), offer in sorted(plugins.offers.items()):
@@ -30,7 +30,7 @@ def make_rules(plugins: Plugins) -> str:
 
 
 def _match(numbers: tuple[int, ...]) -> str:
-    """Vendor and product, or class, subclass and protocol of an interface."""
+    """Return the match keys of (vendor, product), or of (class, subclass, protocol) of an interface."""
     if len(numbers) == 2:
         return 'ATTR{{idVendor}}=="{:04x}", ATTR{{idProduct}}=="{:04x}"'.format(*numbers)
     return 'ENV{{ID_USB_INTERFACES}}=="*:{:02x}{:02x}{:02x}:*"'.format(*numbers)

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("recording", metavar="[FILE]", type=click.Path(path_type=Path), required=False)
 @CONNECTION
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="0 for any that is free.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="0 for any free port.")
 @click.option("--host", default="127.0.0.1", show_default=True, help="An address of this machine.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 @click.option(
     "--samples",
     is_flag=True,
-    help="Render a FILE of `pacinian render` again, as long as that took: it lacks its samples.",
+    help="Render a FILE of `pacinian render` again to show its samples, which takes as long as the run.",
 )
-@click.option("--beside", is_flag=True, hidden=True, help="End with the standard input.")
+@click.option("--beside", is_flag=True, hidden=True, help="End when standard input closes.")
 def view(
     recording: Path | None,
     connection: str | None,
@@ -36,17 +36,17 @@ def view(
     samples: bool,
     beside: bool,
 ) -> None:
-    """Show what a running server emits, live, in a page of the browser; until Ctrl-C.
+    """Show what a running server emits, live in the browser, until Ctrl-C.
 
-    FILE is a recording to be replayed instead: of this page, or of `pacinian render --record`.
+    FILE is a recording to replay instead, from this page or from `pacinian render --record`.
     """
     import asyncio
 
     if samples and recording is None:
-        raise click.UsageError("--samples is for a FILE")
+        raise click.UsageError("--samples needs a FILE")
 
     if samples:
-        click.echo(f"{recording}: rendering its samples, which takes as long as it did", err=True)
+        click.echo(f"{recording}: rendering its samples, which takes as long as the run", err=True)
 
     from pacinian.viewing.browser import opened
     from pacinian.viewing.run import view as run
@@ -75,7 +75,7 @@ def view(
 
 
 def _with_input(loop: asyncio.AbstractEventLoop) -> asyncio.Event:
-    """Is set when the standard input ends, which it does with the program that has started this one."""
+    """Return an event that is set when standard input closes, which happens when the parent process ends."""
     import asyncio
     import threading
 

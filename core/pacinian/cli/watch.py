@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.client.client import Client
     from pacinian.wire.state import State
 
-REFRESH = 0.1  # [s] between two pictures
+REFRESH = 0.1  # period of redraws [s]
 
 
 @click.command()
@@ -28,9 +28,9 @@ REFRESH = 0.1  # [s] between two pictures
     "--seconds",
     type=click.FloatRange(0),
     default=math.inf,
-    help="How long.  [default: until Ctrl-C]",
+    help="Duration.  [default: until Ctrl-C]",
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object a line, for each state.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object per state, one per line.")
 def watch(connection: str | None, seconds: float, as_json: bool) -> None:
     """Show the state of a running server, always the newest."""
     from pacinian.client.client import Client
@@ -49,8 +49,8 @@ def _states(client: Client, seconds: float) -> Iterator[State]:
 
     end = time.perf_counter() + seconds
     for state in client.watch():
-        with suppress(Refused):  # what happens to the output is in the state
-            client.renew()  # the session goes on
+        with suppress(Refused):  # the state shows what happened to the output
+            client.renew()  # keeps the session alive
         yield state
         if time.perf_counter() >= end:
             return

@@ -8,9 +8,11 @@ import click
 
 
 @click.command()
-@click.option("--schema", is_flag=True, help="As an AsyncAPI document with JSON Schemas instead.")
+@click.option(
+    "--schema", is_flag=True, help="Print an AsyncAPI document with JSON Schemas instead."
+)
 def wire(schema: bool) -> None:
-    """Print how a program in any language talks to `pacinian serve`."""
+    """Print the protocol by which a program in any language talks to `pacinian serve`."""
     from pacinian.wire.asyncapi import make_asyncapi
     from pacinian.wire.markdown import make_page
 

@@ -1,8 +1,13 @@
-"""The client: a game's or a script's side of the wire.
+"""The client: the side of the wire for games and scripts.
 
-client.py      `pacinian.Client`: what users call         connected.py   lost, and made anew
-dialogue.py    one session, from hello to bye             link.py        a socket, and the end of its connection
-messages.py    what users give, as the wire's fields      outbox.py      what the socket had no room for
-watching.py    the newest state                           timing.py      round trips, the server's clock
-emergency.py   a stop that needs no session               keys.py        CURVE keys from files
+client.py              `pacinian.Client`, the user's API
+base_client.py         a session that can be lost and replaced
+server_session.py      one session, from hello to bye
+link.py                a socket, and the end of its connection
+messages.py            arguments of the API as fields of the wire
+outbox.py              commands that the socket had no room for
+state_subscription.py  the newest state
+timing.py              round trips, the server's clock
+emergency.py           a stop that needs no session
+connection_file.py     connection files and CURVE keys
 """

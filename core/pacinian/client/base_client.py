@@ -1,4 +1,4 @@
-"""A session that can be lost and made anew: what `Client` is beside what it says."""
+"""The connection of a `Client`: a session that can be lost and replaced by a new one."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class BaseClient:
-    """Arguments as of `Client`; a context manager. Belongs to the thread that makes it."""
+    """Base of `Client`, with the same arguments. A context manager. Belongs to the thread that makes it."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class BaseClient:
 
     @property
     def errors(self) -> list[Refused]:
-        """What the server refused of calls that did not wait; asking takes them away."""
+        """Errors of the calls that did not wait. Reading this clears them."""
         self._look()
         told = list(self._dialogue.errors)
         self._dialogue.errors.clear()
@@ -62,18 +62,18 @@ class BaseClient:
 
     @property
     def connected(self) -> bool:
-        """Whether the session still is."""
+        """Whether the session is still connected."""
         self._look()
         return not self._dialogue.lost
 
     @property
     def armed(self) -> bool:
-        """Whether this client's scene may be felt, as the server said last."""
+        """Whether this client's scene is armed, as the server last reported."""
         return self._dialogue.armed and self._dialogue.owner
 
     @property
     def lease(self) -> float:
-        """From the last renewal to silence [s], as agreed with the server."""
+        """Time from the last renewal to silence [s], as agreed with the server."""
         return self._dialogue.welcome.lease
 
     @property
@@ -83,25 +83,25 @@ class BaseClient:
 
     @property
     def server(self) -> str:
-        """What the server says that it is."""
+        """The name and version of the server."""
         return self._dialogue.welcome.server
 
     def reconnect(self) -> None:
-        """A new session, after a loss or instead of this one: the connection file is read again."""
+        """Start a new session, after a loss or instead of this one. Reads the connection file again."""
         self._check()
         self._dialogue.close()
         self._dialogue = self._connect()
 
     def close(self) -> None:
-        """Say bye: silence, if this client owns the output; its objects go with it."""
+        """End the session. The server removes this client's objects, and silences the output if the client owns it."""
         self._check(closed=True)
         self._closed = True
         self._dialogue.close()
 
     def __del__(self) -> None:
-        """As `close`: a cell of a notebook that is run again finds the output free."""
+        """Close, so that a notebook cell that is run again finds the output free."""
         if not self.__dict__.get("_closed", True) and "_dialogue" in self.__dict__:
-            with suppress(Exception):  # not in another thread or process
+            with suppress(Exception):  # fails in another thread or process
                 self.close()
             warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=2)
 
@@ -117,7 +117,7 @@ class BaseClient:
         self.close()
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("a Client has sockets of its own: make one in each process")
+        raise TypeError("a Client cannot be pickled: make one in each process")
 
     def _connect(self) -> ServerSession:
         given = resolve_connection(self._where, self._keys)
@@ -125,7 +125,9 @@ class BaseClient:
 
     def _check(self, closed: bool = False) -> None:
         if (os.getpid(), threading.get_ident()) != self._owner:
-            raise ServerError("a Client belongs to the thread that made it: make one in each")
+            raise ServerError(
+                "a Client belongs to the thread that made it: make one in each thread"
+            )
         if self._closed and not closed:
             raise ConnectionLost("this Client was closed")
 

@@ -1,4 +1,4 @@
-"""`pacinian.Client`: a game or a script that lets its scene be felt by a server's array."""
+"""`pacinian.Client`: lets a game or a script render its scene on a server's array."""
 
 from __future__ import annotations
 
@@ -32,35 +32,36 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
 
-CHANGE = 12.0  # [s] that another solver or backend may take to be ready
+CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
 
 
 class Client(BaseClient):
-    """A session with `pacinian serve`; a context manager. Belongs to the thread that makes it, but for `stop`.
+    """A session with `pacinian serve`. A context manager. Belongs to the thread that makes it, except for `stop`.
 
-    connection: its file, by default where the server writes it, or what is in there. name: for people. scene:
-    clients of one name share a scene. lease: within which `renew` must be called while armed [s]; at most, and
-    by default, the server's. timeout: of an answer [s]. keys: our CURVE keys, a file or a folder. reconnect: the
-    next call after one that raised ConnectionLost connects anew, unless it is `renew`, `hold` or `watch`. clock:
-    steady, [s].
+    connection: a connection, or the path of its file; by default, the file that the server writes. name: shown to
+    people. scene: clients that give the same name share a scene. lease: maximum time between two calls of `renew` while
+    armed [s]; at most, and by default, the server's. timeout: for a reply [s]. keys: this client's CURVE keys, a file
+    or a folder. reconnect: whether the call after one that raised ConnectionLost connects again, unless it is `renew`,
+    `hold` or `watch`. clock: a steady clock [s].
 
-    The server forgets a client that says nothing for long (`safety.forget`), with all its objects. While nothing is
-    armed, any call renews the session by itself, however long it waits; what is armed, only `renew`, `hold`, `select`.
+    The server forgets a client that sends nothing for `safety.forget`, with all its objects. While the client is not
+    armed, any call also renews the session, however long it waits. While it is armed, only `renew`, `hold` and `select`
+    do.
 
-    Calls wait for their answer unless `wait=False`: then they never block, of commands that the server has no
-    room for only the newest for each object is kept, and what it refuses is found in `errors`. ttl: a command that
-    the server would apply later than so long after it was sent is dropped [s].
+    Calls wait for their reply unless `wait=False`. Then they never block. If the socket has no room, only the newest
+    command for each object is kept. `errors` lists the commands that the server refused. ttl: time to live [s]; the
+    server drops a command that is older than this.
 
-    After a loss nothing resumes: the output is not armed, and objects must be put again. Raises
-    ConnectionLost, Refused; WireError for objects that cannot be sent.
+    After a connection loss nothing resumes: arm again, and put the objects again. Raises ConnectionLost, Refused;
+    WireError for objects that cannot be sent.
     """
 
     def put(
         self, *objects: Object, duration: float | None = None, ttl: float = 1.0, wait: bool = True
     ) -> None:
-        """Objects with names: each is new, or takes the place of the one of that name.
+        """Put named objects into the scene. An object replaces the one of the same name.
 
-        duration: after which they are removed by themselves [s].
+        duration: time after which the server removes them [s].
         """
         for batch in messages.make_put(objects, duration):
             self._command(commands.Put, ttl, wait, objects=batch)
@@ -74,7 +75,7 @@ class Client(BaseClient):
         ttl: float = 1.0,
         wait: bool = True,
     ) -> None:
-        """A new pose of an object that is there. motion: from now on; its `time` is not looked at."""
+        """Set the pose of an object. motion: its motion from now on; `motion.time` is ignored."""
         self.moves({name: pose}, {name: motion} if motion else None, ttl=ttl, wait=wait)
 
     def moves(
@@ -85,17 +86,17 @@ class Client(BaseClient):
         ttl: float = 1.0,
         wait: bool = True,
     ) -> None:
-        """New poses by name, in one message; those without a motion stand still."""
+        """Set poses by name, in one message. Objects without a motion stand still."""
         for batch in messages.make_moves(poses, motions or {}):
             self._command(commands.Move, ttl, wait, **batch)
 
     def remove(self, *names: str, ttl: float = 1.0, wait: bool = True) -> None:
-        """Take objects away; names that nothing has are no error."""
+        """Remove objects. Unknown names are ignored."""
         for batch in messages.split_batches(names):
             self._command(commands.Remove, ttl, wait, names=batch)
 
     def clear(self, *, ttl: float = 1.0, wait: bool = True) -> None:
-        """Take away all objects, hands and quiet zones of this client."""
+        """Remove all objects, hands and quiet zones of this client."""
         self._command(commands.Clear, ttl, wait)
 
     def envelope(
@@ -106,16 +107,16 @@ class Client(BaseClient):
         ttl: float = 1.0,
         wait: bool = True,
     ) -> None:
-        """How strong objects that are there are over time, from now on."""
+        """Set the envelope of objects from now on."""
         wire = envelope_to_wire(envelope)
         for batch in messages.split_batches((names,) if isinstance(names, str) else names):
             self._command(commands.Envelopes, ttl, wait, names=batch, envelope=wire)
 
     def hands(self, *hands: Hand, ttl: float = 1.0, wait: bool = True) -> None:
-        """All hands that this client tracks, in place of those before; from then on only hands feel the scene.
+        """Set all hands that this client tracks. From then on, objects are rendered only where hands touch them.
 
-        None: nothing is felt, as with lost ones only, which have no joints; the scene stays. Their `time` is of this
-        client's clock; now unless given. Hands that are not lost must have joints.
+        Call it without hands to render nothing; lost hands, which have no joints, have the same effect. The scene
+        stays. Their `time` is by this client's clock; the default is now. Hands that are not lost must have joints.
         """
         frames, times = messages.make_hands(hands), [h.time for h in hands if h.time is not None]
         now = self._clock()
@@ -123,61 +124,62 @@ class Client(BaseClient):
         self._command(commands.Hands, ttl, wait, seen, hands=frames)
 
     def quiet(self, *zones: Zone, ttl: float = 1.0, wait: bool = True) -> None:
-        """All quiet zones of this client, in place of those before. The array is silent until they are prepared."""
+        """Set all quiet zones of this client. The array is silent until the server has prepared them."""
         self._command(commands.Quiet, ttl, wait, zones=messages.make_zones(zones))
 
     def field(self, points: ArrayLike) -> Complexes:
-        """Complex sound pressure at points (K, 3) [m] of what is emitted now, (K,) [Pa]."""
+        """Return the complex sound pressure that is emitted now at points (K, 3) [m], (K,) [Pa]."""
         command = self._make_object(commands.Field, 1.0, points=messages.make_points(points))
         answer = self._live().send_command(command, replies.Pressures)
         pairs = unpack(answer.pressures, 2).astype(np.float64)
         return np.asarray(pairs[:, 0] + 1j * pairs[:, 1])
 
     def show(self, scene: str = "", since: int = 0) -> replies.Shown:
-        """Objects of the scene that is felt, or was felt last, whoever put them, and where they are.
+        """Return the objects and poses of the scene that is rendered now, or was last, whoever put them.
 
-        scene, since: `scene` and `version` of the last answer: what was told then is not told again.
+        scene, since: `scene` and `version` of the last reply; objects in earlier replies are then left out.
         """
         command = self._make_object(commands.Show, 1.0, scene=scene, since=since)
         return self._live().send_command(command, replies.Shown)
 
     def arm(self, take: bool = False) -> None:
-        """This client's scene is to be felt, for as long as `renew` is called. take: from its owner, if need be."""
+        """Arm the output with this client's scene, for as long as `renew` is called. take: even from another owner."""
         self._live().arm(take)
 
     def disarm(self) -> None:
-        """Silence, softly; the output is let go."""
+        """End the sound softly, and let go of the output."""
         live = self._live()
         live.ask(control.Disarm, replies.Ok)
         live.armed = live.owner = False
 
     def stop(self) -> None:
-        """Emergency stop: silence at once, whoever owns the output, until `reset`.
+        """Emergency stop: silence the array at once, whoever owns the output, until `reset`.
 
-        From any thread, and after a loss or `close`, too: then as `emergency_stop`.
+        May be called from any thread, and after a connection loss or `close`; then it works like `emergency_stop`.
         """
-        with suppress(ServerError):  # of another thread, closed, or lost
+        with suppress(ServerError):  # called from another thread, or the session is closed or lost
             self._check()
             self._dialogue.stop(control.Stop())
             return
         emergency_stop(self._where, timeout=self._timeout, keys=self._keys)
 
     def reset(self) -> None:
-        """After an emergency stop or a fault: it may be armed again."""
+        """Clear an emergency stop or a fault, so that the output can be armed again."""
         self._live().ask(control.Reset, replies.Ok)
 
     def renew(self) -> None:
-        """From the game's own tick, oftener than the lease: it is alive. Does not wait, and never reconnects.
+        """Renew the lease. Call this from the game's own tick, more often than the lease.
 
-        Raises Refused, once, when the output is not armed any more without having been asked to: its code is
-        "expired", "owner", "stopped" or "fault". Raises ConnectionLost after a loss.
+        Never waits, never reconnects. Raises Refused, once, if the output was disarmed without a request; its code is
+        "expired", "owner", "stopped" or "fault". Raises ConnectionLost after a connection loss.
         """
         self._live(again=False).renew()
 
     def hold(self, seconds: float, every: float | None = None) -> None:
-        """For scripts: renew, again and again, for so long [s]. every: [s]; a quarter of the lease unless given.
+        """Renew the lease repeatedly for `seconds` [s], in a script.
 
-        Ctrl-C, or a notebook's stop button, disarms. Raises as `renew`.
+        every: interval [s]; a quarter of the lease by default. Ctrl-C, or a notebook's stop button, disarms. Raises as
+        `renew`.
         """
         end = self._clock() + check_number("seconds", seconds, low=0.0)
         live = self._live(again=False)
@@ -203,11 +205,11 @@ class Client(BaseClient):
         intensity: float | None = None,
         wait: bool = True,
     ) -> int:
-        """Another solver, backend, technique of objects that have none of their own, or strength, while running.
+        """Select another solver, backend, default technique or intensity at run time.
 
-        intensity: factor on all radiation pressures, 0..1. Waits until it is done, and renews the lease meanwhile
-        if armed; with wait=False look at `look().solver`, and at `errors`, where `Refused.request` is the number that
-        is returned (0 once it is done).
+        technique: for objects without their own. intensity: factor on all radiation pressures, 0..1. Waits until the
+        selection takes effect, and renews the lease meanwhile if armed. With wait=False, watch `look().solver` and
+        `errors`: the returned number is `Refused.request` of its error. Returns 0 if it waited.
         """
         fields = {
             "solver": control.Choice(name=solver) if isinstance(solver, str) else solver,
@@ -222,19 +224,19 @@ class Client(BaseClient):
         return live.request_nowait(control.Select, **fields)
 
     def capabilities(self) -> replies.Abilities:
-        """What there is: the array, solvers, backends, limits."""
+        """Return the capabilities: array, solvers, backends, limits."""
         return self._live().ask(control.Capabilities, replies.Abilities)
 
     def status(self) -> State:
-        """The state of now, asked for."""
+        """Request the current state and return it."""
         return self._live().ask(control.Status, State)
 
     def look(self) -> State | None:
-        """The newest state published since the last look, if there is one; does not wait for it."""
+        """Return the newest state published since the last call, or None. Does not wait."""
         return self._live().newest(0.0)
 
     def watch(self, timeout: float | None = None) -> Iterator[State]:
-        """States as they are published, always the newest. Raises ConnectionLost if none comes in time [s]."""
+        """Yield the newest published states. Raises ConnectionLost if none arrives within `timeout` [s]."""
         patience = self._timeout if timeout is None else timeout
         while True:
             live = self._live(again=False)
@@ -245,9 +247,10 @@ class Client(BaseClient):
 
     @staticmethod
     def felt(state: State) -> dict[str, FeltRegion]:
-        """What is felt of each surface and volume in a state, by name: between its samples, against what was asked.
+        """Return what is felt of each surface and volume in a state, by name.
 
-        Points and paths are left out, and all objects in silence.
+        It is measured between the samples, against the targets. Points and paths are left out; in silence, all objects
+        are.
         """
         from pacinian.solving.felt_regions import FeltRegion
 
@@ -258,7 +261,7 @@ class Client(BaseClient):
         return {name: felt for name, felt in told.items() if not math.isnan(felt.force)}
 
     def age(self, state: State) -> float:
-        """How long ago a state was published [s]; right to half of the shortest round trip."""
+        """Return the age of a state [s], accurate to half of the shortest round trip."""
         return self._live(again=False).timing.age(state.time, self._clock())
 
     def _make_object(
@@ -269,7 +272,7 @@ class Client(BaseClient):
         now = self._clock() if time is None else time
         try:
             return kind(session=session, sequence=1, time=now, ttl=ttl, **fields)
-        except ValueError as error:  # of bulk numbers, which it checks by itself
+        except ValueError as error:  # the type itself checks bulk numbers
             raise WireError(str(error), "$") from error
 
     def _command(

@@ -1,4 +1,4 @@
-"""How to connect: a connection file, and CURVE keys in files of their own."""
+"""Connection data: a connection file, and CURVE keys in files of their own."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ FIX = "`pacinian keys` makes one"
 def resolve_connection(
     connection: Connection | Path | str | None, keys: Path | str | None
 ) -> Connection:
-    """How to connect: as given, or as a file says; with the keys of a file or a folder.
+    """Return the given connection, or read it from a file; add the keys from a file or a folder.
 
-    keys: NAME.key_secret, or a folder that has one; the server's public key is in the connection, or beside it.
-    Raises ConnectionLost, ArgumentError.
+    keys: NAME.key_secret, or a folder that holds one. The server's public key is in the connection, or beside that
+    file. Raises ConnectionLost, ArgumentError.
     """
     if isinstance(connection, Connection):
         made = connection
@@ -42,9 +42,11 @@ def _with_keys(connection: Connection, path: Path) -> Connection:
     server = secret.with_name(SERVER)
     theirs = _read(server)[0] if server.exists() else connection.server_key
     if not theirs or not private:
-        lacks = f"{secret} has no secret key" if theirs else f"{server} is not there"
-        raise ArgumentError("keys", f"must have our secret and the server's public key: {lacks}")
-    # a stop without a connection is proven by the keys of the file alone
+        lacks = f"{secret} has no secret key" if theirs else f"{server} does not exist"
+        raise ArgumentError(
+            "keys", f"must have the client's secret and the server's public key: {lacks}"
+        )
+    # The connectionless stop needs the secret of the connection file, so it is not used here.
     return replace(connection, server_key=theirs, public_key=public, secret_key=private, stop="")
 
 
@@ -54,5 +56,5 @@ def _read(path: Path) -> tuple[str, str]:
     try:
         public, secret = load_certificate(path)
     except (OSError, ValueError) as error:
-        raise ArgumentError("keys", f"{path} is no key: {error}; {FIX}") from error
+        raise ArgumentError("keys", f"{path} is not a key file: {error}; {FIX}") from error
     return public.decode(), (secret or b"").decode()

@@ -27,12 +27,13 @@ def emergency_stop(
     timeout: float = 2.0,
     keys: Path | str | None = None,
 ) -> None:
-    """Silence at once, whoever owns the output, until `Client.reset`. Returns when the server has done it.
+    """Silence the array at once, whoever owns the output, until `Client.reset`.
 
-    On the server's machine it needs no connection, so no number of others can keep it out.
+    Returns when the server has confirmed it. On the server's machine this needs no connection, so no number of other
+    clients can block it.
 
-    connection, keys: as of `Client`. timeout: within which it must say so [s], or ConnectionLost is raised. Raises
-    Refused, too.
+    connection, keys: as for `Client`. timeout: for the confirmation [s]. Raises ConnectionLost after the timeout;
+    Refused.
     """
     given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
     if given.stop and request_stop(given.stop, given.secret, timeout):

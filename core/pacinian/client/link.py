@@ -1,7 +1,7 @@
-"""A socket to the server and a monitor of its connection: lost once, it is lost for good.
+"""A socket to the server, with a monitor of its connection. A lost connection is lost for good.
 
-It does not connect again by itself, and takes a message only while it is connected (IMMEDIATE), so that nothing
-old can reach a server that was started anew. Heartbeats (ZMTP's) tell of a server that is stopped or cut off.
+The socket does not reconnect, and accepts messages only while it is connected (IMMEDIATE), so nothing old can reach a
+restarted server. ZMTP heartbeats detect a server that is stopped or cut off.
 """
 
 from __future__ import annotations
@@ -26,18 +26,19 @@ USER = b"pacinian"
 DENIED = zmq.EVENT_HANDSHAKE_FAILED_AUTH
 FOREIGN = zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
 ENDS = zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED | DENIED | FOREIGN
-MAX_MESSAGES_AT_ONCE = 1000  # messages that are read at once
+MAX_MESSAGES_AT_ONCE = 1000  # maximum number of messages read at once
 OPTIONS = {
     zmq.LINGER: 0,
     zmq.SNDHWM: 16,
     zmq.RCVHWM: MAX_MESSAGES_AT_ONCE,
     zmq.MAXMSGSIZE: MAX_REPLY_BYTES,
-    zmq.HANDSHAKE_IVL: 2000,  # [ms], as all below
+    zmq.HANDSHAKE_IVL: 2000,  # [ms], as are all times below
     zmq.CONNECT_TIMEOUT: 2000,
 }
 ONCE = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
-# no high-water mark: one that is reached while a heartbeat is due makes libzmq 4.3 end the process (`!_io_error`)
-# Little sooner than an answer is given up: what silence waits for is the lease (decision 29).
+# No high-water mark: if one is reached while a heartbeat is due, libzmq 4.3 aborts (`!_io_error`).
+# The timeout is a little shorter than that of a reply. Silence does not depend on it, but on the
+# lease (decision 29).
 HEARTBEAT = {
     zmq.HEARTBEAT_IVL: 50,
     zmq.HEARTBEAT_TTL: 1500,
@@ -49,7 +50,7 @@ HEARTBEAT = {
 def make_socket(
     context: zmq.Context[zmq.Socket[bytes]], kind: int, connection: Connection
 ) -> zmq.Socket[bytes]:
-    """A socket of that kind, with the connection's token or keys. Raises ConnectionLost."""
+    """Make a socket of that kind, with the connection's token or keys. Raises ConnectionLost."""
     socket = context.socket(kind)
     for option, value in OPTIONS.items():
         socket.setsockopt(option, value)
@@ -62,12 +63,12 @@ def make_socket(
             socket.plain_username, socket.plain_password = USER, connection.token.encode()
     except (zmq.ZMQError, ValueError) as error:
         socket.close(0)
-        raise ConnectionLost("the connection has no token, or no keys of a client") from error
+        raise ConnectionLost("the connection has neither a token nor client keys") from error
     return socket
 
 
 def connect(socket: zmq.Socket[bytes], at: str) -> None:
-    """Connect it to the address `at`. Raises ConnectionLost."""
+    """Connect a socket to the address `at`. Raises ConnectionLost."""
     try:
         socket.ipv6 = "[" in at
         socket.connect(at)
@@ -76,9 +77,9 @@ def connect(socket: zmq.Socket[bytes], at: str) -> None:
 
 
 class Link:
-    """A DEALER socket. Belongs to one thread; to be closed before its context is.
+    """A DEALER socket. Belongs to one thread. Close it before its context.
 
-    heartbeat: not where the server may be slow to read, as its heartbeats wait behind what it has not read.
+    heartbeat: False if the server may read slowly, because heartbeats queue behind unread messages.
     """
 
     def __init__(
@@ -91,7 +92,10 @@ class Link:
     ) -> None:
         self.at = at
         self.known = False
-        """Whether its server has answered, on this connection or another: what ends after that has gone."""
+        """Whether the server has answered on any connection.
+
+        A connection that ends after that means the server has gone.
+        """
         self.socket = make_socket(context, zmq.DEALER, connection)
         for option, value in {**ONCE, **(HEARTBEAT if heartbeat else {})}.items():
             self.socket.setsockopt(option, value)
@@ -103,7 +107,7 @@ class Link:
             raise
 
     def send(self, data: bytes, timeout: float = 0.0) -> bool:
-        """Send, within `timeout` [s]; False if there was no room. Raises ConnectionLost."""
+        """Send within `timeout` [s]; return False if there was no room. Raises ConnectionLost."""
         try:
             self.socket.send(data, zmq.NOBLOCK)
         except zmq.Again:
@@ -116,7 +120,7 @@ class Link:
         return True
 
     def receive(self) -> list[AnyReply | State]:
-        """All that has come. What cannot be read is an `Error` with its id."""
+        """Return all messages received. One that cannot be decoded becomes an `Error` with its id."""
         replies: list[AnyReply | State] = []
         while len(replies) < MAX_MESSAGES_AT_ONCE:
             try:
@@ -134,14 +138,14 @@ class Link:
         return replies
 
     def lost(self) -> ConnectionLost:
-        """Why, after the monitor told that it is."""
+        """Return why the connection was lost, after the monitor reported the loss."""
         event = recv_monitor_message(self.monitor)["event"]
         if event & DENIED:
             why = "refuses the token or key: another server may have been started since"
         elif self.known:
-            why = "has gone"  # also in the middle of a handshake
+            why = "has gone"  # even during a handshake
         elif event & FOREIGN:
-            why = "is no Pacinian server, wants other security (CURVE keys or a token), or is too busy"
+            why = "is not a Pacinian server, requires other security (CURVE keys or a token), or is too busy"
         elif event & zmq.EVENT_CLOSED:
             why = "does not answer: is `pacinian serve` running?"
         else:
@@ -149,7 +153,7 @@ class Link:
         return ConnectionLost(f"the server at {self.at} {why}")
 
     def close(self) -> None:
-        """Close it at once; what was not sent is not sent any more."""
+        """Close the socket at once; unsent messages are dropped."""
         if not self.socket.closed:
             self.socket.disable_monitor()
             self.monitor.close(0)
@@ -157,5 +161,5 @@ class Link:
 
 
 def milliseconds(seconds: float) -> int:
-    """For `poll`, rounded up so that none is a busy loop."""
+    """Return a timeout for `poll`, rounded up to avoid a busy loop."""
     return max(0, math.ceil(1e3 * seconds))

@@ -1,4 +1,4 @@
-"""What users give, as the wire's fields, in batches that fit into one message each."""
+"""Arguments of the API as fields of the wire, in batches that each fit in one message."""
 
 from __future__ import annotations
 
@@ -28,14 +28,13 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-FULL = 900_000  # [bytes] of objects in one message
-MAX_OBJECT_BYTES = (
-    MAX_COMMAND_BYTES - 1024
-)  # [bytes] of one object: the rest is for the command's other fields
+FULL = 900_000  # maximum size of the objects in one message [bytes]
+# Maximum size of one object [bytes]; the rest is for the command's other fields.
+MAX_OBJECT_BYTES = MAX_COMMAND_BYTES - 1024
 
 
 def split_batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
-    """Parts of a sequence, as many as fit into one message each."""
+    """Yield the parts of a sequence that each fit in one message."""
     for i in range(0, len(items), MAX_OBJECTS):
         yield tuple(items[i : i + MAX_OBJECTS])
 
@@ -43,7 +42,7 @@ def split_batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
 def make_put(
     items: Sequence[Object], duration: float | None
 ) -> Iterator[dict[str, objects.Object]]:
-    """Objects by name, so many that a message has room. Raises ArgumentError, WireError before the first."""
+    """Yield objects by name, as many as fit in one message each. Raises ArgumentError, WireError before the first."""
     made: dict[str, objects.Object] = {}
     sizes: dict[str, int] = {}
     for i, item in enumerate(items):
@@ -51,7 +50,7 @@ def make_put(
         if not name:
             raise ArgumentError(f"objects[{i}]", f"must be an object with a name, not {item!r}")
         if name in made:
-            raise ArgumentError(f"objects[{i}]", f"must have a name of its own, not {name!r} again")
+            raise ArgumentError(f"objects[{i}]", f"must have a unique name, not {name!r} again")
         try:
             made[name] = to_wire(item, duration)
             sizes[name] = _size(made[name])
@@ -73,13 +72,15 @@ def make_put(
 def make_moves(
     poses: Mapping[str, Pose], motions: Mapping[str, Motion]
 ) -> Iterator[dict[str, Any]]:
-    """Names, poses and velocities. Raises ArgumentError."""
+    """Yield names, poses and velocities. Raises ArgumentError."""
     for name, pose in poses.items():
         check_kind(f"poses[{name!r}]", pose, Pose)
     for name, motion in motions.items():
         check_kind(f"motions[{name!r}]", motion, Motion)
         if name not in poses:
-            raise ArgumentError("motions", f"must be of what is moved: {name!r} is not in `poses`")
+            raise ArgumentError(
+                "motions", f"must belong to moved objects: {name!r} is not in `poses`"
+            )
     for names in split_batches(list(poses)):
         at = [(*poses[name].position, *poses[name].rotation) for name in names]
         fields = {"names": names, "poses": pack(at)}
@@ -89,12 +90,12 @@ def make_moves(
 
 
 def make_hands(given: Sequence[Hand]) -> tuple[HandFrame, ...]:
-    """Hands as they are tracked. Raises ArgumentError."""
+    """Return tracked hands as wire fields. Raises ArgumentError."""
     return tuple(_hand(f"hands[{i}]", hand) for i, hand in enumerate(given))
 
 
 def make_zones(given: Sequence[Zone]) -> tuple[commands.Zone, ...]:
-    """Balls that are to stay quiet. Raises ArgumentError."""
+    """Return quiet zones as wire fields. Raises ArgumentError."""
     for zone in given:
         check_kind("zones", zone, Zone)
     return tuple(
@@ -104,7 +105,7 @@ def make_zones(given: Sequence[Zone]) -> tuple[commands.Zone, ...]:
 
 
 def make_points(given: ArrayLike) -> bytes:
-    """Points (K, 3) [m]. Raises ArgumentError."""
+    """Return points (K, 3) [m] as bytes. Raises ArgumentError."""
     array = check_numbers("points", given, (None, 3))
     if len(array) > MAX_POINTS:
         raise ArgumentError("points", f"must be at most {MAX_POINTS}, not {len(array)}")
@@ -112,7 +113,10 @@ def make_points(given: ArrayLike) -> bytes:
 
 
 def _size(item: objects.Object) -> int:
-    """Of an object in a message, without its name [bytes]. Raises WireError if it is too large for any."""
+    """Return the size of an object in a message, without its name [bytes].
+
+    Raises WireError if no message can hold it.
+    """
     size = len(encode(item))
     if size > MAX_OBJECT_BYTES:
         raise WireError(f"is {size:,} bytes: keep to {MAX_OBJECT_BYTES:,}", "$")

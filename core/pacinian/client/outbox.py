@@ -1,6 +1,6 @@
-"""What the socket had no room for: of each object only the newest, for as long as it may live.
+"""The outbox: commands that the socket had no room for. Keeps only the newest for each object, while it is alive.
 
-Pure: it holds commands without sequence numbers, and is told the time.
+Pure: it holds commands without sequence numbers, and callers pass the time.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ class Outbox:
     def __init__(self) -> None:
         self.waiting: list[AnyCommand] = []
         self.superseded = 0
-        """Parts of commands that a newer one took the place of before they were sent."""
+        """Number of commands superseded, wholly or partly, before they were sent."""
         self.overdue = 0
-        """Commands that had lived too long before they could be sent."""
+        """Number of commands that expired before they were sent."""
 
     def add(self, command: AnyCommand) -> None:
-        """Keep a command; of what it outdoes in those before, nothing is left."""
+        """Add a command, and remove what it supersedes from the waiting ones."""
         kinds, names = OUTDOES[type(command)], _names(command)
         kept: list[AnyCommand] = []
         for old in self.waiting:
@@ -58,7 +58,7 @@ class Outbox:
         self.waiting = [*kept, command]
 
     def flush(self, now: float, send: Callable[[AnyCommand], bool]) -> bool:
-        """Hand on what waits until `send` says that there is no room; True if nothing is left."""
+        """Send the waiting commands until `send` returns False; return whether none is left. Drops expired ones."""
         fresh = [c for c in self.waiting if now - c.time <= c.ttl]
         self.overdue += len(self.waiting) - len(fresh)
         self.waiting = fresh
@@ -68,7 +68,7 @@ class Outbox:
 
 
 def _names(command: AnyCommand) -> frozenset[str] | None:
-    """Of the objects that it is about; None: it is about all."""
+    """Return the names of a command's objects; None if it concerns all."""
     if isinstance(command, Put):
         return frozenset(command.objects)
     if isinstance(command, (Move, Remove, Envelopes)):
@@ -77,7 +77,7 @@ def _names(command: AnyCommand) -> frozenset[str] | None:
 
 
 def _without(command: AnyCommand, names: Collection[str] | None) -> AnyCommand | None:
-    """The command for other objects than these; None if there are none."""
+    """Return the command without these objects; None if none are left."""
     if names is None or not isinstance(command, (Put, Move, Remove, Envelopes)):
         return None
     if isinstance(command, Put):

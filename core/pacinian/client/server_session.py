@@ -1,4 +1,4 @@
-"""One session with the server, from hello to bye: what is lost with it is not taken up again."""
+"""One session with the server, from hello to bye. A lost session is never resumed."""
 
 from __future__ import annotations
 
@@ -34,17 +34,18 @@ if TYPE_CHECKING:
 
 R = TypeVar("R", bound="AnyReply | State")
 
-SHARE = 0.25  # of the lease between two renewals
-FAREWELL = 0.2  # [s] that a bye may take
-MAX_ERRORS = 100  # errors of commands that were not waited for
-ENDED = "expired", "owner", "fault", "stopped"  # what ends the sound of an owner, unasked
+SHARE = 0.25  # interval between renewals, as a fraction of the lease
+FAREWELL = 0.2  # time limit for a bye [s]
+MAX_ERRORS = 100  # number of errors kept of commands that did not wait
+# Codes of unsolicited errors that end an owner's sound.
+ENDED = "expired", "owner", "fault", "stopped"
 
 
 class ServerSession:
-    """A session. lost: why it ended, or "". armed, owner: as the server said last.
+    """A session. lost: why it ended, or "". armed, owner: as the server last reported.
 
-    errors: of what was not waited for, newest last. notices: why the sound ended, not told yet. Raises
-    ConnectionLost, Refused.
+    errors: of requests and commands that did not wait, newest last. notices: why the sound ended, not raised yet.
+    Raises ConnectionLost, Refused.
     """
 
     def __init__(
@@ -63,8 +64,8 @@ class ServerSession:
         )
         self.outbox = Outbox()
         self._come: deque[AnyReply | State] = deque()
-        self._due = math.inf  # [s] when the session is to be renewed by itself
-        self._ended = ""  # why a link has ended; told after all that came before
+        self._due = math.inf  # when the session next renews itself [s]
+        self._ended = ""  # why a link has ended; raised after all earlier messages are handled
         self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._links: list[Link] = []
@@ -102,32 +103,32 @@ class ServerSession:
 
     @property
     def every(self) -> float:
-        """Between two renewals [s]."""
+        """Interval between two renewals [s]."""
         return SHARE * self.welcome.lease
 
     def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
-        """A request to the control socket, and its answer."""
+        """Send a request to the control socket; return the reply."""
         request = kind(session=self.welcome.session, **fields)
         return self._call(self._control, request, answer, self.timeout)
 
     def request_slow(self, request: type[Request], timeout: float, **fields: Any) -> None:
-        """A request that takes up to `timeout` [s], in which the lease goes on, too, if it is armed."""
+        """Send a request that may take up to `timeout` [s]. Meanwhile, renew the lease if armed."""
         message = request(session=self.welcome.session, **fields)
         self._call(self._control, message, Ok, timeout, lease=True)
 
     def arm(self, take: bool) -> None:
-        """Why it did not sound before its Ok is forgotten; what comes after that is not."""
+        """Arm. Discards notices received before the server's Ok."""
         self.ask(Arm, Ok, take=take)
         self.notices.clear()
         self.armed = self.owner = True
         self.look()
 
     def stop(self, message: Struct) -> None:
-        """As `ask`, with a message that needs no session."""
+        """Send an emergency stop, which needs no session."""
         self._call(self._control, message, Ok, self.timeout)
 
     def request_nowait(self, kind: type[Request], **fields: Any) -> int:
-        """A request that is not waited for: an error of it goes to `errors`, with the number that is returned."""
+        """Send a request without waiting; return its number. Its error, if any, goes to `errors` with that number."""
         self.look()
         request = kind(session=self.welcome.session, id=self._number(), **fields)
         if not self._sent(self._control, encode(request)):
@@ -135,7 +136,7 @@ class ServerSession:
         return request.id
 
     def send_command(self, command: AnyCommand, answer: type[R]) -> R:
-        """A command, and its answer."""
+        """Send a command; return the reply."""
         self.look()
         if not self._flush(self.timeout):
             self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
@@ -143,7 +144,7 @@ class ServerSession:
         return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
 
     def send_nowait(self, command: AnyCommand) -> None:
-        """A command that is not waited for, and waits itself while there is no room: the newest for each object."""
+        """Send a command without waiting. While there is no room, the newest command for each object is kept."""
         self.look()
         if self._flush() and self._post(command):
             return
@@ -151,11 +152,11 @@ class ServerSession:
         self.outbox.add(command)
 
     def renew(self) -> None:
-        """The owner is alive; tells why it does not sound any more, each reason once. Does not wait."""
+        """Renew the lease without waiting. Raises, once, each reason why the output was disarmed."""
         try:
             self.look()
         except ConnectionLost:
-            if self.notices:  # it came before
+            if self.notices:  # it arrived before the loss
                 raise self.notices.popleft() from None
             raise
         self._renew()
@@ -164,14 +165,14 @@ class ServerSession:
             raise self.notices.popleft()
 
     def look(self, wait: float = 0.0) -> None:
-        """Take in what has come, waiting at most so long [s] for the first of it."""
+        """Handle what has arrived; wait at most `wait` [s] for the first message."""
         self._receive(wait)
         while self._come:
             self._note(self._come.popleft())
         self._go_on()
 
     def newest(self, timeout: float) -> State | None:
-        """The newest state that has been published, waited for at most so long [s]; None if none came."""
+        """Return the newest published state; wait at most `timeout` [s] for it. None if none arrived."""
         end = self.clock() + timeout
         self.look()
         if self._states is None:
@@ -195,7 +196,7 @@ class ServerSession:
             self.look()
 
     def close(self) -> None:
-        """Say bye if anybody listens, and end it."""
+        """Say bye if the server listens, and close the session."""
         if not self.lost and hasattr(self, "welcome"):
             self._due = math.inf
             try:
@@ -235,7 +236,7 @@ class ServerSession:
         return found
 
     def _answer(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
-        """The reply of that number; those before are noted. None if it does not come until `end` [s]."""
+        """Return the reply with that number, and note the others. None if it does not arrive by `end` [s]."""
         while (left := end - self.clock()) > 0.0:
             step = (
                 min(left, max(self._due - self.clock(), 0.0)) if lease or not self.armed else left
@@ -259,10 +260,10 @@ class ServerSession:
         self._sent(self._control, encode(renew))
 
     def _receive(self, wait: float, lease: bool = False) -> bool:
-        """Whether there is anything in `_come`, waiting at most so long [s].
+        """Return whether `_come` holds messages; wait at most `wait` [s] for them.
 
-        While nothing is armed the session is renewed by itself, for the server forgets who says nothing for long; what
-        is armed goes on only by the game's own `renew`, or a `lease` that it has asked for.
+        While the client is not armed, this also renews the session, because the server forgets a silent client. An
+        armed output stays alive only by the game's own `renew`, or with `lease`, which the caller has requested.
         """
         if self.lost:
             raise ConnectionLost(self.lost)
@@ -280,12 +281,12 @@ class ServerSession:
         return bool(self._come)
 
     def _go_on(self) -> None:
-        """Unless a link has ended, and nothing that came before is left."""
+        """Raise ConnectionLost if a link has ended and no earlier message is left."""
         if self._ended and not self._come:
             self.lose(self._ended)
 
     def _note(self, reply: AnyReply | State) -> None:
-        """What was not asked, or not waited for."""
+        """Note an unsolicited message, or the reply to a call that did not wait."""
         if isinstance(reply, Renewed):
             self.armed, self.owner = reply.armed, reply.owner
             if reply.id:
@@ -300,7 +301,7 @@ class ServerSession:
                 self.errors.append(_refuse(reply))
 
     def _flush(self, timeout: float = 0.0) -> bool:
-        """Send what waits, within `timeout` [s] in all; True if nothing is left."""
+        """Send the outbox, within `timeout` [s] in all; return whether it is empty."""
         now = self.clock()
         return not self.outbox.waiting or self.outbox.flush(
             now, lambda command: self._post(command, now + timeout - self.clock())
@@ -320,7 +321,7 @@ class ServerSession:
         return next(self._ids) % 0xFFFFFFFF + 1
 
     def lose(self, why: str) -> NoReturn:
-        """End it, and tell why."""
+        """Close the session, and raise ConnectionLost."""
         self.lost = why
         self.close()
         begun = "; nothing of this session goes on" if hasattr(self, "welcome") else ""
@@ -329,7 +330,7 @@ class ServerSession:
 
 @cache
 def read_version() -> str:
-    """Of Pacinian, as installed; "" where it is not."""
+    """Return the installed version of Pacinian; "" if it is not installed."""
     try:
         return importlib.metadata.version("pacinian")
     except importlib.metadata.PackageNotFoundError:

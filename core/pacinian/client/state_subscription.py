@@ -1,7 +1,7 @@
-"""The newest state: of many that wait, all but the last are skipped.
+"""Reads the newest state, and skips all older ones that wait.
 
-A reader that was slow finds old ones in the kernel's buffers, more of which come only as it reads: so it reads on
-until one is fresh, or no more come.
+A slow reader finds old states in the kernel's buffers, and more arrive only as it reads. Therefore it reads until a
+state is fresh, or no more arrive.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-FRESH = 0.05  # [s]
-SETTLE = 0.005  # [s] in which more would come
+FRESH = 0.05  # age below which a state is fresh [s]
+SETTLE = 0.005  # time to wait for more states [s]
 PASSES = 50
 
 
 def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> State | None:
-    """The newest state that has come; None if none has.
+    """Return the newest state that has arrived; None if there is none.
 
-    age: how long ago a state was published [s]. Raises WireError.
+    age: returns the age of a state [s]. Raises WireError.
     """
     found: State | None = None
     wait = 0.0
@@ -41,7 +41,7 @@ def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> Sta
 
 
 def _last(socket: zmq.Socket[bytes]) -> bytes:
-    """The last of the messages that wait, of which there is one at least."""
+    """Return the last of the waiting messages, of which there must be one."""
     data = socket.recv_multipart()[-1]
     while True:
         try:

@@ -1,1 +1,1 @@
-"""Real devices: what they are made of, how they were measured, and whether all of it is there."""
+"""Real devices: descriptions, calibration and USB access."""

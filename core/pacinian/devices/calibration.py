@@ -1,4 +1,4 @@
-"""Calibration: the strength and phase of every channel, as a microphone heard them."""
+"""Calibration files: the measured strength and phase of every channel."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
     from pacinian.devices.description import Board
 
-MAX_BYTES = 4 << 20  # [bytes]: some 100,000 channels
+MAX_BYTES = 4 << 20  # size of a file, enough for some 100,000 channels [bytes]
 COLUMNS = ("serial", "channel", "gain", "phase")
 Measured = dict[tuple[str, int], tuple[float, float]]
 
 
 def read_calibration(path: Path) -> Measured:
-    """Gain and phase [rad] by serial and channel, from a CSV file with these four columns.
+    """Read gain and phase [rad] by serial and channel from a CSV file with these four columns.
 
     Raises SceneFileError, which names the file, the line and the fix.
     """
@@ -64,7 +64,7 @@ def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple
 
 
 def write_calibration(path: Path, measured: Measured) -> None:
-    """Write such a file; a file that is there is replaced as a whole. Raises OSError."""
+    """Write a calibration file, replacing an existing one atomically. Raises OSError."""
     beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
         with beside.open("w", encoding="utf-8", newline="") as file:
@@ -78,7 +78,7 @@ def write_calibration(path: Path, measured: Measured) -> None:
 
 
 def apply_calibration(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:
-    """The boards with what was measured in place of what was written. Raises SceneFileError."""
+    """Return the boards with measured gains and phases in place of the described ones. Raises SceneFileError."""
     found = read_calibration(path)
     sizes = {board.serial: board.layout.count for board in boards}
     for serial, channel in found:

@@ -1,4 +1,4 @@
-"""A device description: boards, where they are, how they are wired, and how they differ from ideal ones."""
+"""Device descriptions: the boards of a device, their poses, wiring, and deviations from ideal transducers."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
 DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
-MAX_STRENGTH = 100.0  # of its kind's strength
+MAX_STRENGTH = 100.0  # gain of a channel, relative to its kind
 
 
 class Element(Struct, frozen=True, forbid_unknown_fields=True):
-    """The kind of transducer; those of the AUTD units unless given: as `pacinian.Transducer`."""
+    """The kind of transducer, as `pacinian.Transducer`; by default that of the AUTD units."""
 
     frequency: float = 40_000.0
     pressure: float = 4.386
@@ -38,7 +38,7 @@ class Element(Struct, frozen=True, forbid_unknown_fields=True):
         self.make()
 
     def make(self) -> Transducer:
-        """The kind."""
+        """Return the transducer."""
         return Transducer(
             frequency=self.frequency,
             pressure=self.pressure,
@@ -47,7 +47,7 @@ class Element(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Steps(Struct, frozen=True, forbid_unknown_fields=True):
-    """How many levels of phase and of amplitude the device has."""
+    """Numbers of phase and amplitude levels of the device."""
 
     phases: int = 256
     amplitudes: int = 256
@@ -58,13 +58,13 @@ class Steps(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Board(Struct, frozen=True, forbid_unknown_fields=True):
-    """One board of a device, with L transducers; a channel is a place in the order of its wire.
+    """One board of a device, with L transducers. Channels are numbered in the order of the board's protocol.
 
-    serial: tells it from the others. layout: where its transducers are, on the board. pose: where the board is.
-    order: which transducer of the layout each channel drives, (L,); in the layout's own order unless given.
-    dead: channels that make no sound, or are to make none; one of gain below 0.001 is one, too.
-    gain, phase: by how much each channel is stronger than its kind, and its sound leads [rad]; one, or (L,).
-    Raises ArgumentError.
+    serial: serial number, which distinguishes the boards. layout: positions of the transducers on the board. pose: pose
+    of the board. order: transducer of the layout that each channel drives, (L,); by default the layout's own order.
+    dead: channels that make no sound, or must make none. Channels of a gain below 0.001 count as dead, too. gain:
+    strength of each channel relative to its kind; one, or (L,). phase: lead of each channel's sound [rad]; one, or
+    (L,). Raises ArgumentError.
     """
 
     serial: str = ""
@@ -95,12 +95,12 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def drives(self) -> Indices:
-        """Which transducer of the layout each channel drives, (L,)."""
+        """Transducer of the layout that each channel drives, (L,)."""
         return np.array(self.order or range(self.layout.count), dtype=np.intp)
 
     @property
     def responses(self) -> Complexes:
-        """How each channel differs from its kind, complex, (L,); 0 where dead."""
+        """Complex factor by which each channel differs from its kind, (L,); 0 for a dead channel."""
         L = self.layout.count
         gain, phase = (np.broadcast_to(np.asarray(v, float), (L,)) for v in (self.gain, self.phase))
         made = np.asarray(gain * np.exp(1j * phase), np.complex128)
@@ -109,16 +109,16 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def alive(self) -> Indices:
-        """The channels that sound, in their order."""
+        """The channels that are not dead, ascending."""
         return np.flatnonzero(np.abs(self.responses) >= MIN_STRENGTH)
 
 
 @dataclass(frozen=True, eq=False)
 class Wiring:
-    """Which of the array's transducers a board's channels drive.
+    """The transducers of the array that the channels of a board drive.
 
-    serial: of the board. size: how many channels it has. channels: those that are not dead, (K,), rising.
-    indices: for each of those, which transducer of the array it drives, (K,): levels of the board are
+    serial: serial of the board. size: number of its channels. channels: channels that are not dead, (K,), ascending.
+    indices: transducer of the array that each of these drives, (K,). The levels of the board are
     `levels = np.zeros(size); levels[channels] = frame.amplitude[row, indices]`.
     """
 
@@ -129,14 +129,14 @@ class Wiring:
 
 
 class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
-    """A device that is made of boards: what `pacinian devices check` reads, and a backend's `description`.
+    """A device that consists of boards, for `pacinian devices check` and a backend's `description`.
 
-    boards: at least one. backend: the name of what drives it. transducer: their kind. levels: of phase and
-    amplitude. calibration: a file beside this one with gains and phases that were measured; they replace those
-    that are written here.
+    boards: boards of the device, at least one. backend: name of the backend that drives it. transducer: kind of all
+    transducers. levels: numbers of phase and amplitude levels. calibration: file beside this one with measured gains
+    and phases, which replace those of the boards.
 
-    The array has the boards' transducers in the order of the boards, on each in the order of its layout, without
-    those that are dead. Raises ArgumentError.
+    The array has the transducers board by board, each in the order of its layout, without the dead ones. Raises
+    ArgumentError.
     """
 
     boards: tuple[Board, ...]
@@ -161,9 +161,9 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
 
     @classmethod
     def load(cls, path: str | Path) -> DeviceDescription:
-        """Read a file that ends in .toml or .json, and its calibration.
+        """Read a .toml or .json file, and its calibration.
 
-        All numbers in SI units. Raises SceneFileError, which names the file, the key and the fix.
+        All numbers are in SI units. Raises SceneFileError, which names the file, the key and the fix.
         """
         path = Path(path)
         read = decode_document(path, cls)
@@ -177,7 +177,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
         return read
 
     def array(self) -> Array:
-        """The array, which knows how its transducers differ. Raises ArgumentError."""
+        """Return the array, including the deviations of its transducers. Raises ArgumentError."""
         places: list[Floats] = []
         normals: list[Floats] = []
         responses: list[Complexes] = []
@@ -197,7 +197,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def wiring(self) -> tuple[Wiring, ...]:
-        """For each board, which of the array's transducers its channels drive."""
+        """Transducers of the array that the channels of each board drive."""
         made: list[Wiring] = []
         start = 0
         for board in self.boards:
@@ -209,10 +209,10 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of device descriptions."""
+    """Return the JSON Schema of device descriptions."""
     return json_schema(DeviceDescription, "Pacinian device")
 
 
 def _kept(board: Board) -> Indices:
-    """Which transducers of its layout are not dead, rising."""
+    """Return the transducers of a board's layout that are not dead, ascending."""
     return np.sort(board.drives[board.alive])

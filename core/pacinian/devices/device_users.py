@@ -1,4 +1,4 @@
-"""Which programs have a device open: who has to end before it can be used."""
+"""Programs that have a device open, and must end before it can be used."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from pathlib import Path
 
 
 def find_users(device: Path | str, proc: Path = Path("/proc")) -> str:
-    """Programs that have a device's file open, as `name (pid)`, as far as this user may know.
+    """Return the programs that have a device file open, as `name (pid)`, as far as this user may see them.
 
-    device: as `/dev/ttyUSB0`. proc: where the system tells of processes; none are known where it does not (Linux
-    alone does). Raises nothing.
+    device: path of the file, such as `/dev/ttyUSB0`. proc: the process file system; only Linux has one, and without it
+    the result is empty. Raises nothing.
     """
     node = str(Path(device).resolve())
     found: list[str] = []
     for process in sorted(proc.glob("[0-9]*"), key=lambda p: int(p.name)):
-        with suppress(OSError):  # other users' are closed to us, and some have ended since
+        with suppress(OSError):  # a process of another user, or one that has ended
             if any(str(fd.readlink()) == node for fd in (process / "fd").iterdir()):
                 found.append(f"{(process / 'comm').read_text().strip()} ({process.name})")
     return ", ".join(found)

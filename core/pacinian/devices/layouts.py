@@ -1,4 +1,4 @@
-"""Where the transducers of a board are, on the board: all point to +z."""
+"""Layouts of the transducers on a board. All transducers face +z."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 MAX_TRANSDUCERS = 4096  # transducers of one board
-AUTD = 249
+AUTD = 249  # transducers of an AUTD unit
 
 
 class Unit(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
@@ -24,16 +24,16 @@ class Unit(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of transducers, L."""
         return AUTD
 
     def positions(self) -> Floats:
-        """Where they are [m], (L, 3)."""
+        """Return the positions of the transducers [m], (L, 3)."""
         return autd().positions
 
 
 class Grid(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="grid"):
-    """A grid about the middle of the board, row by row along x; pitch: [m]. Raises ArgumentError."""
+    """A grid centred on the board, row by row along x. pitch: distance of neighbours [m]. Raises ArgumentError."""
 
     columns: int = 16
     rows: int = 16
@@ -50,11 +50,11 @@ class Grid(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of transducers, L."""
         return self.columns * self.rows
 
     def positions(self) -> Floats:
-        """Where they are [m], (L, 3)."""
+        """Return the positions of the transducers [m], (L, 3)."""
         X, Y = np.meshgrid(
             *((np.arange(n) - (n - 1) / 2.0) * self.pitch for n in (self.columns, self.rows))
         )
@@ -62,7 +62,7 @@ class Grid(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
 
 class Places(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="places"):
-    """Anywhere: positions [m], (L, 3). Raises ArgumentError."""
+    """Arbitrary places. places: positions [m], (L, 3). Raises ArgumentError."""
 
     places: tuple[Vector, ...]
 
@@ -73,9 +73,9 @@ class Places(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of transducers, L."""
         return len(self.places)
 
     def positions(self) -> Floats:
-        """Where they are [m], (L, 3)."""
+        """Return the positions of the transducers [m], (L, 3)."""
         return np.array(self.places)

@@ -1,14 +1,14 @@
-"""A microphone scan of a device: what was read where, while which channels were driven.
+"""Microphone scans of a device: readings at many positions while known channels were driven.
 
-CSV, one channel driven at a time; a row a reading, in any order:
+A CSV file has one reading per row, in any order, with one channel driven at a time:
 
     x,y,z,serial,channel,amplitude,phase
 
-x, y, z: the microphone's position [m], in the frame of the description. serial, channel: which channel is driven
-alone, at full drive and phase 0. amplitude: in any unit, the same for all. phase: [rad], -2 pi to 2 pi, positive where
-the sound leads, with one reference for the whole scan, such as the drive.
+x, y, z: position of the microphone [m], in the frame of the description. serial, channel: the only channel that is
+driven, at full drive and phase 0. amplitude: reading in any unit, the same for all rows. phase: [rad], -2 pi to 2 pi,
+positive where the sound leads, with one reference for the whole scan, such as the drive.
 
-NPZ, many channels driven at a time, which is less noisy:
+An NPZ file has patterns that drive many channels at a time, which is less noisy:
 
     positions (M, 3) [m]; drives (K, C) complex, the gain of each of the device's C channels, board by board, in each of
     K >= C patterns; readings (K, M) complex, as amplitude exp(j phase)
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 COLUMNS = ("x", "y", "z", "serial", "channel", "amplitude", "phase")
-MAX_NPZ_BYTES = 1 << 30
-MAX_AMPLITUDE = 1e12  # in any unit
-MAX_CONDITION = 100.0  # of drives: by how much noise may grow
+MAX_NPZ_BYTES = 1 << 30  # size of an NPZ file, unpacked [bytes]
+MAX_AMPLITUDE = 1e12  # reading, in the scan's unit
+MAX_CONDITION = 100.0  # condition number of the drives, by which noise may grow
 PHASELESS = (
     "has no phases, and amplitudes alone do not tell them. Read amplitude and phase, with a lock-in amplifier, "
     "or with an oscilloscope that the drive triggers"
@@ -48,7 +48,7 @@ PHASELESS = (
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """positions: of the microphone [m], (M, 3). readings: complex, (M, C), of each channel; NaN where there is none."""
+    """A scan. positions: of the microphone [m], (M, 3). readings: of each channel, complex, (M, C); NaN if missing."""
 
     positions: Floats
     readings: Complexes
@@ -81,7 +81,7 @@ def read_scan(path: Path, device: DeviceDescription) -> Scan:
 
 
 def undo_calibration(path: Path) -> DeviceDescription:
-    """A description as if none of its channels differed: without calibration, gains, phases and dead channels.
+    """Read a description and drop its calibration, gains, phases and dead channels, as if all channels were ideal.
 
     Raises SceneFileError.
     """
@@ -189,9 +189,9 @@ def _check_complex(name: str, value: Complexes, columns: int, what: str) -> Comp
 
 
 def decode_drives(drives: Complexes, readings: Complexes) -> Complexes:
-    """What each channel alone would have been read as, by least squares, (M, C).
+    """Solve by least squares for the reading of each channel alone, (M, C).
 
-    drives: (K, C). readings: (K, M). Raises ArgumentError where the drives do not tell all channels apart.
+    drives: (K, C). readings: (K, M). Raises ArgumentError if the drives cannot separate all channels.
     """
     K, C = drives.shape
     gram = drives.conj().T @ drives

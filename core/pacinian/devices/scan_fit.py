@@ -4,9 +4,10 @@ Least squares for s, q and c in
 
     X_mn = mu s_n B_mn(q_m, c),    B as in `pacinian.matrix`, with the absorption of air
 
-X: what the microphone reads at position m while transducer n alone is driven. mu, the microphone's gain and phase, is
-one complex number for the whole scan. It cannot be told from a factor common to all responses, so their mean strength
-is set to 1 and their common phase to 0. For given positions q and speed of sound c, each s_n follows in closed form.
+X_mn is the reading of the microphone at position m while only transducer n is driven. mu, the microphone's gain and
+phase, is one complex number for the whole scan. It cannot be separated from a factor common to all responses, so their
+mean strength is set to 1 and their common phase to 0. For given positions q and speed of sound c, each s_n follows in
+closed form.
 Gauss-Newton steps correct q and c with s eliminated (variable projection, Golub and Pereyra 1973). Readings far from
 the rest lose their weight (Cauchy's, iterated).
 """
@@ -28,36 +29,36 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats
 
 MIN_POSITIONS, MAX_POSITIONS = 6, 1000
-SLOWEST, FASTEST = 318.0, 366.0  # [m/s], air of -20 and 60 degC
-TRIAL_STEP = 0.5  # [m/s] between speeds of sound that are tried first
-SPEED, SPEED_ERROR = 343.0, 10.0  # [m/s], before the scan: a room, give or take 17 K
-POSITION_ERROR = 1e-3  # [m]
-MAX_MOVE = 2.0  # rms, of the standard error of positions
-MAX_STEPS = 60
-SETTLED = 1e-7  # [m], of the largest correction of a position
-OUTLYING = 3.0  # standard errors, from where on a reading loses weight
-TYPICAL = (
-    0.9  # of the readings are weaker than what all are scaled by; many may be of dead transducers
-)
-MIN_NOISE = 1e-4  # of that: no microphone is better
-MAX_RESIDUAL = 0.5  # of the rms of what is expected; more, and the scan is not of this array
-MAX_ERROR = 0.1  # of a response, by noise alone; more, and the transducer is unseen
-MIN_STRENGTH = 0.1  # of the mean; less, and the transducer is dead
-MIN_SUM = 1e-300  # of squares, that is divided by
-MEDIAN = 1.177  # of a Rayleigh distribution of unit scale
+SLOWEST, FASTEST = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
+TRIAL_STEP = 0.5  # step of the first grid search over the speed of sound [m/s]
+SPEED, SPEED_ERROR = 343.0, 10.0  # prior of the speed of sound: a room, give or take 17 K [m/s]
+POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
+MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
+MAX_STEPS = 60  # Gauss-Newton steps
+SETTLED = 1e-7  # largest correction of a position at convergence [m]
+OUTLYING = 3.0  # distance at which a reading loses weight, in standard errors
+TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
+MIN_NOISE = 1e-4  # noise floor, relative to that quantile: no microphone is better
+MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
+MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
+MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
+MIN_SUM = 1e-300  # floor of sums of squares that are divisors
+MEDIAN = 1.177  # median of a Rayleigh distribution of unit scale
 
 
 @dataclass(frozen=True, eq=False)
 class ScanFit:
-    """What a scan at M positions tells of N transducers.
+    """The fit of N transducers to a scan at M positions.
 
-    responses: complex, (N,), mean strength 1; 0 where dead, 1 where unseen.
-    errors: standard errors of the responses, (N,): of their strengths, relative, and of their phases [rad].
-    dead: weaker than a tenth of the mean, (N,). unseen: the scan does not tell, (N,). reversed: their sound is opposite
-        to most others', (N,).
-    positions: of the microphone as corrected [m], (M, 3). residuals: what is not explained of a typical reading at
-        each, of the rms expected there, (M,). residual: the same of all. outliers: readings that lost most weight.
-    speed_of_sound, speed_error: [m/s]. gain: rms reading over predicted sound pressure, the microphone's unit over Pa.
+    responses: complex responses, (N,), of mean strength 1; 0 if dead, 1 if unseen.
+    errors: standard errors of the responses, (N,), both of their relative strengths and of their phases [rad].
+    dead: weaker than a tenth of the mean, (N,). unseen: the scan does not determine the response, (N,). reversed: in
+        antiphase to most others, (N,).
+    positions: corrected positions of the microphone [m], (M, 3). residuals: unexplained part of a typical reading at
+        each position, relative to the expected rms there, (M,). residual: the same for the whole scan. outliers:
+        number of readings that lost most of their weight.
+    speed_of_sound: fitted or given speed [m/s]. speed_error: its standard error [m/s]. gain: ratio of the rms reading
+        to the predicted sound pressure [microphone's unit/Pa].
     """
 
     responses: Complexes
@@ -84,10 +85,10 @@ def fit_scan(
 ) -> ScanFit:
     """Fit the response of each of N transducers to a scan at M positions.
 
-    array: as described, without responses. positions: of the microphone [m], (M, 3). readings: complex, in any unit,
-    (M, N), positive phases where the sound leads; NaN where there is none. position_error: standard error of each
-    coordinate [m]; above 1 mm the fit may settle on a wrong wavelength. speed_of_sound: [m/s], fitted unless given.
-    Raises ArgumentError, also where the scan does not fit the array.
+    array: array as described, without responses. positions: positions of the microphone [m], (M, 3). readings: complex
+    readings in any unit, (M, N), of positive phase where the sound leads; NaN if missing. position_error: standard
+    error of each coordinate [m]; above 1 mm the fit may converge a whole wavelength off. speed_of_sound: [m/s]; fitted
+    by default. Raises ArgumentError, also if the scan does not fit the array.
     """
     q0 = check_numbers("positions", positions, (None, 3))
     check_near("positions", q0, array.centre)
@@ -129,7 +130,7 @@ def _advise(residual: float, turned: float) -> str:
 
 
 class _Fit:
-    """The iteration. X: readings (M, N), 0 where there is none."""
+    """State of the iteration. X: readings, (M, N), 0 if missing."""
 
     def __init__(
         self, array: Array, q: Floats, X: Complexes, read: Flags, error: float, c: float | None
@@ -159,7 +160,7 @@ class _Fit:
         return B
 
     def _try_speeds(self) -> float:
-        """The speed of sound [m/s] of a coarse grid that explains most of the readings."""
+        """Return the speed of sound [m/s] of a coarse grid that explains the readings best."""
         B, r = self._propagate(self.c), self._distances()[1][..., 0]
         S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), MIN_SUM)
 
@@ -184,12 +185,12 @@ class _Fit:
         return s
 
     def _weigh(self) -> None:
-        """Responses for these positions, noise (standard error of a real part), and new weights."""
+        """Update the responses for these positions, the noise (standard error of a real part) and the weights."""
         B = self._propagate(self.c)
         F = B * self._responses(B)
         count = self.read.sum(
             axis=0
-        )  # readings of each transducer, one of them spent on its response
+        )  # readings of each transducer; its response uses up one degree of freedom
         spent = np.sqrt(np.maximum(1.0 - 1.0 / np.maximum(count, 1), 0.25))
         self.away = np.abs(self.X - F) / spent
         self.noise = max(float(np.median(self.away[self.read])) / MEDIAN, MIN_NOISE)
@@ -198,9 +199,9 @@ class _Fit:
         self.F = B * self.s
 
     def _normal(self) -> tuple[Floats, Floats]:
-        """Normal equations of positions and speed of sound, with the responses eliminated: (3M + 1, 3M + 1), (3M + 1,).
+        """Return the normal equations of positions and speed, responses eliminated: (3M + 1, 3M + 1), (3M + 1,).
 
-        dF/dq = -j k u F, dF/dc = j k r / c F: only phases count, as amplitudes change 100 times as slowly.
+        dF/dq = -j k u F, dF/dc = j k r / c F. Only phases count, because amplitudes change 100 times more slowly.
         """
         d, r = self._distances()
         k = self._wavenumber(self.c)
@@ -224,7 +225,7 @@ class _Fit:
 
     @property
     def residual(self) -> float:
-        """What is not explained of a typical reading, of the rms of what is expected."""
+        """Unexplained part of a typical reading, relative to the expected rms."""
         return self._compare(self.noise, self.F[self.read])
 
     @staticmethod
@@ -233,10 +234,13 @@ class _Fit:
         return float(np.sqrt(2.0)) * noise / max(rms, MIN_SUM)
 
     def finish(self, size: float) -> ScanFit:
-        """Normalise, and tell what is dead, unseen and reversed. size: of a reading of 1. Raises ArgumentError."""
+        """Normalise, and find dead, unseen and reversed transducers. Raises ArgumentError.
+
+        size: reading that was scaled to 1.
+        """
         strength, noise = np.abs(self.s), self.noise / np.sqrt(np.maximum(self.S, MIN_SUM))
         mean, seen = 0.0, self.S > 0.0
-        for _ in range(3):  # the mean is that of those which are seen and alive
+        for _ in range(3):  # the mean is over transducers that are seen and alive
             mean = float(strength[seen].mean()) if seen.any() else 0.0
             seen = (noise <= MAX_ERROR * mean) & (strength > MIN_STRENGTH * mean)
         if not seen.any():
@@ -246,13 +250,13 @@ class _Fit:
             )
         unseen = noise > MAX_ERROR * mean
         s = self.s / mean
-        axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # reversed ones do not cancel the others
+        axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # squares: reversed ones do not cancel
         s = s * np.exp(-0.5j * np.angle(axis))
         if s[seen].real.sum() < 0.0:
             s = -s
         dead = ~unseen & ~seen
         s[dead], s[unseen] = 0.0, 1.0
-        turn = self.turn - self.turn[:, seen].mean(axis=1, keepdims=True)  # of a phase, by q and c
+        turn = self.turn - self.turn[:, seen].mean(axis=1, keepdims=True)  # phase by q and c
         by_place = np.einsum("pn,pq,qn->n", turn, self.cov, turn, optimize=True)
         relative = noise / np.where(seen, strength, mean)
         residuals = [

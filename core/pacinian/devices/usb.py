@@ -1,6 +1,6 @@
-"""USB devices of one kind: those that are plugged in, and the one that is meant.
+"""Discovery and selection of USB devices of one kind.
 
-For backends: `UsbKind` finds a device, `pacinian.devices.usb_link.UsbLink` claims it. docs/plugins.md shows both.
+For backends: `UsbKind` finds a device, and `pacinian.devices.usb_link.UsbLink` claims it. docs/plugins.md shows both.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ListedDevice:
-    """A device that is listed.
+    """A device that is plugged in.
 
-    device: of pyusb. serial: its number; empty where it has none, or it cannot be read. problem: why it cannot be
-    chosen by it, and what to do; empty if it can.
+    device: device of pyusb. serial: serial number; empty if it has none or cannot be read. problem: why the serial
+    number cannot select the device, and the remedy; empty if it can.
     """
 
     device: Any
@@ -30,31 +30,32 @@ class ListedDevice:
 
     @property
     def place(self) -> str:
-        """Where it is plugged in."""
+        """Bus and address of the device."""
         return f"bus {self.device.bus}, address {self.device.address}"
 
 
 @dataclass(frozen=True)
 class UsbKind:
-    """Devices that one backend drives, and what its user is told of them.
+    """The devices that one backend drives, and its messages about them.
 
-    name: the backend's; messages begin with it. usb: as `Backend.usb`. gone: of one that is not there any more:
-    whether it still sounds, and what to do. hangs: why one may not answer in time. anonymous: of one without a
-    serial number.
+    name: name of the backend, with which all messages begin. usb: as `Backend.usb`. gone: message about a device that
+    is gone: whether it still sounds, and the remedy. hangs: possible reasons for a timeout. anonymous: message about a
+    device without a serial number.
     """
 
     name: str
     usb: tuple[tuple[int, int] | tuple[int, int, int], ...]
     gone: str = (
-        "it is gone: unplugged, reset or without power: plug it in, and open the backend again"
+        "it is gone (unplugged, reset or without power): plug it in, and open the backend again"
     )
     hangs: str = HANGS
     anonymous: str = "it has no serial number, by which it could be chosen"
 
     def list_devices(self, library: Any = None) -> list[ListedDevice]:
-        """Those that are plugged in, by serial, less those that have just gone; none of them stays open.
+        """List the devices that are plugged in, sorted by serial. None of them stays open.
 
-        library: a backend of pyusb; that of libusb unless given. Raises BackendError.
+        library: backend of pyusb; by default libusb. Devices that disappear during the call are left out. Raises
+        BackendError.
         """
         import usb.core
         import usb.util
@@ -74,7 +75,7 @@ class UsbKind:
         return sorted(found, key=lambda one: one.serial)
 
     def describe(self, title: str, library: Any = None) -> list[tuple[str, str, str]]:
-        """Serial, title and problem of each, for `Found`; a problem alone, where they cannot be looked for."""
+        """Return serial, title and problem of each device, for `Found`; only a problem if the search fails."""
         try:
             return [
                 (one.serial, f"{title}, {one.place}", one.problem)
@@ -84,9 +85,9 @@ class UsbKind:
             return [("", "", str(error).removeprefix(f"{self.name}: "))]
 
     def select(self, listed: Sequence[ListedDevice], serial: str = "") -> ListedDevice:
-        """The one of that serial number; the only one, if it is empty.
+        """Return the device with that serial number, or the only device if `serial` is empty.
 
-        Raises BackendError, which says which there are and why others cannot be picked.
+        Raises BackendError, which lists the devices and why some of them cannot be selected.
         """
         readable = [one for one in listed if not one.problem]
         found = [one for one in readable if serial in ("", one.serial)]
@@ -104,9 +105,9 @@ class UsbKind:
         raise BackendError(f"{which}: {trouble}; there are: {there}{problems}")
 
     def interface(self, device: Any) -> Any:
-        """The interface by which a device of pyusb is of this kind; None if it is not.
+        """Return the interface by which a pyusb device is of this kind; None if it is not.
 
-        Only descriptors are read. Where vendor and product are enough, it is the first one.
+        Reads descriptors only. If vendor and product identify the device, this is its first interface.
         """
         whole = (device.idVendor, device.idProduct) in self.usb
         for configuration in device:
@@ -119,25 +120,25 @@ class UsbKind:
     def explained(
         self, error: Exception, doing: str, serial: str = "", place: tuple[int, int] = (0, 0)
     ) -> BackendError:
-        """What to raise for an error of pyusb.
+        """Convert an error of pyusb to a BackendError, for the caller to raise.
 
-        doing: what failed. serial: of the device. place: its bus and address.
+        doing: description of the action that failed. serial: serial of the device. place: its bus and address.
         """
         told = self.gone if has_gone(error) else f"{doing}: {advice(error, place, self.hangs)}"
         return BackendError(f"{self.name} {serial}".rstrip() + f": {told}")
 
     def _ours(self, device: Any) -> bool:
         whole = (device.idVendor, device.idProduct) in self.usb
-        with suppress(Exception):  # one whose interfaces cannot be read has none of ours
+        with suppress(Exception):  # a device with unreadable interfaces is not of this kind
             return whole or self.interface(device) is not None
         return False
 
     def _read(self, device: Any) -> ListedDevice | None:
-        """None if it has gone."""
+        """Read the serial number of a device. Returns None if the device is gone."""
         import usb.core
 
         try:
-            configured(device)  # tells why it cannot be read, which the next line does not
+            configured(device)  # raises the reason of a failure, which the next line would hide
             serial = str(device.serial_number or "")
             return ListedDevice(device, serial, "" if serial else self.anonymous)
         except (usb.core.USBError, NotImplementedError) as error:
@@ -146,5 +147,5 @@ class UsbKind:
                 if has_gone(error)
                 else ListedDevice(device, "", advice(error, hangs=self.hangs))
             )
-        except ValueError:  # it had strings when it was plugged in
+        except ValueError:  # pyusb cannot read the strings that the descriptor announces
             return ListedDevice(device, "", UNREADABLE)

@@ -1,4 +1,4 @@
-"""What an error of pyusb means, and what the user should do about it."""
+"""Meanings of pyusb errors, and advice for the user."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ HANGS = "it hangs, or the bus is overloaded"
 
 
 def has_gone(error: Exception) -> bool:
-    """Whether it says that the device is not there any more."""
+    """Return whether an error means that the device is gone."""
     return getattr(error, "errno", None) in (errno.ENODEV, errno.ESHUTDOWN, errno.ENXIO)
 
 
 def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS) -> str:
-    """What to tell the user of it.
+    """Return an explanation of an error, for the user.
 
-    place: bus and address of the device. hangs: why it may not have answered in time.
+    place: bus and address of the device. hangs: possible reasons for a timeout.
     """
     number = getattr(error, "errno", None)
     if number in (errno.EACCES, errno.EPERM):
@@ -43,7 +43,7 @@ def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS
 
 
 def configured(device: Any) -> Any:
-    """The configuration that a device of pyusb has; None if it has none. Opens it. Raises USBError."""
+    """Return the active configuration of a pyusb device, or None if none is set. Opens the device. Raises USBError."""
     import usb.core
 
     try:

@@ -1,4 +1,4 @@
-"""One USB device, claimed: control requests, and frames to its bulk OUT endpoint."""
+"""A claimed USB device: control requests, and frames to its bulk OUT endpoint."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
 
     from pacinian.devices.usb import ListedDevice, UsbKind
 
-INTO = 0x80  # the bit of an endpoint or request towards the host
-BULK = 2
+INTO = 0x80  # direction bit of endpoints and requests: device to host
+BULK = 2  # transfer type of bulk endpoints
 
 
 class UsbLink:
-    """A device, claimed until it is closed; a driver of the system that has it gives way for so long.
+    """A USB device, claimed until it is closed. A kernel driver that holds it is detached for that time.
 
-    kind: of what it is one. one: as `kind.seen` found it. Raises BackendError, and has then given it back. Nothing
-    is ever sent again by itself.
+    kind: kind of the device. one: device from `kind.list_devices`. Raises BackendError after releasing the device.
+    Nothing is ever sent again automatically.
     """
 
     def __init__(self, kind: UsbKind, one: ListedDevice) -> None:
@@ -31,9 +31,9 @@ class UsbLink:
 
         self.serial, self.name = one.serial, f"{kind.name} {one.serial}".rstrip()
         self.gone = False
-        """Whether an error has said that it is not there any more."""
+        """Whether an error has shown that the device is gone."""
         self.interface = 0
-        """Its number, for requests to it."""
+        """Number of its interface, for control requests."""
         self._kind, self._device = kind, one.device
         self._detached = self._closed = False
         try:
@@ -45,7 +45,7 @@ class UsbLink:
                 )
             self._endpoint, self.interface = endpoint, int(interface.bInterfaceNumber)
             self._detach()
-            if configured(self._device) is None:  # to set it again is a reset
+            if configured(self._device) is None:  # setting it again would reset the device
                 self._device.set_configuration()
             usb.util.claim_interface(self._device, self.interface)
         except BaseException as error:
@@ -55,9 +55,9 @@ class UsbLink:
             raise
 
     def write(self, data: array[int] | bytes, timeout: float) -> None:
-        """Send all of it, within `timeout` [s]. data: bytes; an `array("B")` is not copied.
+        """Send all of `data` within `timeout` [s]. data: bytes; an `array("B")` is not copied.
 
-        Raises BackendError; what of it has arrived is not known then, but to the device.
+        Raises BackendError. The caller then does not know how much of the data has arrived.
         """
         milliseconds, doing = _milliseconds(timeout), "sending a frame"
         taken = self._called(doing, self._endpoint.write, data, milliseconds)
@@ -70,24 +70,24 @@ class UsbLink:
     def control(
         self, setup: tuple[int, int, int, int], data: bytes | int, timeout: float, doing: str
     ) -> bytes:
-        """A control request, within `timeout` [s], and what it answers.
+        """Send a control request and return its answer, within `timeout` [s].
 
-        setup: bmRequestType, bRequest, wValue, wIndex. data: to send; or how many bytes it may answer. doing: what
-        the user is told has failed. Raises BackendError.
+        setup: bmRequestType, bRequest, wValue, wIndex. data: bytes to send, or the largest size of the answer [bytes].
+        doing: description of the action, for error messages. Raises BackendError.
         """
         request = *setup, data, _milliseconds(timeout)
         answer = self._called(doing, self._device.ctrl_transfer, *request)
         return bytes(answer) if isinstance(data, int) else b""
 
     def mend(self) -> None:
-        """After a failed `write`: end a stall, and let the next be taken. Raises BackendError.
+        """Clear a stall after a failed `write`, so that the next one can succeed. Raises BackendError.
 
-        The system may wait seconds for a device that hangs: ask it something else before.
+        With a device that hangs this may block for seconds, so send it another request first.
         """
         self._called("ending a stall", self._endpoint.clear_halt)
 
     def close(self) -> None:
-        """Give the device back, and the driver that it had. May be called twice; never raises."""
+        """Release the device and attach its kernel driver again. May be called twice; never raises."""
         import usb.util
 
         device, self._closed = self._device, True
@@ -101,14 +101,14 @@ class UsbLink:
             usb.util.dispose_resources(device)
 
     def _detach(self) -> None:
-        """Take the interface from a driver that has it; not all systems know of such."""
+        """Detach a kernel driver from the interface, on systems that support this."""
         with suppress(NotImplementedError):
             if self._device.is_kernel_driver_active(self.interface):
                 self._device.detach_kernel_driver(self.interface)
                 self._detached = True
 
     def _called(self, doing: str, act: Callable[..., Any], *given: Any) -> Any:
-        """What pyusb returns; it would open a device that is closed again."""
+        """Call pyusb. Refuses a closed device, because pyusb would open it again. Raises BackendError."""
         import usb.core
 
         if self._closed:
@@ -129,4 +129,4 @@ def _takes_frames(endpoint: Any) -> bool:
 
 
 def _milliseconds(timeout: float) -> int:
-    return max(1, round(1e3 * timeout))  # 0 would be for ever
+    return max(1, round(1e3 * timeout))  # 0 would mean no timeout

@@ -1,8 +1,9 @@
-"""The kernels, compiled from C++ when the package is built: of the variant that this processor can run.
+"""Compiled C++ kernels, in the best variant that this processor can run.
 
-Each group of kernels is a module, `from pacinian.native import acoustics`. The sources lie beside the Python code that
-calls them (`acoustics/kernels.hpp`), their signatures in stubs here. `PACINIAN_VARIANT` names a lower variant, so that
-tests run all of them, and results are the same bits on machines that differ.
+Each group of kernels is a module: `from pacinian.native import acoustics`. The sources lie beside the Python code that
+calls them (`acoustics/kernels.hpp`), and their signatures in stubs in this package. The environment variable
+`PACINIAN_VARIANT` selects a lower variant, so that tests can run every variant, and different machines can produce
+bit-identical results.
 """
 
 from __future__ import annotations
@@ -13,18 +14,18 @@ import sys
 from types import ModuleType
 
 VARIANTS = {"_v4": 4, "_v3": 3, "_plain": 0}
-"""By name, best first: the level of x86-64 that each needs (AVX-512; AVX2 and FMA; none)."""
+"""Names of the variants, best first, with the x86-64 level that each needs (AVX-512; AVX2 and FMA; none)."""
 CHOICE = "PACINIAN_VARIANT"
 
 
 def runnable() -> list[str]:
-    """The names of the variants that this processor can run, the best first. Raises ImportError."""
+    """Return the names of the variants that this processor can run, best first. Raises ImportError."""
     level: int = load(__name__, "_plain").level()
     return [name for name, needed in VARIANTS.items() if needed <= level]
 
 
 def publish(package: str) -> str:
-    """Make a package's groups of kernels its submodules, of the best variant; return its name. Raises ImportError."""
+    """Publish the best variant's groups of kernels as submodules of a package. Return its name. Raises ImportError."""
     names = [name.lstrip("_") for name in runnable()]
     chosen = os.environ.get(CHOICE, "") or names[0]
     if chosen not in names:
@@ -37,7 +38,7 @@ def publish(package: str) -> str:
 
 
 def load(package: str, name: str) -> ModuleType:
-    """One variant of a package's kernels. Raises ImportError."""
+    """Import one variant of a package's kernels. Raises ImportError."""
     try:
         return importlib.import_module(f"{package}.{name}")
     except ModuleNotFoundError as error:
@@ -50,4 +51,4 @@ def load(package: str, name: str) -> ModuleType:
 
 
 VARIANT = publish(__name__)
-"""The variant that runs: "v4", "v3" or "plain"."""
+"""Variant in use: "v4", "v3" or "plain"."""

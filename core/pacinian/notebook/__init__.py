@@ -1,6 +1,6 @@
-"""Notebooks: what they show of an object, and how far a run is.
+"""Notebook display: HTML cards of objects, and progress bars.
 
-cards.py   `_repr_html_` of the classes, in one form        bars.py   `progress`, in terminals too
+cards.py   `_repr_html_` of the classes, in one form        bars.py   `progress`, also in terminals
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How far a run is: a bar in a terminal, or below the cell of a notebook."""
+"""Progress bars in a terminal, or below the cell of a notebook."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.report import Report
 
-REFRESH = 0.5  # [s] between two looks of the bar, by the loop's own thread
-PAGE = "ZMQInteractiveShell"  # IPython's shell behind a notebook
+REFRESH = 0.5  # period of redraws, which the loop's own thread does [s]
+PAGE = "ZMQInteractiveShell"  # class name of IPython's shell in a notebook
 
 
 class Bar(Protocol):
-    """A bar that is shown already."""
+    """A bar on the screen."""
 
     def show(self, done: float, state: str) -> None:
-        """So far [s]."""
+        """Redraw the bar. done: time so far [s]. state: text beside it."""
         ...
 
     def end(self) -> None:
-        """It stays as it is."""
+        """Stop updating the bar, which stays on the screen."""
         ...
 
 
@@ -33,9 +33,10 @@ class Bar(Protocol):
 def progress(
     what: str, seconds: float, clock: Callable[[], float] = time.perf_counter
 ) -> Generator[Callable[[Report], object]]:
-    """A bar while the `with` lasts; it gives the `on_tick` for a `Renderer.run` of so many seconds [s].
+    """Show a progress bar during the `with` block, which receives the `on_tick` for `Renderer.run`.
 
-    In a terminal it is on standard error. clock: steady, [s].
+    what: title of the bar. seconds: duration of the run [s]. clock: steady clock [s]. In a terminal the bar is on
+    standard error.
     """
     bar: Bar = Page(what, seconds) if _in_notebook() else Terminal(what, seconds)
     begin = seen = clock()
@@ -56,7 +57,7 @@ def progress(
 
 
 class Terminal:
-    """On standard error, with the time that is left."""
+    """A bar on standard error, with the remaining time."""
 
     def __init__(self, what: str, seconds: float) -> None:
         from rich.console import Console
@@ -74,17 +75,17 @@ class Terminal:
         self._task = self._bar.add_task(what, total=seconds, state="")
 
     def show(self, done: float, state: str) -> None:
-        """So far [s]."""
+        """Redraw the bar. done: time so far [s]. state: text beside it."""
         self._bar.update(self._task, completed=done, state=state)
         self._bar.refresh()
 
     def end(self) -> None:
-        """It stays as it is."""
+        """Stop updating the bar, which stays on the screen."""
         self._bar.stop()
 
 
 class Page:
-    """In the output of a notebook's cell."""
+    """A bar in the output of a notebook cell."""
 
     def __init__(self, what: str, seconds: float) -> None:
         from IPython import display
@@ -94,11 +95,11 @@ class Page:
         self._handle: Any = show(self._drawn(0.0, ""), raw=True, display_id=True)
 
     def show(self, done: float, state: str) -> None:
-        """So far [s]."""
+        """Redraw the bar. done: time so far [s]. state: text beside it."""
         self._handle.update(self._drawn(done, state), raw=True)
 
     def end(self) -> None:
-        """It stays as it is."""
+        """Do nothing: the bar stays on the page."""
 
     def _drawn(self, done: float, state: str) -> dict[str, str]:
         text = f"{self._what}: {done:.1f} of {self._seconds:.1f} s"

@@ -1,4 +1,4 @@
-"""What a notebook shows of an object: a short table, and a small picture where Matplotlib is installed."""
+"""HTML cards that notebooks show for an object: a short table, and a small picture if Matplotlib is installed."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MAX_ROWS = 20  # rows of a table
-WIDTH, HEIGHT, DPI = 2.6, 1.9, 160  # [inch], [1/inch]
-SHOWN = 100  # [1/inch] at which a notebook shows the picture
+WIDTH, HEIGHT, DPI = 2.6, 1.9, 160  # size of the picture [inch] and its resolution [1/inch]
+SHOWN = 100  # resolution at which a notebook shows the picture [1/inch]
 LEFT = 'style="text-align:left"'
 
 
 @dataclass(frozen=True)
 class Card:
-    """A title; rows of names and values; a table, and what draws a small picture into axes.
+    """The contents of a card: title, rows of names and values, a table, and a small picture.
 
-    table: its header, and the first `MAX_ROWS` of its rows. count: how many it has in all.
+    table: header and the first `MAX_ROWS` rows. count: number of all its rows. draw: draws the picture into Matplotlib
+    axes.
     """
 
     title: str
@@ -34,7 +35,7 @@ class Card:
     draw: Callable[[Any], object] | None = None
 
     def html(self) -> str:
-        """Nothing in it is taken for HTML."""
+        """Return the card as HTML. All texts are escaped."""
         rows = "".join(f"<tr>{_cell('th', k)}{_cell('td', v)}</tr>" for k, v in self.rows.items())
         text = f"<b>{escape(self.title)}</b><table>{rows}</table>{self._table()}"
         picture = "" if self.draw is None else _picture(self.draw)
@@ -53,7 +54,7 @@ class Card:
 
 
 def card(make: Callable[[T], Card]) -> Callable[[T], str | None]:
-    """A `_repr_html_` of what makes a card; where that fails, notebooks show the plain text."""
+    """Decorate a method that makes a card as `_repr_html_`. If it fails, notebooks show the plain text."""
 
     @wraps(make)
     def shown(self: T) -> str | None:
@@ -74,7 +75,7 @@ def _cell(kind: str, value: object) -> str:
 
 
 def _picture(draw: Callable[[Any], object]) -> str:
-    """A small picture in the page itself; none without Matplotlib."""
+    """Return an inline picture, or "" without Matplotlib."""
     try:
         from matplotlib.figure import Figure
     except ImportError:

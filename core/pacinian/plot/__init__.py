@@ -1,6 +1,6 @@
 """Pictures. Needs Matplotlib: `pip install "pacinian[plot]"`; works without a display.
 
-The table of contents is `__init__.pyi`, beside this file; a name is loaded when it is first used.
+`__init__.pyi` beside this file lists the public names; each is imported when it is first used.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""A device's boards: where they are, the order of their channels, what is dead."""
+"""Plots a device's boards: poses, channel order and dead transducers."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ if TYPE_CHECKING:
 
 ANGLE = 35.0, -60.0  # [deg] elevation and azimuth
 MAP, DEAD = "viridis", "#d62728"
-MAX_BOARDS = 16  # boards that are drawn one by one
+MAX_BOARDS = 16  # maximum number of boards drawn one by one
 DOTS = 210.0  # [pt]
 ARROW = 0.06  # [m]
 LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
 
 
 def boards(device: DeviceDescription, title: str = "") -> Figure:
-    """All boards in their poses, and each by itself, seen against its sound's way. Raises MissingExtra.
+    """Plot all boards in their poses, and each one from the front. Raises MissingExtra.
 
-    A colour is a channel's number; the first is ringed, dead ones are crossed out. A dot's area is its strength.
+    The colour shows the channel number. The first channel is ringed; dead ones are crossed out. The area of a dot
+    shows its strength.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -52,7 +53,7 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
 
 
 def _space(panel: Any, boards: tuple[Board, ...]) -> None:
-    """All of them in their poses, in the world's coordinates; arrows show the sound's way."""
+    """Draw all boards in world coordinates; arrows show the direction of the sound."""
     corners: list[Any] = []
     for board in boards:
         r = board.pose.points(board.layout.positions())
@@ -78,7 +79,7 @@ def _space(panel: Any, boards: tuple[Board, ...]) -> None:
 
 
 def _plan(panel: Any, board: Board, side: float) -> None:
-    """One board in its own coordinates, coloured by channel; side: what its dots share [pt]."""
+    """Draw one board in its own coordinates, coloured by channel. side: width shared by its dots [pt]."""
     r, strength = 1e3 * board.layout.positions()[board.drives], np.abs(board.responses)
     alive, L = board.alive, len(r)
     dead = np.setdiff1d(np.arange(L), alive)

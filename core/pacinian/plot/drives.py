@@ -1,4 +1,4 @@
-"""What an array is driven with: the phase and the amplitude of each transducer."""
+"""Plots the drive of an array: phase and amplitude of each transducer."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ Part = Literal["phase", "amplitude"]
 
 BESIDE, BELOW = 1.1, 0.4  # [inch] for labels and colour bar; for labels
 SHORTEST, TALLEST = 1.3, 4.0  # [inch]
-WIDE = 0.01  # [m] across, a transducer, or the way to the next if that is less
-OFF = "0.85"  # colour of what is silent
+WIDE = 0.01  # diameter of a transducer [m]; the pitch if that is less
+OFF = "0.85"  # colour of silent transducers
 LABELS = {"phase": "phase [rad]", "amplitude": "amplitude |g| (1: full drive)"}
 
 
@@ -37,10 +37,10 @@ def drive(
     *,
     ax: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """Phase and amplitude of each transducer; grey where it is silent.
+    """Plot the phase and amplitude of each transducer; silent ones are grey.
 
-    gains: (N,). show: "phase" [rad] or "amplitude" only. ax: to draw into, as many as are shown. Seen along the
-    axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
+    gains: (N,). show: "phase" [rad] or "amplitude" only. ax: axes to draw into, one per quantity. The view is along
+    the axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
     """
     if show is not None and show not in get_args(Part):
         raise ArgumentError("show", f'must be "phase" or "amplitude", not {show!r}')
@@ -62,7 +62,7 @@ def drive(
 
 
 def across(array: Array) -> tuple[int, int]:
-    """Which two of x, y, z run across an array: not the one that most transducers face."""
+    """Return which two of x, y, z run across an array, excluding the axis that most transducers face."""
     along = int(np.abs(array.normals).mean(axis=0).argmax())
     i, j = (k for k in range(3) if k != along)
     return i, j
@@ -78,7 +78,7 @@ def _gains(array: Array, gains: ArrayLike) -> Complexes:
 
 
 def _marks(panel: Panel, array: Array, g: Complexes, part: str, axes: tuple[int, int]) -> Any:
-    """A disc for each transducer, of its size; return what is coloured."""
+    """Draw a disc of its size for each transducer; return the coloured artist."""
     from matplotlib.collections import EllipseCollection
 
     along = 3 - sum(axes)
@@ -108,7 +108,7 @@ def _colours(part: str) -> Any:
 
 
 def _pitch(positions: Floats) -> float:
-    """From a transducer to the nearest other, for most of them [m]."""
+    """Return the typical distance from a transducer to its nearest neighbour [m]."""
     from scipy.spatial import KDTree
 
     if len(positions) < 2:

@@ -1,4 +1,4 @@
-"""Array, scene and field for programs that show them in space: glTF to look at, VTK to work with."""
+"""Exports array, scene and field to 3-D programs: glTF for viewing, VTK for analysis."""
 
 from __future__ import annotations
 
@@ -49,15 +49,15 @@ def export(
     spacing: float | None = None,
     medium: Air | None = None,
 ) -> None:
-    """Write what there is in space to a file, by its extension.
+    """Write the array, scene and field to a file; the extension selects the format.
 
     ".glb", binary glTF in metres with y up: the array, coloured by phase and darkened where the amplitude is low; the
-    scene's objects and hands at time t [s]; samples, coloured by what is asked; radiation pressure in two planes, and
-    the surface where it is `level` of its most, 0..1. ".vti", VTK image data: sound and radiation pressure on a grid.
+    scene's objects and hands at time t [s]; samples, coloured by target; radiation pressure in two planes, and its
+    isosurface at `level` of the maximum, 0..1. ".vti", VTK image data: sound and radiation pressure on a grid.
 
-    gains: (N,); needed for a field. box: of the field, its lower and upper corner [m]; around the samples, or 0.2 m
-    before the array, unless given. spacing: of the grid [m]; a quarter of a wavelength, or what a million points allow,
-    unless given. medium: `Air()` unless given. Raises ArgumentError, MissingExtra, OSError.
+    gains: (N,); required for a field. box: lower and upper corner of the field [m]; default: around the samples, or
+    0.2 m before the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay within a
+    million points. medium: default `Air()`. Raises ArgumentError, MissingExtra, OSError.
     """
     medium = checked(array, medium)
     check_kind("scene", scene, Scene, NoneType)
@@ -86,7 +86,7 @@ def export(
 
 
 class _Model:
-    """A glTF model that is being made. extras: what is said of it."""
+    """Builder of a glTF model. extras: its metadata."""
 
     def __init__(self) -> None:
         import trimesh
@@ -95,12 +95,12 @@ class _Model:
         self.extras: dict[str, Any] = {"unit": "m"}
 
     def add(self, name: str, made: Any) -> None:
-        """A part, under a name of its own."""
+        """Add a part under a unique name."""
         if len(made.faces):
             self.made.add_geometry(made, node_name=name, geom_name=name)
 
     def array(self, array: Array, gains: ArrayLike | None) -> None:
-        """Its transducers, with their drive: u is the phase, in turns from -1/2, v the amplitude."""
+        """Add the transducers with their drive: u is the phase, in turns from -1/2, v the amplitude."""
         flat = meshes.discs(array)
         if gains is None:
             self.add("array", painted(flat, METAL))
@@ -112,7 +112,7 @@ class _Model:
         self.extras["array, largest amplitude |g|"] = most
 
     def scene(self, scene: Scene, t: float) -> None:
-        """Objects at time t [s], and hands."""
+        """Add objects at time t [s], and hands."""
         for k, item in enumerate(scene.objects):
             self.add(f"object {item.name or k}", painted(_placed(item, t), THING))
         for held in scene.hands:
@@ -120,7 +120,7 @@ class _Model:
                 self.add(f"hand {held.name}", painted(meshes.hand(held), SKIN))
 
     def samples(self, samples: Samples) -> None:
-        """A ball each: u is what is asked, as a share of the most."""
+        """Add a ball per sample: u is its target, relative to the largest."""
         balls, P = meshes.spots(samples.positions), samples.radiation_pressure
         most = float(P.max()) or 1.0
         uv = np.stack([P / most, np.full(len(P), 0.5)], axis=-1)
@@ -128,7 +128,7 @@ class _Model:
         self.extras["samples, most radiation pressure asked [Pa]"] = most
 
     def planes(self, array: Array, gains: ArrayLike, points: Floats, medium: Air) -> None:
-        """Radiation pressure in the two planes that tell most, seen through where it is weak."""
+        """Add the radiation pressure in two planes, transparent where it is weak."""
         both = crossed(array, gains, points, medium)
         tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
         most = max(tops)[1]
@@ -142,7 +142,7 @@ class _Model:
         self.extras["field, most radiation pressure on skin [Pa]"] = most
 
     def surface(self, grid: Volume, medium: Air, level: float) -> None:
-        """Where radiation pressure is a share of its most."""
+        """Add the isosurface of the radiation pressure at a share of its maximum."""
         P = grid.radiation(medium)
         if (value := level * float(np.nanmax(P))) > 0.0:
             vertices, faces = isosurface(P, grid.corner, grid.step, value)
@@ -151,14 +151,14 @@ class _Model:
             self.extras["isosurface, radiation pressure on skin [Pa]"] = value
 
     def write(self, path: Path) -> None:
-        """With y up."""
+        """Write the file with y up."""
         self.made.metadata.update(self.extras)
         self.made.apply_transform(UP)
         path.write_bytes(self.made.export(file_type="glb"))
 
 
 def _corners(plane: Plane) -> Floats:
-    """From the lower left on round, half a step beyond the outer points: (4, 3) [m]."""
+    """Return the corners from the lower left on, half a step beyond the outer points, (4, 3) [m]."""
     q = plane.points
     right, up = (q[0, 1] - q[0, 0]) / 2.0, (q[1, 0] - q[0, 0]) / 2.0
     signs = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
@@ -173,7 +173,7 @@ def _placed(item: Object, t: float) -> Triangles:
 
 
 def _vti(path: Path, p: Any, P: Floats, corner: Floats, step: float) -> None:
-    """VTK image data: x is the fastest index there, and the first here."""
+    """Encode VTK image data: x is its fastest index, and the first index here."""
     try:
         from pyevtk.hl import imageToVTK
     except ImportError as error:

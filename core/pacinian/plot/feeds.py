@@ -1,4 +1,4 @@
-"""What the viewer's recording of a server tells of its time."""
+"""Reads time series from the viewer's recording of a server."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ SILENCE = 0.0, 0.0
 
 
 class Watched(NamedTuple):
-    """Times from the begin [s]. drive: time, mean and most of all amplitudes, as shares of full drive, (F, 3).
+    """Time series, times from the start [s]. drive: time, mean and largest amplitude as shares of full drive, (F, 3).
 
-    states: time, error (NaN where nothing is felt), median, 99 % and most of the ticks of the last second [s], and a
-    tick's period [s], (S, 6).
+    states: time, error (NaN without targets), median, 99th percentile and maximum of the tick durations of the last
+    second [s], and the tick period [s], (S, 6).
     """
 
     drive: Floats
@@ -35,7 +35,7 @@ class Watched(NamedTuple):
 
 
 def watched(path: Path) -> Watched:
-    """Of a file. Messages that are damaged are left out. Raises RecordingError."""
+    """Read a file; skip damaged messages. Raises RecordingError."""
     drive, states = list[tuple[float, ...]](), list[tuple[float, ...]]()
     sizes = b""
     with closing(Recorded(path)) as recorded:

@@ -1,4 +1,4 @@
-"""The field in planes: any one, or the two that tell most."""
+"""Plots the field in one plane, or in the two most informative planes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 NONE = np.empty((0, 3))
-ABOVE = 1.5  # times the most that presses on what is marked: there colours end
+ABOVE = 1.5  # end of the colour scale, over the largest pressure at the points
 LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
 TALLEST = 5.0  # [inch]
 FLAT = 1.5  # width over height, from which a colour bar is below
@@ -45,13 +45,13 @@ def field(
     medium: Air | None = None,
     ax: Axes | None = None,
 ) -> Figure:
-    """A slice of the field, with its colour bar.
+    """Plot a slice of the field with its colour bar.
 
     array, gains: (N,), or (K, N) for the mean power over K moments. plane: "xy", "xz" or "yz" through `at`, (3,) [m],
-    or a pose, whose xy-plane it is. show: "radiation" pressure on skin [Pa], sound "pressure" [Pa], its "level"
-    [dB re 20 µPa], or "phase" [rad]. points: marked where they are near, (M, 3) [m]; their middle is `at`, and the
-    slice holds them all, unless given. size: of a square, or width and height [m]. medium: `Air()` unless given.
-    ax: to draw into. Colours end at the most that is farther than a wavelength from the transducers.
+    or a pose, whose xy-plane is used. show: "radiation" pressure on skin [Pa], sound "pressure" [Pa], its "level"
+    [dB re 20 µPa], or "phase" [rad]. points: (M, 3) [m], marked if they are close to the plane; by default, `at` is
+    their middle and the slice contains them all. size: of a square, or width and height [m]. medium: default `Air()`.
+    ax: axes to draw into. The colour scale ends at the maximum farther than a wavelength from the transducers.
     Raises ArgumentError, MissingExtra.
     """
     medium = checked(array, medium)
@@ -71,10 +71,10 @@ def field(
 def slices(
     array: Array, gains: ArrayLike, points: ArrayLike, medium: Air | None = None, title: str = ""
 ) -> Figure:
-    """Radiation pressure on skin in the two planes through the points that tell most.
+    """Plot the radiation pressure on skin in two planes through the points.
 
-    A horizontal slice at the points' mean height and a vertical one through the strongest of them.
-    array, gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
+    The planes are a horizontal slice at the mean height of the points and a vertical one through the strongest point.
+    array, gains: (N,), or (K, N) for the mean over K moments. points: target positions [m], (M, 3).
     Raises ArgumentError, MissingExtra.
     """
     medium, q = checked(array, medium), check_numbers("points", points, (None, 3))
@@ -91,7 +91,7 @@ def slices(
 def crossed(
     array: Array, gains: ArrayLike, points: Floats, medium: Air
 ) -> list[tuple[Plane, Floats]]:
-    """A horizontal plane and a vertical one, as in `slices`, each with its radiation pressure [Pa]."""
+    """Return a horizontal and a vertical plane, as in `slices`, each with its radiation pressure [Pa]."""
     middle = middle_of(array, points)
     through = middle.copy()
     if len(points):
@@ -110,9 +110,9 @@ def draw_both(
     points: Floats,
     medium: Air,
 ) -> None:
-    """Draw planes into panels, with one scale of colours, and mark the points, (M, 3) [m].
+    """Draw planes into panels with a common colour scale, and mark the points, (M, 3) [m].
 
-    Where there are points, colours end not far above what presses there: a wave may be far stronger behind a surface.
+    With points, the scale ends slightly above the pressure at them, because behind a surface it may be far higher.
     """
     image, radiation = None, QUANTITIES["radiation"]
     ends = max(limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both)
@@ -127,7 +127,7 @@ def draw_both(
 
 
 def checked(array: Array, medium: Air | None) -> Air:
-    """The medium, `Air()` unless given. Raises ArgumentError, also where the array is none."""
+    """Return the medium, by default `Air()`. Raises ArgumentError, also if the array is invalid."""
     made = Air() if medium is None else medium
     check_kind("array", array, Array)
     check_kind("medium", made, Air)

@@ -1,4 +1,4 @@
-"""Run time against error, of what `pacinian bench` has measured."""
+"""Plots run time against error, from measurements of `pacinian bench`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
 
 REFERENCE = "reference"  # a mode, and a family
-# A colour and a shape for each family.
+# Colour and marker of each family.
 STYLES = {
     "pacinian": (BLUE, "o"),
     "autd3": (RED, "s"),
@@ -31,14 +31,14 @@ STYLES = {
     "levitate": (PINK, "D"),
     REFERENCE: ("0.4", "x"),
 }
-WEAK = 0.9  # scale; what makes less of what was asked is pale, and not on the front
-FLOOR, TOP = 1e-5, 200.0  # [%]; smaller errors are drawn there; where the axis ends
+WEAK = 0.9  # scale s below which a mark is pale and not on the front
+FLOOR, TOP = 1e-5, 200.0  # least error drawn [%]; end of the axis [%]
 SHOWN = ("cold", "warm", REFERENCE)
 MAX_PANELS = 4  # panels along a side
 TALL = 2.8  # [inch]
 
 
-Timed = Any  # one solver on one kind of problem: `pacinian_lab.solvers.summary.Cell`, or what a file has of it
+Timed = Any  # one solver on one kind of problem: `pacinian_lab.solvers.summary.Cell`, or its form in a file
 
 
 def pareto(
@@ -50,15 +50,15 @@ def pareto(
     title: str = "",
     ax: Axes | None = None,
 ) -> Figure:
-    """Run time, p50, against error, with the front of what nothing beats in both.
+    """Plot the median run time against the error, with the Pareto front.
 
-    The error is that of the proportions, ||a - s t|| / ||s t|| with the best multiple s; s is beside a name where it is
-    not 1.
+    The error is that of the proportions, ||a - s t|| / ||s t|| with the best multiple s. A name is followed by s if s
+    is not 1.
 
-    results: the file `bench.json`, or its cells. level: of the targets; the lowest unless given. N, M: transducers and
-    points; a panel for each of both unless given. ax: to draw into, where both are. Filled: cold; hollow: warm; pale:
-    what makes less than 0.9 of what was asked. Errors under 1e-5 % are drawn there; what failed, or is wrong by more
-    than 100 %, is left out. Raises ArgumentError, RecordingError, MissingExtra.
+    results: the file `bench.json`, or its cells. level: of the targets; default: the lowest. N, M: numbers of
+    transducers and points; default: one panel for each combination. ax: axes to draw into if both are given. Filled
+    marks: cold start; hollow: warm start; pale: less than 0.9 of the target strength. Errors below 1e-5 % are drawn at
+    1e-5 %. Failures, and errors above 100 %, are omitted. Raises ArgumentError, RecordingError, MissingExtra.
     """
     cells = shown(read(results) if isinstance(results, (str, Path)) else results)
     level = min((c.level for c in cells), default=0.0) if level is None else level
@@ -89,7 +89,7 @@ def pareto(
 
 
 def read(path: str | Path) -> list[Timed]:
-    """The cells of a `bench.json`. Raises RecordingError."""
+    """Read the cells of a `bench.json`. Raises RecordingError."""
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))["cells"]
         cells: list[Timed] = [
@@ -106,7 +106,7 @@ def read(path: str | Path) -> list[Timed]:
 
 
 def shown(cells: Iterable[Timed]) -> list[Timed]:
-    """Those that can be drawn: what was measured; of solvers, what is not wrong by more than 100 %."""
+    """Return the cells to draw: those measured, without solvers whose error is above 100 %."""
     return [
         c
         for c in cells
@@ -116,17 +116,17 @@ def shown(cells: Iterable[Timed]) -> list[Timed]:
 
 
 def style(family: str) -> tuple[str, str]:
-    """A colour and a shape."""
+    """Return the colour and the marker of a cell."""
     return STYLES.get(family, STYLES[REFERENCE])
 
 
 def plainly(value: float, place: int) -> str:
-    """A tick without powers of ten."""
+    """Format a tick label without powers of ten."""
     return f"{value:g}"
 
 
 def some(values: list[int]) -> list[int]:
-    """At most `MAX_PANELS` of them, from the first to the last."""
+    """Select at most `MAX_PANELS` of them, including the first and the last."""
     if len(values) <= MAX_PANELS:
         return values
     return [values[round(k * (len(values) - 1) / (MAX_PANELS - 1))] for k in range(MAX_PANELS)]
@@ -135,7 +135,7 @@ def some(values: list[int]) -> list[int]:
 def _axes(
     grid: list[list[Panel]], sizes: list[int], counts: list[int], times: Sequence[float]
 ) -> None:
-    """Scales, labels and titles of all panels."""
+    """Set the scales, labels and titles of all panels."""
     for row, count in zip(grid, counts, strict=True):
         row[0].set_ylabel("error of the proportions [%]")
         for panel, size in zip(row, sizes, strict=True):
@@ -175,7 +175,7 @@ def _draw(panel: Panel, cells: list[Timed]) -> None:
 
 
 def _front(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The points that none beats in both time and error."""
+    """Return the Pareto front: the points that no other beats in both time and error."""
     front: list[tuple[float, float]] = []
     for at in sorted(points):
         if not front or at[1] < front[-1][1]:

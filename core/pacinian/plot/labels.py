@@ -1,4 +1,4 @@
-"""Labels beside points in a picture, where there is room."""
+"""Places labels beside points in a picture, where there is room."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
     from pacinian.plot.style import Panel
 
-Text = tuple[str, float, float, str]  # what, x, y, colour
+Text = tuple[str, float, float, str]  # text, x, y, colour
 
 HALO = {"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 0.2}
 PLAIN = str.maketrans("", "", "${}^")
-# Where a label may be: lines up, to the right or left, and how far away [lines]; the nearest first.
+# Possible places of a label: lines up, right or left, and distance [lines], nearest first.
 NEAR = sorted(
     (
         (1.3 * up, right, away)
@@ -38,7 +38,7 @@ def label(
 ) -> None:
     """Write texts beside their points, each at the first free place near.
 
-    others: points marked too. both: also to the left.
+    others: further marked points to avoid. both: allow labels on the left as well.
     """
     pixel = panel.figure.dpi / 72.0
     size = SMALL * pixel
@@ -58,7 +58,7 @@ def label(
             if inside and not any(_overlap(box, other) for other in taken):
                 break
         else:
-            continue  # no room: the tables have it
+            continue  # no room: omit the label
         taken.append(box)
         leader = {"arrowstyle": "-", "color": colour, "linewidth": 0.4} if lines or away else None
         note = panel.annotate(

@@ -1,4 +1,4 @@
-"""Things in space as triangles: arrays, hands, objects, samples."""
+"""Triangle meshes of arrays, hands, objects and samples."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Floats, Indices, Longs
 
-SIDES = 12  # of a transducer's disc
-DOT, WIDE = 0.003, 0.0045  # [m] radius of a sample, and of a transducer
-CELLS, THINNEST = 48, 12  # along the longest edge of a solid's box; along any, at least
+SIDES = 12  # corners of a transducer's disc
+DOT, WIDE = 0.003, 0.0045  # radius of a sample, and of a transducer [m]
+CELLS, THINNEST = 48, 12  # cells along the longest edge of a solid's box; least along any
 ROUND = 48  # corners of a disc
-MAX_HEIGHTS = 200  # heights along an edge
-SKIN = 0.003  # [m] between the grid points about a hand
-ALONG = 0.004  # [m] between the spots of a line
+MAX_HEIGHTS = 200  # maximum number of heights along an edge
+SKIN = 0.003  # distance between the grid points around a hand [m]
+ALONG = 0.004  # distance between the balls of a line [m]
 
 
 class Triangles(NamedTuple):
-    """vertices (V, 3) [m]; faces (F, 3); which of the things that were given each vertex is of, (V,)."""
+    """vertices (V, 3) [m]; faces (F, 3); index of the input that each vertex belongs to, (V,)."""
 
     vertices: Floats
     faces: Longs
@@ -40,7 +40,7 @@ class Triangles(NamedTuple):
 
 
 def discs(array: Array) -> Triangles:
-    """A disc for each transducer, facing where it does."""
+    """Make a disc for each transducer, in its direction."""
     n = array.normals
     aside = np.where(np.abs(n[:, 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
     u = np.cross(aside, n)
@@ -53,7 +53,7 @@ def discs(array: Array) -> Triangles:
 
 
 def spots(points: Floats, radius: float = DOT) -> Triangles:
-    """A ball for each of the points, (K, 3) [m]."""
+    """Make a ball for each of the points, (K, 3) [m]."""
     from trimesh.creation import icosphere
 
     ball = icosphere(subdivisions=2, radius=radius)
@@ -61,10 +61,10 @@ def spots(points: Floats, radius: float = DOT) -> Triangles:
 
 
 def hand(held: Hand) -> Triangles:
-    """The skin of a hand, which is not lost."""
+    """Make the skin of a hand, which must not be lost."""
     if held.vertices is not None and held.faces is not None:
         return _whole(held.vertices, held.faces)
-    assert held.joints is not None  # as it has no mesh
+    assert held.joints is not None  # because it has no mesh
     capsules = flesh.make_capsules(held)
     far = capsules[:, 6:].max() + 2.0 * SKIN
     low, high = held.joints.min(axis=0) - far, held.joints.max(axis=0) + far
@@ -72,7 +72,7 @@ def hand(held: Hand) -> Triangles:
 
 
 def thing(item: Object) -> Triangles:
-    """An object in its own frame: its surface; of points and lines, small balls."""
+    """Make the surface of an object in its own frame; points and lines become small balls."""
     if not isinstance(item, Body):
         return spots(item.sample_surface(ALONG).points)
     shape = item.shape
@@ -101,7 +101,7 @@ def thing(item: Object) -> Triangles:
 
 
 def spun(count: int) -> Floats:
-    """Points of a circle of radius 1, (count, 2)."""
+    """Return points of a circle of radius 1, (count, 2)."""
     turn = 2.0 * np.pi * np.arange(count) / count
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
@@ -109,7 +109,7 @@ def spun(count: int) -> Floats:
 def _solid(
     away: Callable[[Floats], Floats], low: Floats, high: Floats, step: float | Floats
 ) -> Triangles:
-    """The surface of what has a signed distance."""
+    """Make the surface of a shape from its signed distance."""
     steps = np.broadcast_to(step, 3)
     counts = np.ceil((high - low) / steps).astype(int) + 1
     x, y, z = (low[k] + steps[k] * np.arange(counts[k]) for k in range(3))
@@ -119,7 +119,7 @@ def _solid(
 
 
 def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
-    """An open surface over the xy-plane: heights (R, C) at x, (C,), and y, (R,) [m]."""
+    """Make an open surface over the xy-plane: heights (R, C) at x, (C,), and y, (R,) [m]."""
     R, C = z.shape
     X, Y = np.meshgrid(x, y)
     first = (C * np.arange(R - 1)[:, None] + np.arange(C - 1)).ravel()
@@ -133,7 +133,7 @@ def _whole(vertices: Floats, faces: Longs) -> Triangles:
 
 
 def _copies(vertices: Floats, faces: Longs) -> Triangles:
-    """K things, (K, V, 3), each with the same faces, (F, 3)."""
+    """Join K copies, (K, V, 3), that share the same faces, (F, 3)."""
     K, V = vertices.shape[:2]
     every = (faces + V * np.arange(K)[:, None, None]).reshape(-1, 3)
     return Triangles(vertices.reshape(-1, 3), every, np.repeat(np.arange(K), V))

@@ -1,4 +1,4 @@
-"""A figure, its panels, and the file it goes to."""
+"""Creates figures and panels, and saves them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
 
 DPI = 130  # [1/inch]
-MAX_SIDE = 400.0  # [inch] along a side: what PNG writers take
+MAX_SIDE = 400.0  # largest side that PNG writers accept [inch]
 FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}  # text stays text
 
 
 def require() -> type[Figure]:
-    """Matplotlib's figure. Raises MissingExtra where there is none."""
+    """Import Matplotlib's figure module. Raises MissingExtra if Matplotlib is not installed."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
@@ -32,7 +32,7 @@ def require() -> type[Figure]:
 
 
 def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
-    """An empty figure, width x height [inch]; notebooks show it. Raises ArgumentError, MissingExtra."""
+    """Create an empty figure, width x height [inch], that notebooks show. Raises ArgumentError, MissingExtra."""
     require()
     for name, side in (("width", width), ("height", height)):
         check_number(name, side, low=0.1, high=MAX_SIDE)
@@ -44,9 +44,9 @@ def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
 def panels(
     ax: Panel | Sequence[Panel] | None, heights: Sequence[float]
 ) -> tuple[Figure, list[Panel], bool]:
-    """The axes to draw into, one for each height [inch]; their figure, and whether it is ours to dress.
+    """Return the axes to draw into, one for each height [inch], their figure, and whether the figure is new.
 
-    ax: one, or as many as there are heights; None for a new figure of a paper's column. Raises ArgumentError.
+    ax: one, or as many as there are heights; None for a new figure as wide as a paper's column. Raises ArgumentError.
     """
     count = len(heights)
     if ax is None:
@@ -60,10 +60,10 @@ def panels(
 
 
 def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
-    """Write a figure to a file, of the kind that its name says: .pdf, .svg, .png, ...
+    """Write a figure to a file; the extension selects the format: .pdf, .svg, .png, ...
 
-    Text in vector files stays text. colours: 2 to 256, of a PNG; with few of them it is a third as large, and a field
-    has steps. Raises ArgumentError, OSError.
+    Text in vector files stays text. colours: of a PNG, 2 to 256; a small number makes the file a third as large,
+    but show steps in a field. Raises ArgumentError, OSError.
     """
     from matplotlib import rc_context
 

@@ -1,4 +1,4 @@
-"""Triangles with colours: one for all, or from a picture by coordinates that are the values themselves."""
+"""Colours meshes: with one colour, or from a texture whose coordinates are the values themselves."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from pacinian.plot.meshes import Triangles
     from pacinian.types import Floats
 
-COLOURS, STEPS = 256, 64  # of a wheel: phases, amplitudes
-DARKEST = 0.45  # share of its colour that a silent transducer has
-FAINT = 0.25  # of the most; what is less is seen through
+COLOURS, STEPS = 256, 64  # steps of a wheel: phases, amplitudes
+DARKEST = 0.45  # brightness of a silent transducer
+FAINT = 0.25  # share of the maximum below which values are transparent
 
 
 def painted(made: Triangles, colour: tuple[float, float, float], opacity: float = 1.0) -> Any:
-    """A mesh of one colour, red, green and blue 0..1."""
+    """Make a mesh of one colour, red, green and blue 0..1."""
     look = _material(
         baseColorFactor=[*colour, opacity], alphaMode="BLEND" if opacity < 1.0 else "OPAQUE"
     )
@@ -29,9 +29,9 @@ def painted(made: Triangles, colour: tuple[float, float, float], opacity: float 
 
 
 def coloured(made: Triangles, uv: Floats, image: Image, *, clear: bool = False) -> Any:
-    """A mesh that shines with the colours of a picture, whatever the light is. uv: (V, 2), 0..1, up from below.
+    """Make an emissive mesh with the colours of a picture, independent of light. uv: (V, 2), 0..1, v upwards.
 
-    clear: the picture has an opacity.
+    clear: whether the picture has an opacity channel.
     """
     look = _material(
         baseColorFactor=[0.0, 0.0, 0.0, 1.0], baseColorTexture=image,
@@ -42,19 +42,19 @@ def coloured(made: Triangles, uv: Floats, image: Image, *, clear: bool = False) 
 
 
 def wheel() -> Image:
-    """Phases from left to right, amplitudes from below up."""
+    """Make a picture of phases from left to right and amplitudes upwards."""
     hue = _map(CYCLIC)(np.linspace(0.0, 1.0, COLOURS))[:, :3]
     bright = DARKEST + (1.0 - DARKEST) * np.linspace(1.0, 0.0, STEPS)
     return _image(bright[:, None, None] * hue)
 
 
 def strip(name: str = MAP) -> Image:
-    """A map of colours from left to right."""
+    """Make a picture of a colour map from left to right."""
     return _image(np.tile(_map(name)(np.linspace(0.0, 1.0, COLOURS))[:, :3], (4, 1, 1)))
 
 
 def picture(found: Floats, most: float) -> Image:
-    """Values (rows, columns), the first row below, in colours up to the most; seen through where they are low."""
+    """Make a picture of values (rows, columns), first row at the bottom; low values are transparent."""
     share = np.clip(np.nan_to_num(found[::-1]) / most, 0.0, 1.0)
     rgba = np.asarray(_map(MAP)(share))
     rgba[..., 3] = np.clip(share / FAINT, 0.1, 0.95)
@@ -71,7 +71,7 @@ def _mesh(made: Triangles, uv: Floats, material: Any) -> Any:
 
 
 def _material(**given: Any) -> Any:
-    """Dull, and the same from both sides."""
+    """Return a matt, double-sided material."""
     from trimesh.visual import material
 
     made: Any = material.PBRMaterial

@@ -1,4 +1,4 @@
-"""Planes through a field: where they lie, and how they are drawn."""
+"""Planes through a field: chooses and draws them."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 GRID = 240  # points along the longer edge
-MARGIN, ALONE = 0.03, 0.08  # [m] around the samples, and where there are none
-BESIDE = 0.012  # [m] from a plane: only samples so near are marked in it
-MAX_CIRCLES = 24  # samples; more are marked by dots, which leave the field between them to be seen
-AHEAD = 0.2  # [m] before the array: looked at where there is no sample
+MARGIN, ALONE = 0.03, 0.08  # margin around samples; the same without samples [m]
+BESIDE = 0.012  # distance up to which samples are marked in a plane [m]
+MAX_CIRCLES = 24  # samples up to which circles mark them; more are dots, which hide less
+AHEAD = 0.2  # distance before the array to look at without samples [m]
 BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
 AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
@@ -42,7 +42,7 @@ class Plane:
 
     @property
     def sides(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top [m], half a step beyond the outer points."""
+        """Left, right, bottom and top edge [m], half a step beyond the outer points."""
         ends: list[float] = []
         for along in (self.u, self.v):
             half = (along[1] - along[0]) / 2.0
@@ -57,20 +57,20 @@ class Plane:
 
     @property
     def labels(self) -> tuple[str, str]:
-        """Of its axes."""
+        """Labels of its axes."""
         names = ("u", "v") if self.axes is None else ("xyz"[self.axes[0]], "xyz"[self.axes[1]])
         return f"{names[0]} [mm]", f"{names[1]} [mm]"
 
     @property
     def place(self) -> str:
-        """Where it lies, where one number says that."""
+        """Position of the plane as text, if one number describes it."""
         if self.axes is None:
             return ""
         height = round(1e3 * self.height, 1) + 0.0  # not -0
         return f"{'xyz'[3 - sum(self.axes)]} = {height:g} mm"
 
     def near(self, points: Floats) -> Floats:
-        """Those of points (M, 3) [m] that are near to it: their coordinates in it, (K, 2) [m]."""
+        """Return the in-plane coordinates, (K, 2) [m], of the points (M, 3) [m] that are close to the plane."""
         corner, right, up = self.points[0, 0], self.points[0, -1], self.points[-1, 0]
         x, y = (
             (right - corner) / np.linalg.norm(right - corner),
@@ -82,7 +82,7 @@ class Plane:
 
 
 def middle_of(array: Array, points: Floats) -> Floats:
-    """The middle of what is looked at, (3,) [m]: of points, (M, 3), if there are any."""
+    """Return the centre of the view, (3,) [m]: the middle of the points, (M, 3), if there are any."""
     if len(points):
         return np.asarray(points.mean(axis=0))
     return np.asarray(array.centre + AHEAD * _facing(array))
@@ -95,10 +95,10 @@ def cut(
     points: Floats,
     size: float | tuple[float, float] | None,
 ) -> Plane:
-    """The plane "xy", "xz" or "yz" through a point [m], or the xy-plane of a pose.
+    """Return the plane "xy", "xz" or "yz" through a point [m], or the xy-plane of a pose.
 
-    at: (3,); the middle of the points, (M, 3) [m], unless given. size: of a square, or width and height [m]; unless
-    given what holds the points, and for "xz" and "yz" before an array below all that is between.
+    at: (3,); default: middle of the points, (M, 3) [m]. size: of a square, or width and height [m]; by default large
+    enough for the points, and for "xz" and "yz" above an array, for the space down to the array.
     Raises ArgumentError.
     """
     check_near("points", points, array.centre)
@@ -126,7 +126,7 @@ def cut(
 
 
 def draw(panel: Panel, plane: Plane, found: Floats, show: str, ends: tuple[float, float]) -> Any:
-    """Draw a plane's values (rows, columns) in axes, colours from end to end; return the image."""
+    """Draw the values of a plane, (rows, columns), into axes; return the image."""
     image = panel.imshow(
         np.maximum(found, ends[0]), origin="lower", extent=tuple(1e3 * side for side in plane.sides),
         cmap=QUANTITIES[show].colours, vmin=ends[0], vmax=ends[1],
@@ -145,7 +145,7 @@ def mark(panel: Panel, places: Floats, colour: str) -> None:
 
 
 def _facing(array: Array) -> Floats:
-    """Where most of an array points, (3,); +z where it points everywhere alike."""
+    """Return the mean direction of an array, (3,); +z if its transducers face all directions equally."""
     mean = array.normals.mean(axis=0)
     size = np.linalg.norm(mean)
     return np.asarray(mean / size) if size > 1e-6 else np.array([0.0, 0.0, 1.0])

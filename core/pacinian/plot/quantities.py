@@ -1,4 +1,4 @@
-"""What of a field can be drawn: its radiation pressure, sound pressure, level or phase."""
+"""Quantities of a field that can be drawn: radiation pressure, sound pressure, level and phase."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 Show = Literal["radiation", "pressure", "level", "phase"]
 
-DEEP = 40.0  # [dB] below the loudest that are drawn
+DEEP = 40.0  # range of levels drawn below the loudest [dB]
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """How something is drawn. label: with its unit. colours: a map's name. marks: the colour of what is on it."""
+    """Style of a quantity. label: with unit. colours: name of a colour map. marks: colour of marks on it."""
 
     label: str
     colours: str = MAP
@@ -40,7 +40,7 @@ QUANTITIES: dict[str, Quantity] = {
 
 
 def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: str) -> Floats:
-    """A quantity at points (..., 3) [m], (...); NaN on transducers.
+    """Return a quantity at points (..., 3) [m], (...); NaN on transducers.
 
     gains: (N,), or (K, N) for the mean power over K moments. Raises ArgumentError.
     """
@@ -61,7 +61,7 @@ def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: st
 
 
 def heard(array: Array, gains: ArrayLike, points: Floats, medium: Air) -> Complexes:
-    """Sound pressure at points (..., 3) [m], complex [Pa], (...); NaN on transducers."""
+    """Return the complex sound pressure [Pa] at points (..., 3) [m], (...); NaN on transducers."""
     try:
         return field(array, gains, points, medium)
     except PointOnTransducer as error:
@@ -73,7 +73,7 @@ def heard(array: Array, gains: ArrayLike, points: Floats, medium: Air) -> Comple
 
 
 def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
-    """The ends of the scale of colours. clear: where values count, of the shape of `found`."""
+    """Return the ends of the colour scale. clear: which values count, of the shape of `found`."""
     if show == "phase":
         return -np.pi, np.pi
     known = found[clear & np.isfinite(found)]
@@ -84,9 +84,9 @@ def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
 
 
 def clear(array: Array, points: Floats, medium: Air) -> Flags:
-    """Which points (..., 3) [m] are more than a wavelength away from all transducers, (...).
+    """Return which points (..., 3) [m] are more than a wavelength away from all transducers, (...).
 
-    Nearer, a point source has no end, and would dim all the rest.
+    Closer to a point source, the field diverges and would dim everything else.
     """
     from scipy.spatial import KDTree
 

@@ -1,4 +1,4 @@
-"""A scene, what of it is felt, and the field that makes it felt, on one page."""
+"""Plots a scene, its samples and its field on one page."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
-NEAR = 0.13  # [m] around the samples, from below
-DOT = 0.006  # [m] across, a sample
+NEAR = 0.13  # margin around the samples in the view from below [m]
+DOT = 0.006  # diameter of a sample [m]
 ZOOMS = 1.3, 1.45
 NARROWEST = 9.0  # [inch]
 MAP = "inferno"
@@ -50,10 +50,10 @@ def scene(
     medium: Air | None = None,
     title: str = "",
 ) -> Figure:
-    """A scene at time t [s], seen from above and close from below, and its field in two planes.
+    """Plot a scene at time t [s] from above and, close up, from below, and its field in two planes.
 
-    samples: what was asked. gains: (N,), or (K, N) for the field's mean over K moments. The field is that of
-    free air; lines are the outlines of hands, and where objects cross the planes. Raises MissingExtra.
+    samples: the targets. gains: (N,), or (K, N) for the mean field over K moments. The field is that of free air.
+    Lines show the outlines of hands, and where objects cross the planes. Raises MissingExtra.
     """
     medium = checked(array, medium)
     both = crossed(array, gains, samples.positions, medium)
@@ -75,7 +75,7 @@ def scene(
 
 
 def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) -> list[View]:
-    """Draw the array and all above it, and what is near the samples."""
+    """Draw the array with everything above it, and a close-up of the samples."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -99,7 +99,7 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
             view.draw([array_of(array), *things, felt])
         else:
             view.draw([made.within(box) for made in [array_of(array), *things]])
-            view.draw([felt])  # on skin, which is seen through what is below it
+            view.draw([felt])  # drawn over everything, because the skin lies behind objects
         views.append(view)
     if len(P):
         part.colorbar(scale, ax=views[-1].panel, label="asked [Pa]", shrink=0.7)
@@ -117,7 +117,7 @@ def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
             local = np.ascontiguousarray((points - pose.position) @ pose.matrix)
             if np.sqrt((local * local).sum(axis=1)).min() < item.bounding_radius:
                 d = distance(item.shape, local, np.inf, np.inf)
-                if isinstance(item.shape, SHEETS):  # all that is behind them counts as inside
+                if isinstance(item.shape, SHEETS):  # everything behind them counts as inside
                     d[
                         distance(item.shape, local + np.array([0.0, 0.0, THIN]), np.inf, np.inf)
                         < 0.0
@@ -126,7 +126,7 @@ def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
 
 
 def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
-    """Distance to a hand: across the way of the sound to its shadow, along it to where it is cut."""
+    """Return the distance to a hand: to its shadow in the horizontal plane, to its cut in the vertical plane."""
     capsules = flesh.make_capsules(hand)
     if plane.axes == (0, 1):
         capsules[:, [2, 5]] = plane.height
@@ -134,7 +134,7 @@ def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
 
 
 def _line(panel: Panel, plane: Plane, d: Floats, colour: str, style: str) -> None:
-    """Draw where d, (GRID * GRID,) [m], is 0."""
+    """Draw the contour where d, (GRID * GRID,) [m], is 0."""
     if (d < 0.0).any() and (d > 0.0).any():
         panel.contour(
             1e3 * plane.u, 1e3 * plane.v, d.reshape(len(plane.v), len(plane.u)), [0.0],

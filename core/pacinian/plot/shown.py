@@ -1,4 +1,4 @@
-"""A figure that notebooks show, whether pyplot is there or not."""
+"""A figure that notebooks show with or without pyplot."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from matplotlib.figure import Figure
 
 from pacinian.plot.style import CURVES
 
-SHARP = 200.0  # [1/inch] of the picture that a notebook gets
-SHOWN = 110.0  # [1/inch] at which it shows it
+SHARP = 200.0  # resolution of the image for notebooks [1/inch]
+SHOWN = 110.0  # resolution at which a notebook displays it [1/inch]
 
 
 class Shown(Figure):
-    """A Matplotlib figure, without pyplot and without a display; its curves have our colours."""
+    """A Matplotlib figure that needs neither pyplot nor a display, with Pacinian's colours for curves."""
 
     def add_subplot(self, *args: Any, **kwargs: Any) -> Any:
-        """As Matplotlib's."""
+        """Add axes, as in Matplotlib."""
         panel = super().add_subplot(*args, **kwargs)
         panel.set_prop_cycle(color=CURVES)
         return panel

@@ -1,4 +1,4 @@
-"""Things in space as discs that face the eye: close together they look like a surface."""
+"""Draws objects in space as discs that face the viewer; dense discs look like a surface."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 Colour = tuple[float, float, float]
 
 LIGHT = np.array([0.3, -0.4, 0.9])
-DARKEST = 0.5  # share of its colour that a side away from the light has
-FINE, MANY = 0.002, 4000  # [m] between discs on an object; so many of them at most
-DISCS = 3.5e-3  # [m] between those of a skin
+DARKEST = 0.5  # brightness of a side facing away from the light
+FINE, MANY = 0.002, 4000  # distance between discs on an object [m]; their maximum number
+DISCS = 3.5e-3  # distance between discs on a skin [m]
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 
 
@@ -46,7 +46,7 @@ class Discs:
         return cls(points, np.tile([*colour, opacity], (K, 1)), np.full(K, size))
 
     def within(self, box: Floats) -> Discs:
-        """Those between two corners, (2, 3) [m]."""
+        """Return the discs between two corners, (2, 3) [m]."""
         return self.only(((self.points >= box[0]) & (self.points <= box[1])).all(axis=1))
 
     def only(self, kept: Flags) -> Discs:
@@ -54,7 +54,7 @@ class Discs:
         return Discs(self.points[kept], self.colours[kept], self.sizes[kept])
 
     def lit(self, normals: Floats, eye: Floats) -> Discs:
-        """Those with normals, (K, 3), towards the eye, in the light of a lamp over its shoulder."""
+        """Return the discs whose normals, (K, 3), face the viewer, lit from over the viewer's shoulder."""
         lamp = LIGHT + 1.2 * eye
         bright = np.clip(normals @ lamp / np.sqrt(lamp @ lamp), 0.0, 1.0)
         colours = self.colours.copy()
@@ -63,7 +63,7 @@ class Discs:
 
 
 def towards(elevation: float, azimuth: float) -> Floats:
-    """The direction to an eye that is there [deg], (3,)."""
+    """Return the direction to the viewer at these angles [deg], (3,)."""
     e, a = np.radians([elevation, azimuth])
     return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
@@ -98,7 +98,7 @@ def thing(item: Object, pose: Pose, eye: Floats) -> Discs:
 class View:
     """A 3-D panel without axes, seen from an angle (elevation, azimuth) [deg].
 
-    box: lower and upper corner of what is shown, (2, 3) [m]. zoom: how much of the panel it fills.
+    box: lower and upper corner of the visible space, (2, 3) [m]. zoom: share of the panel that it fills.
     """
 
     def __init__(self, panel: Panel, angle: tuple[float, float], box: Floats, zoom: float) -> None:
@@ -112,7 +112,7 @@ class View:
         panel.computed_zorder = False
 
     def draw(self, groups: Sequence[Discs]) -> None:
-        """Draw these over what was drawn before; the nearest disc last."""
+        """Draw these discs over earlier ones, the nearest disc last."""
         found = [(g.points, g.colours, g.sizes) for g in groups]
         made = Discs(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
         marks = self.panel.scatter(
@@ -122,7 +122,7 @@ class View:
         self._drawn.append((marks, made.sizes))
 
     def fit(self, dpi: float) -> None:
-        """Give the discs their sizes, once the page is laid out at `dpi` [1/inch]."""
+        """Set the sizes of the discs after the page is laid out at `dpi` [1/inch]."""
         across = np.cross(towards(self.panel.elev, self.panel.azim), [0.0, 0.0, 1.0])
         ends = np.ones((2, 4))
         ends[:, :3] = self.box.mean(axis=0)

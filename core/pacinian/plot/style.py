@@ -1,4 +1,4 @@
-"""How pictures look: a paper's column, its sizes, and colours that every eye tells apart."""
+"""Style of figures: width of a paper's column, sizes, and colours that are safe for colour-blind readers."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ Panel = Any  # Matplotlib's axes: its stubs leave too much open
 COLUMN = 3.5  # [inch], of a paper with two columns
 TEXT, SMALL = 8.0, 7.0  # [pt]: labels; ticks, legends, notes
 THIN, LINE = 0.6, 1.0  # [pt]: frames; curves
-PASSES = 6  # of the layout at most, until nothing is cut off
+PASSES = 6  # maximum number of layout passes, until nothing is cut off
 
 MAP, CYCLIC = "viridis", "twilight"
-# Okabe and Ito's colours.
+# The colours of Okabe and Ito.
 BLUE, RED, GREEN, PINK, ORANGE = "#0072b2", "#d55e00", "#009e73", "#a8508a", "#e69f00"
 GREY = "0.55"
 CURVES = (BLUE, RED, GREEN, PINK, ORANGE, "0.2", "#56b4e9", GREY)
 MARKS = "os^Dvx+*"
-# Of arrays, hands and objects in space: red, green and blue, 0..1.
+# Colours of arrays, hands and objects in space: red, green and blue, 0..1.
 METAL, SKIN, THING = (0.66, 0.68, 0.72), (0.95, 0.80, 0.70), (0.35, 0.58, 0.82)
 
 
 def bar(
     page: Any, image: Any, ax: Panel | Sequence[Panel], label: str, *, below: bool = False
 ) -> None:
-    """A colour bar as high as axes beside them, or below; with an arrow where values are beyond its end.
+    """Add a colour bar beside or below the axes, of their size, with an arrow if values exceed its end.
 
-    A phase's [rad] has ticks at whole parts of pi.
+    A bar of phases [rad] has ticks at fractions of pi.
     """
     most = image.get_array().max()
     given: dict[str, Any] = {
@@ -47,7 +47,7 @@ def bar(
 
 
 def dress(page: Figure) -> Figure:
-    """The same figure, laid out, with all text and lines of a size for print."""
+    """Lay the figure out, set text and lines to print sizes, and return it."""
     for panel in (one for axes in page.axes for one in (axes, *axes.child_axes)):
         panel.tick_params(labelsize=SMALL, width=THIN, length=3.0)
         panel.tick_params(which="minor", width=0.6 * THIN, length=1.5)
@@ -61,7 +61,7 @@ def dress(page: Figure) -> Figure:
     for text in page.texts:
         text.set_fontsize(TEXT)
     layout: Any = page.get_layout_engine()
-    for _ in range(PASSES):  # ticks follow from the room that they are left, and room from ticks
+    for _ in range(PASSES):  # ticks depend on the room, and the room on the ticks
         layout.execute(page)
         box, (width, height) = page.get_tightbbox(), page.get_size_inches()
         if box.x0 > 0.0 and box.y0 > 0.0 and box.x1 < width and box.y1 < height:

@@ -1,4 +1,4 @@
-"""What a run did over time: its drive, its ticks, its errors, and what it left out."""
+"""Plots a run over time: its drive, ticks, errors and skipped work."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
     from pacinian.types import Flags, Floats
 
-MANY, BINS = 2000, 300  # values that are drawn one by one; parts of what is more
-TALL = 1.6  # [inch] a panel
-EACH = 20  # ticks of a share, at least
-GAP = 1.5  # periods between two frames, from which ticks were missed
+MANY, BINS = 2000, 300  # values up to which each is drawn; bins if there are more
+TALL = 1.6  # height of a panel [inch]
+EACH = 20  # least number of ticks per share
+GAP = 1.5  # interval between two frames from which ticks count as missed [periods]
 PALE = "#99d6c4"
 ABOVE = {
     "loc": "lower right",
@@ -44,14 +44,14 @@ def timeline(
     *,
     ax: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """What a run did, panel by panel.
+    """Plot a run over time, one panel per quantity.
 
-    run: a report, for "ticks" (how long each took, the last 100,000), "error" (of every 64th solve, as emitted) and
-    "skipped" (work left out, by reason); or a recording, for "drive" (mean and most of all amplitudes), "ticks" (from
-    their first look at the clock to their last, and how late they began) and "skipped" (frames that were kept, ticks
-    that were missed); or a file, of one, or of the viewer's (.feed), for "drive", "error" (of what is emitted) and
-    "ticks" (of the last second). show: only that. ax: to draw into, as many as are shown. Where there are many values,
-    a band from the least to the most and the median are drawn. Raises ArgumentError, RecordingError, MissingExtra.
+    run: a report, for "ticks" (durations of the last 100,000), "error" (of every 64th solve, as emitted) and
+    "skipped" (skipped work by reason); a recording, for "drive" (mean and maximum of all amplitudes), "ticks" (time
+    between the first and the last reading of the clock, and lateness of the start) and "skipped" (repeated frames and
+    missed ticks); or a file: a recording, or a feed of the viewer (.feed), for "drive", "error" (as emitted) and
+    "ticks" (of the last second). show: one quantity only. ax: axes to draw into, one per quantity. Many values are
+    drawn as a min-max band with the median. Raises ArgumentError, RecordingError, MissingExtra.
     """
     check_kind("run", run, Report, Recording, str, Path)
     if isinstance(run, Report):
@@ -105,7 +105,7 @@ def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:
 
 
 class _Course(NamedTuple):
-    """What a recording says of its T ticks: (T,) each; times from the first [s], shares of full drive."""
+    """The T ticks of a recording: (T,) each; times from the first [s], shares of full drive."""
 
     t: Floats
     mean: Floats
@@ -113,7 +113,7 @@ class _Course(NamedTuple):
     took: Floats  # [s]
     late: Floats  # [s]
     kept: Flags
-    missed: Floats  # (K,) when there should have been a tick [s]
+    missed: Floats  # times of the missed ticks, (K,) [s]
     anew: Flags
     period: float  # [s]
 
@@ -214,7 +214,7 @@ def _course(recording: Recording) -> _Course:
 
 
 def _line(panel: Panel, x: Floats, y: Floats, colour: str, name: str = "") -> None:
-    """A curve, broken where nothing was; of many values a band from the least to the most, and the median."""
+    """Draw a curve with gaps for missing values; many values become a min-max band with the median."""
     given = {"color": colour, "linewidth": LINE, "label": name or None}
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if len(x) <= MANY:

@@ -1,4 +1,4 @@
-"""How solvers come nearer to what was asked, iteration by iteration."""
+"""Plots the convergence of solvers over their iterations."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Limits
     from pacinian.types import ArrayLike
 
-FLOOR = 1e-6  # of the targets; smaller errors are drawn there: single precision ends
-SETTINGS = "steps", "passes"  # what solvers call the most iterations that they make
-MAX_LOOKS = 100_000  # looks at the clock
+FLOOR = 1e-6  # least relative error drawn, about single precision
+SETTINGS = "steps", "passes"  # names of settings that limit the iterations
+MAX_LOOKS = 100_000  # maximum number of clock readings
 TALL = 2.6  # [inch]
-ROOM = 6.0  # of the most iterations, to the right: for names
+ROOM = 6.0  # width of the axis over the most iterations, for names on the right
 
 
 def convergence(
@@ -44,11 +44,11 @@ def convergence(
     medium: Air | None = None,
     ax: Axes | None = None,
 ) -> Figure:
-    """Error against iterations, cold, of one problem solved again and again, each time with more of them.
+    """Plot the error against the iterations of one problem, solved from a cold start with more and more iterations.
 
-    solvers: names or objects; all that are installed unless given. Those that need no iteration are dashed lines.
+    solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines.
     The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into.
-    An iteration is what each solver calls one: they differ in what they cost. Raises ArgumentError, UnknownPlugin,
+    Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
     MissingExtra.
     """
     chosen = list(_all() if solvers is None else solvers)
@@ -100,9 +100,9 @@ def trace(
     limits: Limits | None = None,
     medium: Air | None = None,
 ) -> Iterator[tuple[int, float]]:
-    """Iterations and error of a solver that is stopped ever later.
+    """Return iterations and errors of a solver that is stopped later and later.
 
-    By its setting `steps` or `passes`, if it is named and has one, else by a clock that tells how often it was asked.
+    It is stopped by its setting `steps` or `passes` if it is named and has one, else by a clock that counts readings.
     """
     setting, most = _setting(one) if isinstance(one, str) else ("", 0)
     for count in _counts():
@@ -122,13 +122,13 @@ def trace(
 
 
 class Looks:
-    """A clock that goes on by a second whenever it is looked at."""
+    """A clock that advances by one second at each reading."""
 
     def __init__(self) -> None:
         self.seen = 0.0
 
     def __call__(self) -> float:
-        """Seconds."""
+        """Return the time [s]."""
         self.seen += 1.0
         return self.seen
 
@@ -142,7 +142,7 @@ def _counts() -> Iterator[int]:
 
 
 def _setting(name: str) -> tuple[str, int]:
-    """The setting of a solver that ends its iterations, and what it is by itself; "" if it has none."""
+    """Return the setting that limits a solver's iterations, and its default; "" if it has none."""
     options = installed().find("solver", name).options
     for setting in SETTINGS:
         if isinstance(most := options.get(setting), int):

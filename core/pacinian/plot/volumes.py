@@ -1,4 +1,4 @@
-"""The field in a box: on a grid, and the surface where it has one value."""
+"""The field in a box, on a grid, and its isosurfaces."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats, Longs
 
-FINE = 4.0  # points in a wavelength
-USUAL, MOST = 1_000_000, 10_000_000  # points of a grid: as many as are fine enough; at most
+FINE = 4.0  # grid points per wavelength
+USUAL, MOST = 1_000_000, 10_000_000  # maximum number of grid points: by default; at all
 
 Box = tuple["ArrayLike", "ArrayLike"]
 
@@ -33,7 +33,7 @@ class Volume:
     step: float
 
     def radiation(self, medium: Air) -> Floats:
-        """Radiation pressure on skin [Pa], (z, y, x)."""
+        """Return the radiation pressure on skin [Pa], (z, y, x)."""
         return radiation_pressure(self.p, medium)
 
 
@@ -45,9 +45,9 @@ def volume(
     box: Box | None,
     spacing: float | None,
 ) -> Volume:
-    """The field in a box: its lower and upper corner [m]; around the points, (M, 3) [m], unless given.
+    """Compute the field in a box of given corners [m]; default: around the points, (M, 3) [m].
 
-    spacing: of the grid [m]; a quarter of a wavelength unless given, or what a million points allow.
+    spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay within a million points.
     Raises ArgumentError.
     """
     low, high = around(array, points) if box is None else _corners(box)
@@ -69,7 +69,7 @@ def volume(
 
 
 def around(array: Array, points: Floats) -> tuple[Floats, Floats]:
-    """The box about points (M, 3) [m], or before the array where there are none: its corners [m]."""
+    """Return the corners [m] of the box around points (M, 3) [m], or before the array if there are none."""
     if len(points):
         return points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     middle = middle_of(array, points)
@@ -79,7 +79,7 @@ def around(array: Array, points: Floats) -> tuple[Floats, Floats]:
 def isosurface(
     values: Floats, corner: Floats, step: float | Floats, level: float
 ) -> tuple[Floats, Longs]:
-    """Where values (z, y, x) on a grid are `level`, as triangles: vertices (V, 3) [m], faces (F, 3), outward."""
+    """Return the isosurface of grid values (z, y, x) at `level`: vertices (V, 3) [m], outward faces (F, 3)."""
     from igl import marching_cubes
 
     known = np.nan_to_num(values, nan=level)

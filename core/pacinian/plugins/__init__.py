@@ -1,1 +1,1 @@
-"""What a plug-in implements, and how plug-ins are found."""
+"""The interfaces that plug-ins implement, and their discovery."""

@@ -1,4 +1,4 @@
-"""The backend seam: frames in, sound out."""
+"""The backend interface: frames go in, sound comes out."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Gains, Levels, Singles
 
 
-MAX_RATE = 1e6  # [Hz] frames
-MAX_LEVELS = 1 << 16  # levels
+MAX_RATE = 1e6  # frame rate [Hz]
+MAX_LEVELS = 1 << 16  # levels of phase or amplitude
 MIN_STEP = (
     2.0**-24
-)  # of full drive, the precision of amplitudes; those of a table are further apart
-SLACK = 1e-3  # of a step; a limit this little below a level is that level, but for rounding
+)  # precision of amplitudes, relative to full drive; levels of a table are at least this far apart
+SLACK = 1e-3  # tolerance for rounding, in steps: a limit this far below a level still allows it
 
 
 @dataclass(frozen=True)
 class Capability:
-    """What a device can do.
+    """The capabilities of a device.
 
-    phases: how many levels. amplitudes: how many levels, of evenly spaced sound pressures; or, where they are not
-    even, the sound pressure of each, ascending from 0 to 1, in single precision. rate: frames that it plays per
-    second [Hz]; a tick of the loop sends as many frames as it lasts. watchdog: seconds after which it goes silent by
-    itself when frames stop [s]; None if it does not.
+    phases: number of phase levels. amplitudes: number of levels if their sound pressures are evenly spaced; otherwise
+    the sound pressure of each level, ascending from 0 to 1, in single precision. rate: frames that the device plays
+    per second [Hz]; each tick of the loop sends one row for each frame period that it lasts. watchdog: time after the
+    last frame until the device falls silent by itself [s]; None if it does not.
     """
 
     phases: int = 256
@@ -58,12 +58,12 @@ class Capability:
 
     @property
     def even(self) -> bool:
-        """Whether the amplitudes of the levels are evenly spaced."""
+        """Whether the amplitude levels are evenly spaced."""
         return isinstance(self.amplitudes, int)
 
     @cached_property
     def sizes(self) -> Singles:
-        """The amplitude of each level, 0..1, in a read-only array."""
+        """Amplitude of each level, 0..1, as a read-only array."""
         if isinstance(self.amplitudes, int):
             made = np.arange(self.amplitudes) / (self.amplitudes - 1)
         else:
@@ -73,12 +73,12 @@ class Capability:
         return sizes
 
     def highest(self, gain: float) -> int:
-        """The highest amplitude level that is not above a limit of the gain."""
+        """Return the highest amplitude level that does not exceed a limit of `gain`."""
         return bisect_right(self._allowed, gain)
 
     @cached_property
     def _allowed(self) -> list[float]:
-        """From which limit on each level but 0 is allowed."""
+        """Lowest gain limit that allows each level; level 0 is left out."""
         sizes = self.sizes.astype(np.float64)
         allowed: list[float] = (sizes[1:] - SLACK * np.diff(sizes) - MIN_STEP).tolist()
         return allowed
@@ -92,7 +92,7 @@ def _count(name: str, value: int) -> int:
 
 
 def _table(given: ArrayLike) -> tuple[float, ...]:
-    """Amplitudes in single precision. Raises ArgumentError."""
+    """Return the amplitudes rounded to single precision. Raises ArgumentError."""
     sizes = check_numbers("amplitudes", given, (None,)).astype(np.float32).astype(np.float64)
     if not 2 <= len(sizes) <= MAX_LEVELS:
         raise ArgumentError("amplitudes", f"must be 2 to {MAX_LEVELS} levels, not {len(sizes)}")
@@ -111,10 +111,11 @@ def _table(given: ArrayLike) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """K successive gains as a device's levels; at most one is sent per tick.
+    """K successive sets of gains as device levels. The loop sends at most one frame per tick.
 
-    sequence: counts up. time: when its first row is due [s]. phase: (K, N), 0..phases - 1 for one turn.
-    amplitude: (K, N), 0 for silence to the last level for 1. The arrays are reused: a backend that keeps them copies.
+    sequence: a number that increases. time: due time of the first row [s]. phase: shape (K, N), where 0..phases - 1
+    span one turn. amplitude: shape (K, N), from 0 (silence) to the last level (full drive). The loop reuses the
+    arrays, so a backend that keeps them must copy them.
     """
 
     sequence: int
@@ -123,7 +124,7 @@ class Frame:
     amplitude: Levels
 
     def gains(self, capability: Capability) -> Gains:
-        """The gains that these levels stand for, (K, N). Raises IndexError for levels beyond the device's."""
+        """Return the gains that the levels represent, shape (K, N). Raises IndexError for levels that do not exist."""
         turn = self.phase * np.float32(2.0 * np.pi / capability.phases)
         size = capability.sizes[self.amplitude]
         return np.asarray(size * np.exp(1j * turn), dtype=np.complex64)
@@ -133,9 +134,9 @@ class Frame:
 class Found:
     """A device that is connected now.
 
-    backend: the name of what drives it. serial: tells it from others of its kind; empty where it cannot be
-    read. title: what it is, and where it is plugged in; empty if it stands for all that could not be looked for.
-    problem: what keeps it from being used, and what to do about it; empty if nothing does.
+    backend: name of the backend that drives it. serial: serial number; empty if it cannot be read. title: what the
+    device is and where it is plugged in; empty if the backend could not search for devices at all. problem: why the
+    device cannot be used, and the remedy; empty if it can.
     """
 
     backend: str
@@ -145,43 +146,44 @@ class Found:
 
 
 class Backend(ABC):
-    """A device, or what stands for one.
+    """Base class of the drivers for devices and simulations.
 
-    Never called by two threads at once; a server opens and closes it in other threads than it sends from.
-    `send` and `silence` raise BackendError for a device that refuses or is gone; the loop then goes silent
-    and says so.
+    No two threads call a backend at the same time, but a server opens and closes it in other threads than the one that
+    sends. `send` and `silence` raise BackendError if the device refuses or is gone. The loop then falls silent and
+    reports a fault.
     """
 
     name: ClassVar[str]
-    """What users call it."""
+    """The name by which users select it."""
     usb: ClassVar[tuple[tuple[int, int] | tuple[int, int, int], ...]] = ()
-    """Its USB devices: `pacinian devices udev` gives users the right to them.
+    """USB devices that it drives; `pacinian devices udev` prints a rule that lets users open them.
 
-    (vendor, product); or, whoever makes them, (class, subclass, protocol) of an interface that only they have.
+    Each is (vendor, product), or (class, subclass, protocol) of an interface that only such devices have, whatever
+    their manufacturer.
     """
 
     @classmethod
     def found(cls) -> Iterable[Found]:
-        """Devices of this kind that are connected now; one that cannot be read is told of as a `problem`."""
+        """Return the devices of this kind that are connected now. One that cannot be read has a `problem`."""
         return ()
 
     @property
     @abstractmethod
     def capability(self) -> Capability:
-        """What the device can do; does not change."""
+        """Capabilities of the device, which do not change."""
 
     @abstractmethod
     def open(self, array: Array) -> None:
-        """Claim the device and leave it silent."""
+        """Claim the device. It stays silent."""
 
     @abstractmethod
     def send(self, frame: Frame) -> None:
-        """Emit `frame`; return as soon as it is on its way."""
+        """Emit `frame`. Returns as soon as the frame is on its way."""
 
     @abstractmethod
     def silence(self) -> None:
-        """Stop all sound at once; may be called at any time after `open`, any number of times."""
+        """Stop all sound at once. May be called at any time after `open`, any number of times."""
 
     @abstractmethod
     def close(self) -> None:
-        """Silence and give the device back; may be called twice."""
+        """Silence and release the device. May be called twice."""

@@ -1,4 +1,4 @@
-"""What is connected: every installed backend is asked."""
+"""Discovery of connected devices through the installed backends."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ TWICE = "another one has this serial, so neither can be chosen by it: unplug one
 
 
 def list_connected(plugins: Plugins, backend: str = "") -> list[Found]:
-    """Devices that are connected now, by backend and serial; of one backend, or of all.
+    """List the devices that are connected now, sorted by backend and serial.
 
-    A backend that does not load or fails to look is told of as a problem; two of one serial are, too. Plug-ins that
-    offer no backend are not imported. Raises UnknownPlugin and PluginError for a backend that is named.
+    backend: the backend to ask; all of them if empty. A backend that does not load or cannot search is listed as a
+    problem, and so are two devices with the same serial. Plug-ins that offer no backend are not imported. Raises
+    UnknownPlugin and PluginError for a `backend` that is given.
     """
     found: list[Found] = []
     if backend:
@@ -44,6 +45,6 @@ def list_connected(plugins: Plugins, backend: str = "") -> list[Found]:
 def _ask(backend: type[Backend]) -> list[Found]:
     try:
         return sorted(backend.found(), key=lambda f: f.serial)
-    except Exception as error:  # whatever a plug-in does, the others are told
+    except Exception as error:  # one failing plug-in must not hide the devices of the others
         problem = f"this backend cannot look for its devices: {describe_error(error)}"
         return [Found(backend.name, "", "", problem)]

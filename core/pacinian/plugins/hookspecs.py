@@ -1,4 +1,4 @@
-"""Every hook. A hook is called once, when its plug-in is loaded, and returns what the plug-in offers."""
+"""The hook specifications. Each hook is called once, when its plug-in loads, and returns the plug-in's offers."""
 
 from __future__ import annotations
 
@@ -20,20 +20,21 @@ hookimpl = pluggy.HookimplMarker("pacinian")
 
 @hookspec
 def register_solvers() -> Iterable[type[Solver]]:
-    """Solver classes that this plug-in offers."""
+    """Return the solver classes that this plug-in offers."""
     return ()
 
 
 @hookspec
 def register_backends() -> Iterable[type[Backend]]:
-    """Backend classes that this plug-in offers."""
+    """Return the backend classes that this plug-in offers."""
     return ()
 
 
 @hookspec
 def register_commands() -> Iterable[click.Command]:
-    """Subcommands of `pacinian` that this plug-in offers.
+    """Return the subcommands of `pacinian` that this plug-in offers.
 
-    They are imported when a user calls one of them or asks for help, so import heavy libraries in their bodies.
+    Pacinian imports them when a user calls a subcommand that the core lacks, or asks for help. Therefore import heavy
+    libraries in the bodies of the commands.
     """
     return ()

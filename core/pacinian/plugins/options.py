@@ -1,13 +1,13 @@
-"""Which options of a plug-in clients of a server may set: those that its constructor's annotations bound.
+"""The plug-in options that a server's clients may set: those whose annotations in the constructor bound the value.
 
     bool                                    yes
-    Literal["a", "b"], an Enum              yes: one of these
-    Annotated[int, Meta(ge=1, le=256)]      yes, within both ends; float, too (`msgspec.Meta`)
-    X | Y, X | None                         what one of them allows
-    int, float, str, Path, anything else    no: whoever runs the server sets it, in the configuration
+    Literal["a", "b"], an Enum              yes: one of these values
+    Annotated[int, Meta(ge=1, le=256)]      yes, within both bounds; also for float (`msgspec.Meta`)
+    X | Y, X | None                         the values that any of the members allows
+    int, float, str, Path, anything else    no: only the server's configuration can set it
 
-So a plug-in that does not think of clients is safe from them: a text may be a path or an address, and a number without
-bounds may ask for all the memory there is.
+This keeps a plug-in safe even if its author did not think of clients: a string may be a path or an address, and a
+number without bounds may request all of the memory.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def find_client_options(cls: type) -> dict[str, tuple[Any, ...]]:
-    """The options of a class that clients may set, each with the kinds of values that it may have."""
+    """Return the options of a class that clients may set, each with the types that it accepts."""
     found = {
         name: tuple(kind for kind in _members(_kind(cls, parameter)) if _bounded(kind))
         for name, parameter in inspect.signature(cls).parameters.items()
@@ -37,18 +37,18 @@ def find_client_options(cls: type) -> dict[str, tuple[Any, ...]]:
 
 
 def check_options(cls: type, options: Mapping[str, Any]) -> dict[str, Any]:
-    """What a client asks for, as the class takes it. Raises ArgumentError for what it may not ask for."""
+    """Convert a client's options to the types of the constructor. Raises ArgumentError for one that it may not set."""
     allowed = find_client_options(cls)
     for name in options:
         if name not in allowed:
-            whose = "is for whoever runs the server to set, in its configuration; clients may set: "
+            whose = "can only be set in the server's configuration; clients may set: "
             raise ArgumentError(shorten(name), whose + (", ".join(allowed) or "none"))
     return {name: _converted(name, value, allowed[name]) for name, value in options.items()}
 
 
 def _converted(name: str, value: Any, kinds: tuple[Any, ...]) -> Any:
     if isinstance(value, float) and value.is_integer():
-        value = int(value)  # some languages have one kind of numbers
+        value = int(value)  # some languages have only one number type
     problem = ""
     for kind in kinds:
         try:
@@ -59,7 +59,7 @@ def _converted(name: str, value: Any, kinds: tuple[Any, ...]) -> Any:
 
 
 def _kind(cls: type, parameter: inspect.Parameter) -> Any:
-    """Its annotation; of one that names what is not there at run time, nothing."""
+    """Return the annotation of a parameter, or None if it names something that does not exist at run time."""
     if not isinstance(parameter.annotation, str):
         return parameter.annotation
     try:

@@ -1,4 +1,4 @@
-"""Finds plug-ins by entry point (group `pacinian`), ours like everybody's."""
+"""Plug-in registry: finds Pacinian's own and third-party plug-ins by their entry points (group `pacinian`)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import click
 
 GROUP = "pacinian"
-MAX_NAME = 64  # characters of a plug-in's name, as on the wire
+MAX_NAME = 64  # length of a plug-in's name [characters], as on the wire
 Kind = Literal["solver", "backend"]
 BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
 
@@ -42,7 +42,7 @@ BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": 
 class Offer:
     """One class that a plug-in offers.
 
-    kind: "solver" or "backend". plugin: the entry point's name. distribution: who ships it.
+    kind: "solver" or "backend". plugin: name of the entry point. distribution: module and distribution that ship it.
     """
 
     kind: Kind
@@ -52,12 +52,12 @@ class Offer:
 
     @property
     def name(self) -> str:
-        """What users call it."""
+        """The name by which users select it."""
         return self.cls.name
 
     @property
     def options(self) -> dict[str, Any]:
-        """Its settings and their defaults; `...` where one must be given."""
+        """Arguments of the constructor and their defaults; `...` if an argument is required."""
         parameters = inspect.signature(self.cls).parameters.values()
         return {p.name: ... if p.default is p.empty else p.default for p in parameters}
 
@@ -66,7 +66,7 @@ class Offer:
 class CommandOffer:
     """One subcommand of `pacinian` that a plug-in offers.
 
-    plugin: the entry point's name. distribution: who ships it.
+    plugin: name of the entry point. distribution: module and distribution that ship it.
     """
 
     name: str
@@ -78,9 +78,9 @@ class CommandOffer:
 class Plugins:
     """The installed plug-ins.
 
-    entry_points: those of the group `pacinian` unless given. A plug-in is imported when something
-    that it may offer is asked for: an entry point is named like what it offers, or is tried last.
-    One that does not load is kept in `failed` and does not take the rest down.
+    entry_points: by default those of the group `pacinian`. A plug-in is imported only when it may offer what is
+    requested: first the entry point of the requested name, then all others. A plug-in that does not load is recorded
+    in `failed` and does not affect the others.
     """
 
     def __init__(self, entry_points: Iterable[EntryPoint] | None = None) -> None:
@@ -101,9 +101,9 @@ class Plugins:
             del self._waiting[name]
 
     def load(self, name: str | None = None, kind: Kind | Literal["command"] | None = None) -> None:
-        """Import the plug-in of that name, or all that are not loaded yet; keep what goes wrong.
+        """Import the plug-in of that name, or all that are not loaded yet. Records errors in `failed` and `clashes`.
 
-        kind: none but those that may offer such.
+        kind: if given, import only plug-ins that may offer this kind.
         """
         points = [p for n, p in self._waiting.items() if name in (None, n)]
         for point in [p for p in points if kind is None or _may_offer(p, kind)]:
@@ -139,7 +139,7 @@ class Plugins:
         return Card(f"{len(offers)} plug-ins", dict(self.failed), [head, *table], len(offers))
 
     def _read(self, point: EntryPoint) -> tuple[list[Offer], list[CommandOffer]]:
-        manager = pluggy.PluginManager(GROUP)  # one for each, so that what it offers is its own
+        manager = pluggy.PluginManager(GROUP)  # one per plug-in, to tell apart what each offers
         manager.add_hookspecs(hookspecs)
         manager.register(point.load(), name=point.name)
         manager.check_pending()
@@ -168,14 +168,14 @@ class Plugins:
         return offers, commands
 
     def list(self) -> list[Offer]:
-        """All offers of all plug-ins, by kind and name. Raises PluginError where two have one name."""
+        """Return all offers of all plug-ins, sorted by kind and name. Raises PluginError if two share a name."""
         self.load()
         for clash in self.clashes.values():
             raise clash
         return [self.offers[key] for key in sorted(self.offers)]
 
     def find(self, kind: Kind, name: str) -> Offer:
-        """The offer of that name. Raises UnknownPlugin; PluginError if it is broken or there are two."""
+        """Return the offer of that name. Raises UnknownPlugin; PluginError if it is broken or not unique."""
         if (kind, name) not in self.offers:
             self.load(name)
         if (kind, name) not in self.offers and name not in self.clashes:
@@ -191,12 +191,12 @@ class Plugins:
         return self.offers[kind, name]
 
     def make(self, kind: Kind, name: str, options: dict[str, Any]) -> Solver | Backend:
-        """An object of that name. Raises as `find`; ArgumentError for an option that it does not have."""
+        """Construct the solver or backend of that name. Raises as `find`; ArgumentError for an unknown option."""
         offer = self.find(kind, name)
         if options and (unknown := set(options) - set(offer.options)):
             known = ", ".join(offer.options) or "none"
             raise ArgumentError(
-                min(unknown), f"is no option of {kind} {name!r}; there are: {known}"
+                min(unknown), f"is no option of {kind} {name!r}; its options: {known}"
             )
         try:
             return offer.cls(**options)
@@ -207,7 +207,7 @@ class Plugins:
 
 
 def _check_command(command: object) -> str:
-    """The command's name. Raises TypeError for what is no command, or has no name that a user can type."""
+    """Return the name of a command. Raises TypeError if it is no command, or if users cannot type its name."""
     import click
 
     if not isinstance(command, click.Command):
@@ -220,12 +220,12 @@ def _check_command(command: object) -> str:
 
 
 def _may_offer(point: EntryPoint, kind: Kind | Literal["command"]) -> bool:
-    """Whether its module, which is not imported, speaks of the hook; or cannot be read."""
+    """Whether the module's source mentions the hook, or cannot be read. Does not import the module."""
     try:
         spec = importlib.util.find_spec(point.module)
         loader = spec.loader if spec else None
         text = loader.get_source(point.module) if isinstance(loader, InspectLoader) else None
-    except (Exception, SystemExit):  # of the package that it is in
+    except (Exception, SystemExit):  # raised when its parent package is imported
         return True
     return text is None or f"register_{kind}s" in text or "import *" in text
 
@@ -241,12 +241,12 @@ def _origin(point: EntryPoint) -> str:
 
 @functools.cache
 def installed() -> Plugins:
-    """The plug-ins of this installation, found once."""
+    """Return the plug-ins of this installation, which are discovered once."""
     return Plugins()
 
 
 def solver(name: str, **options: Any) -> Solver:
-    """A solver by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
+    """Construct a solver by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
     if not options:
         return _usual(installed(), name)
     return cast("Solver", installed().make("solver", name, options))
@@ -254,10 +254,10 @@ def solver(name: str, **options: Any) -> Solver:
 
 @functools.lru_cache(maxsize=64)
 def _usual(plugins: Plugins, name: str) -> Solver:
-    """A solver as it comes: one for all, as it holds nothing between calls."""
+    """Return a solver with default settings. All callers share it, because solvers keep no state between calls."""
     return cast("Solver", plugins.make("solver", name, {}))
 
 
 def backend(name: str, **options: Any) -> Backend:
-    """A backend by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
+    """Construct a backend by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
     return cast("Backend", installed().make("backend", name, options))

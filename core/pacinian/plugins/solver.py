@@ -1,4 +1,4 @@
-"""The solver seam: points and pressures in, gains out."""
+"""The solver interface: points and pressures go in, gains come out."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ if TYPE_CHECKING:
 
 
 class Result(NamedTuple):
-    """What a solver says of its answer; the session measures the rest itself.
+    """A solver's report on its own answer. The session measures everything else.
 
-    iterations: how many. limited: transducers are held at their limit. late: stopped by the budget.
-    bound, objective, multipliers, mu: as in `Solution`. quiet_weight: in both, of the points beside regions
-    (`Targets.beside`). note: free text. solver: the name of the solver that it was passed on to.
-    unproven: with `scale="max"`, that it may be weaker than what it should be, the strongest for its phases.
+    iterations: number of iterations. limited: whether transducers are held at their limit. late: whether the budget
+    stopped the solver. bound, objective, multipliers, mu: as in `Solution`. quiet_weight: weight of the points beside
+    regions (`Targets.beside`) in the bound and the objective. note: free text. solver: name of the solver to which
+    this one delegated the problem. unproven: with `scale="max"`, whether the answer may be weaker than the strongest
+    one for its phases.
     """
 
     iterations: int = 0
@@ -35,26 +36,26 @@ class Result(NamedTuple):
 
 
 class Solver(ABC):
-    """Finds gains that make given sound pressures at given points.
+    """Base class of the solvers, which find gains that produce given sound pressures at given points.
 
-    A solver is a plain object made once: settings are arguments of its constructor, problems are
-    arguments of `solve`. It holds nothing between calls. Give it to `pacinian.Session`, or register
-    its class (`pacinian.hookimpl`).
+    A solver is a plain object. Settings are arguments of its constructor, and problems are arguments of `solve`. It
+    keeps no state between calls. Pass it to `pacinian.Session`, or register its class (`pacinian.hookimpl`).
     """
 
     name: ClassVar[str]
-    """What users call it."""
+    """The name by which users select it."""
     keeps: ClassVar[frozenset[str]] = frozenset()
-    """Limits that it keeps by itself: "quiet", "exact". The session keeps `gain` and `power`."""
+    """Limits that the solver enforces itself: "quiet", "exact". The session enforces `gain` and `power`."""
     linear: ClassVar[bool] = False
-    """Whether targets c times as strong have gains c times as strong while no limit is reached: the
-    session then need not ask again."""
+    """Whether scaling the targets by c scales the gains by c, as long as no limit is reached. The session then reuses
+    the last solution instead of solving again."""
     even: ClassVar[float] = 0.0
-    """Up to how many points it drives all transducers alike, as the strongest focus needs; of more, each in proportion
-    to how well it is heard there, as the least power needs. A point's force is spread over a focus of that width."""
+    """Largest number of points for which it drives all transducers alike, as the strongest focus needs. For more
+    points it drives each transducer in proportion to the pressure that it makes there, as the least power needs. The
+    force of a point is spread over a focus of the corresponding width."""
     surrounds: ClassVar[bool] = False
-    """Whether the points beside a region (`Targets.beside`) count so little that a loop may add some around each
-    region, to keep sound from what lies there."""
+    """Whether the points beside a region (`Targets.beside`) cost so little that a loop may add some around each
+    region, to keep sound away from its surroundings."""
 
     @abstractmethod
     def solve(
@@ -66,11 +67,11 @@ class Solver(ABC):
         budget: Budget,
         out: Gains,
     ) -> Result:
-        """Write gains, shape (N,), to `out`; `out` holds zeros before.
+        """Write the gains, shape (N,), to `out`, which holds zeros on entry.
 
-        propagator: B, its Gram matrix, its factors; cached, shared, read-only; `propagator.quiet` is
-        that of the quiet points, where `limits.quiet` is given.
-        targets: at least one, at least one of them not 0. warm: the last solution, for as many points.
-        Gains over the limit are scaled down as a whole by the session; gains that are not finite, and
-        exceptions, end in silence. `budget.spent` is to be asked between iterations.
+        propagator: B, its Gram matrix and their factors, which are cached, shared and read-only. If `limits.quiet` is
+        given, `propagator.quiet` is the propagator to the quiet points. targets: at least one, of which at least one
+        is not 0. warm: the last solution, if it has as many points. budget: check `budget.spent` between iterations.
+        The session scales gains above the limit down as a whole. Gains that are not finite, and exceptions, lead to
+        silence.
         """

@@ -1,1 +1,1 @@
-"""The loop: sample, propagate, solve, modulate, quantise, send."""
+"""The render loop: sample, propagate, solve, modulate, quantise, send."""

@@ -1,11 +1,11 @@
-"""How much of a sequence of frames can be heard: the audible part of the ultrasound's envelope.
+"""Measure how audible a sequence of frames is, by the audible part of the ultrasound's envelope.
 
-Stands for: the square of the envelope, |p|^2, which air (Westervelt, JASA 35, 535, 1963), ear and
-microphone turn into audible sound, at the given points, and the transducers' slowness, which makes a
-dip of every step of phase. Leaves out: how the sound made along the whole beam adds up at the ear,
-which favours high frequencies (with their square in Berktay's far field, J. Sound Vib. 2, 435, 1965);
-the times of travel, as if what all transducers do arrived at once (in truth within about a
-millisecond); a device's rounding. So it compares frames with frames; it is no level in a room.
+The model includes the squared envelope |p|^2 at the given points, which air (Westervelt, JASA 35, 535, 1963), ear and
+microphone convert to audible sound, and the slow response of the transducers, because of which every phase step causes
+a dip. The model omits three things: the sum at the ear of the sound generated along the whole beam, which favours high
+frequencies (by their square in Berktay's far field, J. Sound Vib. 2, 435, 1965); the times of travel, so that the sound
+of all transducers arrives at once (in reality, within about a millisecond); and rounding by the device. Therefore the
+result serves to compare sequences of frames; it is not a sound level in a room.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
 
-BANDWIDTH = 2000.0  # [Hz] at -6 dB; a 40 kHz transducer's data sheet (Pro-Wave 400PT120)
-BAND = (20.0, 20_000.0)  # [Hz] that people hear
-SAMPLING = 96_000.0  # [Hz] at least
+BANDWIDTH = 2000.0  # of a 40 kHz transducer at -6 dB, data sheet of the Pro-Wave 400PT120 [Hz]
+BAND = (20.0, 20_000.0)  # range of human hearing [Hz]
+SAMPLING = 96_000.0  # lowest sampling rate of the envelope [Hz]
 
 
 def compute_envelope(
     gains: Complexes, rate: float, array: Array, points: ArrayLike,
     medium: Air | None = None, bandwidth: float | None = BANDWIDTH,
 ) -> tuple[Floats, float]:  # fmt: skip
-    """|p|^2 [Pa^2] over time, (S, M), and its samples per second [Hz].
+    """Return |p|^2 over time, (S, M) [Pa^2], and its sampling rate [Hz].
 
-    gains: of T frames, (T, N), each held until the next, `rate` a second [Hz]; the first has sounded
-    for long. points: [m], (M, 3), or (T, M, 3) where they move with the frames. bandwidth: of the
-    transducers at -6 dB [Hz], as one resonance; None where they follow at once. Raises ArgumentError.
+    gains: of T frames, (T, N); each is held until the next, and the first is in steady state. rate: frames per second
+    [Hz]. points: (M, 3) [m], or (T, M, 3) if they move with the frames. bandwidth: of the transducers at -6 dB [Hz],
+    modelled as one resonance; None for transducers that respond at once. Raises ArgumentError.
     """
     g = np.asarray(gains)
     if g.ndim != 2 or not len(g) or g.shape[1] != len(array) or not np.isfinite(g).all():
@@ -46,15 +46,15 @@ def compute_envelope(
     q = np.asarray(points)
     moving = q.ndim == 3
     q = check_numbers("points", q, (len(g), None, 3) if moving else (None, 3))
-    held = math.ceil(SAMPLING / rate)  # samples of a frame
-    rest = np.zeros(held + 1)  # of the frame before, from sample to sample
+    held = math.ceil(SAMPLING / rate)  # samples per frame
+    rest = np.zeros(held + 1)  # remaining share of the previous frame, by sample
     if bandwidth is not None:
         W = check_number("bandwidth", bandwidth, low=0.0, above=True)
-        tau = math.sqrt(3.0) / (math.pi * W)  # [s]: |1 / (1 + j pi W tau)| = 1/2
+        tau = math.sqrt(3.0) / (math.pi * W)  # |1 / (1 + j pi W tau)| = 1/2 [s]
         rest = np.exp(-np.arange(held + 1) / (held * rate * tau))
     e = np.empty((len(g), held, q.shape[-2]))
     B = None if moving else matrix(array, q, medium)
-    before = g[0]  # what the transducers do when a frame begins
+    before = g[0]  # state of the transducers at the start of a frame
     for k, row in enumerate(g):
         b = matrix(array, q[k], medium) if B is None else B
         p, old = b @ row, b @ before
@@ -64,11 +64,11 @@ def compute_envelope(
 
 
 def measure_audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
-    """Energy of an envelope within 20 Hz to 20 kHz over its mean square [dB]; -inf where there is none.
+    """Return the energy of an envelope from 20 Hz to 20 kHz, relative to its mean square, (M,) [dB]; -inf for none.
 
-    e: |p|^2 [Pa^2], (S, M). sampling: its samples per second [Hz]. weighted: by the ear's sensitivity,
-    as `weigh_a` has it. Both by Hann's window, so that it does not matter where in a period e begins or
-    ends. Some tenths of a second are needed to tell 20 Hz from slow motion. Returns (M,).
+    e: |p|^2, (S, M) [Pa^2]. sampling: its sampling rate [Hz]. weighted: apply the A-weighting, `weigh_a`. Energy and
+    mean square use a Hann window, so that the phase at which e starts and ends does not matter. e must last some tenths
+    of a second, to separate 20 Hz from slow motion.
     """
     from scipy.signal import get_window, periodogram
 
@@ -84,7 +84,7 @@ def measure_audible(e: Floats, sampling: float, *, weighted: bool = False) -> Fl
 
 
 def weigh_a(frequency: Floats) -> Floats:
-    """The A-weighting [dB] at frequencies [Hz] above 0; IEC 61672-1, annex E."""
+    """Return the A-weighting [dB] at frequencies [Hz] above 0, by IEC 61672-1, annex E."""
     f = frequency * frequency
     a, b, c, d = 20.598997**2, 107.65265**2, 737.86223**2, 12194.217**2
     R = d * f * f / ((f + a) * np.sqrt((f + b) * (f + c)) * (f + d))

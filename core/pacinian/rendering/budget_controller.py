@@ -1,26 +1,26 @@
-"""The sample budget that the time allows."""
+"""Adapt the sample budget to the available time."""
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
 
-HIGH, LOW = 0.75, 0.5  # share of a tick above which the budget shrinks, below which it may grow
-RUN = 8  # ticks in a row that must be too long: a few may be the machine's doing
-FAR, SOON = 3.0, 2  # ticks that take so many times as long as they may need be only so many
-WAIT = 50  # ticks in a row that must be short before it grows
+HIGH, LOW = 0.75, 0.5  # the budget shrinks above HIGH periods per tick, and may grow below LOW
+RUN = 8  # successive long ticks before it shrinks; a few may be due to the machine
+FAR, SOON = 3.0, 2  # two ticks over three periods suffice
+WAIT = 50  # short ticks before it grows
 MAX_WAIT = (
-    800  # of them, twice as many after each relapse; so many at its most, and all is forgotten
+    800  # largest wait; doubled after each relapse, reset after as many short ticks at full budget
 )
-MIN_BUDGET = 16  # samples: with fewer, it is not they that take the time
-AIM = 0.6  # share of a tick that the next ones are to take
+MIN_BUDGET = 16  # smallest budget; fewer samples would hardly save time
+AIM = 0.6  # duration of a tick to aim for when the budget shrinks, relative to the period
 
 
 @dataclass
 class BudgetController:
-    """Lets a tick that would be late have fewer samples, and more again when there is time.
+    """Reduces the sample budget if ticks would be late, and raises it again when there is time.
 
-    period: of a tick [s]. most: samples at most. allowed: samples now.
+    period: of a tick [s]. most: largest budget. allowed: present budget.
     """
 
     period: float
@@ -29,15 +29,15 @@ class BudgetController:
     _last: deque[float] = field(default_factory=lambda: deque(maxlen=RUN), init=False)
     _short: int = field(default=0, init=False)
     _wait: int = field(default=WAIT, init=False)
-    _grown: bool = field(default=False, init=False)  # since it last shrank
+    _grown: bool = field(default=False, init=False)  # since the budget last shrank
 
     def __post_init__(self) -> None:
         self.allowed = self.most
 
     def tick(self, seconds: float, samples: int) -> int:
-        """Look at a tick that took `seconds` [s] for `samples` samples; return how many are allowed next.
+        """Take account of a tick that took `seconds` [s] for `samples` samples; return the new budget.
 
-        The time of a solve grows with the square of the samples, at least.
+        Assumes that the time of a solve grows with the square of the number of samples.
         """
         self._last.append(seconds)
         last = list(self._last)

@@ -1,4 +1,4 @@
-"""Time for the loop: injected, so that tests run without sleeping."""
+"""The clock of the render loop. It is injected, so that tests run without sleeping."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-BEHIND = 0.1  # [s] that a loop makes up for; if it lags by more (sleep, a debugger) it goes on from there
+BEHIND = 0.1  # lag up to which a loop catches up; with more, it skips ticks [s]
 
 
 class Clock(Protocol):
     """Tells the time and waits for it."""
 
     def now(self) -> float:
-        """Seconds, monotonic."""
+        """Return a monotonic time [s]."""
         ...
 
     def wait_until(self, due: float) -> None:
-        """Return at `due` [s] or as soon after as possible; at once if it is past."""
+        """Return at `due` [s], or as soon after as possible; at once if `due` is past."""
         ...
 
 
@@ -28,11 +28,11 @@ class SystemClock:
     """The computer's monotonic clock."""
 
     def now(self) -> float:
-        """Seconds, monotonic."""
+        """Return a monotonic time [s]."""
         return time.perf_counter()
 
     def wait_until(self, due: float) -> None:
-        """Return at `due` [s] or as soon after as the operating system wakes us."""
+        """Return at `due` [s], or as soon after as the operating system wakes the thread."""
         left = due - time.perf_counter()
         if left > 0.0:
             time.sleep(left)
@@ -41,10 +41,10 @@ class SystemClock:
 def pace(
     clock: Clock, period: float, duration: float | None = None, behind: float = BEHIND
 ) -> Iterator[tuple[float, int]]:
-    """When each tick of a loop is due [s], as soon as it is, for `duration` [s], or for ever.
+    """Wait for each tick of a loop; yield its due time [s] and the number of ticks skipped just before it.
 
-    period: from tick to tick [s]. behind: by how much the loop may lag [s] before it leaves out the ticks whose
-    whole time is over; never the last one. With each: how many were left out before it.
+    period: from tick to tick [s]. duration: [s], None for ever. behind: lag above which the loop skips the ticks whose
+    period is over [s], but never the last tick.
     """
     begin = clock.now()
     last = math.inf if duration is None else math.ceil(duration / period - 0.5) - 1

@@ -1,9 +1,9 @@
-"""Cycles: regions whose frames differ, and whose mean over a few frames is what was asked.
+"""Cycles: several frames that render a region in turn, so that their mean meets the target.
 
-Skin integrates what comes again fast enough. So a region that is too large for one solve sounds in bands, one after the
-other; and one that the array makes unevenly sounds in two frames, whose waves come from different sides and leave
-different errors. Of K frames, each is asked for what the others leave: K P - sum_j P_j, where P is asked of all
-together and frame j makes P_j.
+Skin integrates pressures that repeat fast enough. Therefore a region that is too large for one solve is rendered in
+bands, one after the other. A region that the array renders unevenly is rendered in two frames, whose waves come from
+different sides and have different errors. In a cycle of K frames, each is solved for the rest that the others leave:
+K P - sum_j P_j, where P is the target of the cycle and frame j produces P_j.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Flags, Floats, Gains
 
-INTEGRATED = 500.0  # [Hz]: what comes again so often is felt as steady up to some 6 Pa
-MAX_FRAMES = 4  # of a cycle, unless told otherwise
-TILTS = -0.15, 0.15  # of the waves of two frames that are to differ: see `Session.tilt`
-HELD = 0.02  # share of the transducers at their limit from which on there are two frames
-FREE = 0.01  # share below which there is one again
-HURRIED = 0.5  # share of late solves above which there is one frame
-CALM = 0.1  # share below which there may be several again
-SEEN = 64  # solves of which that is the share, the last ones most
-LEAST, HIGHEST = 0.15, 2.5  # of its share of what is asked: what a frame may be asked for
-ROUNDS = 3  # solves of each frame after the samples have changed
-TRIES = 12  # the same, with those whose time was too short
+INTEGRATED = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
+MAX_FRAMES = 4  # default limit of the frames in a cycle
+TILTS = -0.15, 0.15  # of the waves of two frames, see `Session.tilt`
+HELD = 0.02  # fraction of transducers at their limit from which two frames are used
+FREE = 0.01  # fraction below which one frame is used again
+HURRIED = 0.5  # fraction of late solves above which only one frame is used
+CALM = 0.1  # fraction below which several frames are allowed again
+SEEN = 64  # time constant of this fraction, in solves
+LEAST, HIGHEST = 0.15, 2.5  # range of a frame's target, relative to its nominal share
+ROUNDS = 3  # most complete solves of each frame after the samples have changed
+TRIES = 12  # most solves of each frame, with those that ran out of time
 
 
 @dataclass
 class Part:
-    """One frame of a cycle, and what solves for it.
+    """One frame of a cycle, with its session.
 
-    session: with the points and the last solution of this frame. solved: what it plays; None before the first.
-    tries: solves since the samples have changed. rounds: of these, those that had enough time. turn: when it was solved
-    last, in solves.
+    session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
+    that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
+    that had enough time. turn: number of the cycle's solve in which it was solved last.
     """
 
     session: Session
@@ -58,13 +58,13 @@ class Part:
 
 
 class Cycle:
-    """The frames that sound in turn, for one player.
+    """The frames that sound in turn, for one modulator.
 
-    One of several frames is solved for in each tick, so that what they press lags the more behind what moves, the more
-    there are. Where most solves for samples that have moved are late, there is one.
+    Each tick solves for only one frame, so that the output lags further behind moving objects with more frames. If most
+    solves for moved samples are late, only one frame is used.
 
-    session: solves for the first, and for all that needs no others. most: frames at most. budget: samples at most in
-    each, where bands can bring that about. peak: pressure that no frame is asked for more [Pa].
+    session: solves for the first frame, and for samples that need only one. most: largest number of frames. budget:
+    largest number of samples in each band, if bands can achieve this. peak: largest target of a frame [Pa].
     """
 
     def __init__(
@@ -75,29 +75,29 @@ class Cycle:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all that was solved."""
+        """Discard all solutions."""
         self._first.solved, self._first.turn = None, 0
         self.parts = [self._first]
-        self._wanted = 1  # frames at most of these samples
+        self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved = 0.0, False, False
         self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
         self.samples = no_samples()
-        """What the frames make together."""
+        """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
         self._asked = np.zeros(0)
 
     @property
     def count(self) -> int:
-        """Frames that sound in turn; 1 where each makes all that is asked."""
+        """Number of frames in the cycle; 1 if each frame renders all samples."""
         return len(self.parts)
 
     @property
     def allowed(self) -> int:
-        """Frames at most, as there is time for now."""
+        """Largest number of frames for which there is time at present."""
         return 1 if self._hurried else self.most
 
     def begin(self, samples: Samples, most: int | None = None) -> None:
-        """Make these samples from now on. most: frames, if fewer than usual."""
+        """Render these samples from now on. most: largest number of frames; `self.most` by default."""
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved = True
@@ -108,9 +108,10 @@ class Cycle:
         self._arrange()
 
     def consider(self, solved: CachedSolution) -> None:
-        """See how a solve went: whether there is time for several frames, and whether two are worth it or one does.
+        """Decide from a solve whether there is time for several frames, and whether to use two or one.
 
-        Two are where transducers are at their limit: their mean is nearer to what is asked then (decision 32).
+        Two frames are used if transducers are at their limit, because their mean is then closer to the target
+        (decision 32).
         """
         solution = solved.solution
         if self._moved:
@@ -125,7 +126,7 @@ class Cycle:
             self._arrange()
 
     def _arrange(self) -> None:
-        """Have as many parts as there are frames, each with its tilt, and all to be solved again."""
+        """Make one part for each frame, with its tilt, and mark all for solving."""
         M, count = self._shares.shape
         if not self._banded:
             count = len(TILTS) if self._tilted else 1
@@ -133,7 +134,7 @@ class Cycle:
         first = self._first.session
         if count < len(self.parts):
             last = max(self.parts, key=lambda part: part.turn)
-            self._first.solved = last.solved  # until it is solved anew
+            self._first.solved = last.solved  # until it is solved again
             del self.parts[count:]
         while len(self.parts) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
@@ -144,18 +145,18 @@ class Cycle:
             part.session.tilt, part.session.solver = tilt, first.solver
 
     def due(self) -> Part | None:
-        """The part to be solved next: the one whose last time is longest ago; None if all are as good as they get."""
+        """Return the part to solve next, which is the one solved least recently; None if all have converged."""
         open_ = [part for part in self.parts if part.rounds < ROUNDS and part.tries < TRIES]
         return min(open_, key=lambda part: part.turn) if open_ else None
 
     def sounds(self, part: Part) -> Flags:
-        """Which samples sound in one part, (M,)."""
+        """Return whether each sample sounds in this part, (M,)."""
         return self._shares[:, self.parts.index(part)] > 0.0
 
     def left(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
-        """What the other frames leave for one of them to make at its own samples, (M',) [Pa].
+        """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
 
-        own: which of the samples those are, (M,). P: asked of all frames together there, (M',) [Pa].
+        own: mask of these samples, (M,). P: target of the whole cycle there, (M',) [Pa].
         """
         self._asked[own] = P
         K, q = self.count, self.samples.positions[own]
@@ -175,35 +176,38 @@ class Cycle:
         return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution) -> None:
-        """One part has been solved."""
+        """Store the new solution of a part."""
         self._turn += 1
         part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
         part.rounds += solved.final
 
     def row(self, number: int) -> CachedSolution | None:
-        """What the row of that number plays; None before the first solve."""
+        """Return the solution that row `number` plays; None before the first solve."""
         here = self.parts[number % self.count].solved
         return here or next((part.solved for part in self.parts if part.solved), None)
 
     @property
     def sounding(self) -> list[Gains]:
-        """The gains of the frames that sound in turn, each (N,)."""
+        """Gains of the frames in the cycle, each (N,)."""
         return [part.solved.gains for part in self.parts if part.solved is not None]
 
     @property
     def targets(self) -> Targets:
-        """What is asked of all frames together."""
+        """Targets of all frames together."""
         t = sound_pressure(self._asked, self._first.session.medium)
         return Targets.unchecked(t, number_regions(len(t), self.samples.regions))
 
     @property
     def facing(self) -> SkinFacing | None:
-        """Of the skin at the samples."""
+        """Facing of the skin at the samples; None if they are not on skin."""
         if self.samples.capsules is None:
             return None
         return SkinFacing.of(self.samples.normals, self.samples.capsules)
 
 
 def split_frames(most: int, rate: float) -> int:
-    """Frames of a cycle at most, on a device of `rate` frames a second [Hz]: each place comes again at 500 Hz."""
+    """Return the largest number of frames in a cycle, at most `most`, so that each repeats at 500 Hz or more.
+
+    rate: of the device, frames per second [Hz].
+    """
     return max(1, min(most, int(rate / INTEGRATED)))

@@ -1,4 +1,4 @@
-"""Voices: samples that share one amplitude over time, and what each contributes to the gains."""
+"""Voices: groups of samples that share one envelope, and the contribution of each to the gains."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains, Indices
 
-MU = 1e-6  # of the mean square pressure at full drive: the regularisation of the contributions
+MU = 1e-6  # regularisation of the contributions, relative to the mean square pressure at full drive
 
 
 class EnvelopeGroups:
-    """The distinct amplitudes of `samples`.
+    """The voices of `samples`: groups with equal envelope and technique.
 
-    items: one object for each. index: which voice each sample has, (M,).
+    items: one object of each voice. index: voice of each sample, (M,).
     """
 
     def __init__(self, samples: Samples) -> None:
@@ -42,7 +42,7 @@ class EnvelopeGroups:
         return len(self.items) - 1
 
     def alike(self, other: EnvelopeGroups) -> bool:
-        """Whether both are one and the same voice."""
+        """Return whether both consist of one voice, and it is the same."""
         return len(self) == len(other) == 1 and _alike(self.items[0], other.items[0])
 
     def __len__(self) -> int:
@@ -50,16 +50,16 @@ class EnvelopeGroups:
 
     @property
     def steady(self) -> bool:
-        """Whether no strength ever changes."""
+        """Whether all strengths are constant."""
         return all(
             isinstance(item.envelope, Constant) and isinstance(item.technique, Simultaneous)
             for item in self.items
         )
 
     def strength(self, t: Floats, switches: bool = False) -> Floats:
-        """Factor on the radiation pressure of each voice at times t [s], (voices, K), in 0..1.
+        """Return the factor on the radiation pressure of each voice at times t, (K,) [s]: 0..1, (voices, K).
 
-        switches: whether squares have steps.
+        switches: whether square waves have steps.
         """
         factors = np.empty((len(self.items), len(t)))
         for row, item in zip(factors, self.items, strict=True):
@@ -77,10 +77,10 @@ def _alike(item: Object, other: Object) -> bool:
 def split_contributions(
     solution: Solution, propagator: Propagator, index: Indices, count: int
 ) -> Gains:
-    """What each voice adds to the gains of a solution, (voices + 1, N), so that their sum is the solution.
+    """Return the contribution of each voice to the gains of a solution, (voices + 1, N); their sum is the solution.
 
-    The least-squares gains for the pressures that were achieved at the samples of that voice, and zero at
-    all others; the last row is what is left of the solution. index: voice of each sample, (M,).
+    The contribution of a voice is the least-squares gains for the achieved pressures at its samples, and zero at all
+    others. The last row is the remainder. index: voice of each sample, (M,). count: number of voices.
     """
     p = solution.sound_pressure
     mu = solution.mu if solution.mu > 0.0 else MU * propagator.power

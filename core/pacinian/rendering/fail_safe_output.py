@@ -1,4 +1,4 @@
-"""The device behind the loop: whatever fails is reported, and silences it."""
+"""A fail-safe wrapper of the backend: every failure is reported and silences the output."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ if TYPE_CHECKING:
 
 
 class FailSafeOutput:
-    """Sends to a backend, and silences it.
+    """Sends frames to a backend, and silences it after a fault.
 
-    stages: say where a fault was, and have the report to count it in.
+    stages: the stage timer, which knows the stage of a fault and holds the report that counts it.
     """
 
     def __init__(self, backend: Backend, stages: StageTimer) -> None:
         self.backend = backend
         self.halted: Fault | None = None
-        """The fault that holds it silent."""
+        """The fault that keeps the output silent, if any."""
         self.loud = False
-        """Whether something was sent since the last silence."""
+        """Whether a frame was sent since the output was last silenced."""
         self._stages = stages
 
     def send(self, frame: Frame) -> None:
-        """Send a frame. Raises what the backend raises."""
+        """Send a frame. Raises any exception of the backend."""
         self.loud = True
         self.backend.send(frame)
         self._stages.report.frames_sent += 1
 
     def attempt(self, stage: Stage, action: Callable[[], None]) -> bool:
-        """Do it; a failure is reported, halts, and silences the output."""
+        """Run `action`, and return whether it succeeded. A failure is reported, and halts and silences the output."""
         self._stages.stage, report = stage, self._stages.report
         try:
             action()
@@ -50,7 +50,7 @@ class FailSafeOutput:
         return True
 
     def silence(self) -> None:
-        """Silence the device; once more if that is interrupted."""
+        """Silence the device; try again if Ctrl-C interrupts this."""
         if not self.loud:
             return
         try:
@@ -61,7 +61,7 @@ class FailSafeOutput:
         self.loud = not done
 
     def close(self) -> None:
-        """Silence, and give the device back."""
+        """Silence and close the device."""
         self.loud = True
         try:
             self.silence()

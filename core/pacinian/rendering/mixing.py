@@ -1,4 +1,7 @@
-"""How strong each voice sounds in a row of gains, also while one solution fades into the next."""
+"""Scale each voice in a row of gains, also while one solution fades into the next.
+
+A voice is a group of samples that share one envelope, see `EnvelopeGroups`.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,16 @@ if TYPE_CHECKING:
     from pacinian.rendering.modulator import CachedSolution
     from pacinian.types import Floats, Gains, Singles
 
-MIN_POWER = 1e-30  # that is divided by
-ALIKE = 1e-6  # of their power: parts that differ by less are not told apart
-MAX_SHARE = 4.0  # of a part in the gains while it fades: more is rounding
+MIN_POWER = 1e-30  # smallest power used as a divisor
+ALIKE = 1e-6  # regularisation, relative to total power; parts that differ by less are not separated
+MAX_SHARE = 4.0  # largest coefficient of a part while it fades; more is rounding
 
 
 def voice_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
-    """Factor on the sound pressure of each voice at times t, (K,) [s]: (voices, K); 1 where it is in the gains."""
+    """Return the factor on the sound pressure of each voice at times t, (K,) [s], shape (voices, K).
+
+    The factor is 1 if the gains already contain it. switches: whether square waves have steps.
+    """
     voices = solved.voices
     if voices is None or not len(voices):
         return np.ones((1, len(t)), dtype=np.float32)
@@ -24,7 +30,7 @@ def voice_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singl
 
 
 def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
-    """The root mean square of the voices' amplitudes, (V, K), weighted with their power: (K,)."""
+    """Return the power-weighted root mean square of the voices' amplitudes a, (V, K), shape (K,)."""
     if solved.parts is None:
         only: Singles = a[0]
         return only
@@ -35,9 +41,10 @@ def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
 
 
 def split_by_voice(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains, Gains]:
-    """The part of gains s, (K, N), that the voices make, with their amplitudes of now; and the rest of s. Both (K, N).
+    """Split gains s, (K, N), into the part due to the voices, scaled by their amplitudes, and the rest; both (K, N).
 
-    a: amplitudes, (V, K). While one solution fades into another, each voice is a part of s, found by least squares.
+    a: present amplitudes of the voices, (V, K). While one solution fades into another, the coefficient of each voice in
+    s is found by least squares.
     """
     if solved.parts is None:
         parts, a = solved.gains[None], a[:1]  # one voice, or no sample
@@ -54,7 +61,10 @@ def split_by_voice(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains,
 
 
 def find_fading(last: list[CachedSolution], now: list[CachedSolution]) -> CachedSolution | None:
-    """What sounded last, if it was with other envelopes than what sounds now; None where either jumps."""
+    """Return the last solution if its envelope differs from that of the present one, so that it must fade out.
+
+    None if there are several solutions for a tick, because these jump anyway.
+    """
     if len(last) != 1 or len(now) != 1 or not len(last[0].samples):
         return None
     before, then = last[0].voices, now[0].voices

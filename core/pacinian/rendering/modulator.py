@@ -1,4 +1,4 @@
-"""From samples to the rows of a frame: solve what is new, keep what is not, let amplitudes vary."""
+"""Turn samples into the rows of a frame: solve if necessary, reuse solutions, and apply envelopes."""
 
 from __future__ import annotations
 
@@ -35,22 +35,23 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains, Singles
 
-MIN_POWER = 1e-30  # that is divided by
-CACHE_BYTES = 32 << 20  # [bytes] of solutions of the steps of a modulation
-BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
-TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
+MIN_POWER = 1e-30  # smallest power used as a divisor
+CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
+BETTER = 0.99  # largest ratio of new to old error at which a late solution counts as improved
+TRIES = 6  # most successive solves without improvement; a busy processor may spoil some
 
 Step = tuple[object, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class CachedSolution:
-    """Gains for some samples.
+    """Gains for a set of samples.
 
-    gains: at full envelope, (N,). voices: their amplitudes over time; None where they are in the gains.
-    parts: what each of more than one voice contributes, (voices + 1, N). solution: the evidence. samples:
-    what was asked. steady: whether it serves all times as it is. final: whether to solve again would be
-    in vain: the time was not up, or more of it did not help. vain: how often it has not, in a row.
+    gains: at full envelope, (N,). voices: the samples' groups by envelope; None if the gains contain the envelopes.
+    parts: contribution of each voice, (voices + 1, N), if there is more than one. solution: with its evidence. samples:
+    those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
+    because the solver had enough time, or more time did not help. vain: number of successive solves without
+    improvement.
     """
 
     gains: Gains
@@ -64,15 +65,15 @@ class CachedSolution:
 
     @property
     def nbytes(self) -> int:
-        """Of its gains."""
+        """Size of its gains [bytes]."""
         return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
 
 
 class Modulator:
     """Turns samples into rows of gains.
 
-    session: solves. times: of a tick's rows from its begin, (K,) [s]. gap: from row to row [s]. skipped:
-    counts what was not needed, by reason. cycle: makes regions in several frames, if that may be.
+    session: solves. times: of a tick's rows, from its start, (K,) [s]. gap: from row to row [s]. skipped: counts work
+    that was not needed, by reason. cycle: renders regions in several frames, if allowed.
     """
 
     def __init__(
@@ -86,46 +87,46 @@ class Modulator:
     ) -> None:
         self.session, self.skipped = session, skipped
         self.switches = False
-        """Whether squares have steps: for a device that is on or off."""
+        """Whether square waves have steps, for a device whose transducers are either on or off."""
         self.smoother = SlewRateLimiter(smoothing, len(session.array))
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.solved: list[CachedSolution] = []
-        """What sounds: one solution for all rows, or one for each."""
+        """The solutions that sound: one for all rows, or one for each."""
         self.fresh: list[CachedSolution] = []
-        """Those that were solved for this tick."""
+        """The solutions solved in this tick."""
         self.placed: CachedSolution | None = None
-        """The one whose points the propagator has; None where it may have others."""
+        """The solution whose points the propagator holds; None if it may hold others."""
         self.cycle = cycle or Cycle(session)
         self._row = 0  # number of the next row
         self._key: tuple[object, ...] = ()
         self._steps: dict[Step, CachedSolution] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._followed: list[CachedSolution] = []
-        self._before: CachedSolution | None = None  # whose envelopes what still fades has
-        self._span = 0  # rows that are left of a change
+        self._before: CachedSolution | None = None  # solution that still fades out
+        self._span = 0  # remaining rows of a change
         self._growth = 1.0
-        self._limited = False  # anew: what kept other limits may not fade
-        self._further = True  # with what there was no time for
-        self._several = False  # frames that sound in turn
+        self._limited = False  # limits are new, so do not fade
+        self._further = True  # whether to improve late solutions
+        self._several = False  # whether a cycle of several frames sounds
         self.retime(times, gap)
 
     @property
     def reach(self) -> ReachabilityFilter:
-        """Which samples sound can be sent to."""
+        """The reachability filter of the first frame."""
         return self.cycle.parts[0].reach
 
     def retime(self, times: Floats, gap: float) -> None:
-        """Make rows at other times from the next tick on, as for a new player; what is solved stays."""
+        """Make rows at other times from the next tick on; keep the solutions. Arguments as for the constructor."""
         K, N = len(times), len(self.session.array)
         self.times, self._gap = times, gap
         self.steady = False
-        """Whether the next tick's rows are the last one of these, if nothing changes."""
+        """Whether the next tick's rows will all equal the last row, if nothing changes."""
         self._carriers = np.zeros((K, N), dtype=np.complex64)
         self._smooth = np.zeros((K, N), dtype=np.complex64)
         self._rows = np.zeros((K, N), dtype=np.complex64)
 
     def reset(self) -> None:
-        """Forget what was solved, and begin from silence."""
+        """Discard all solutions, and start from silence."""
         self._key, self._steps, self._limited = (), {}, False
         self.solved, self._followed, self.placed, self._before = [], [], None, None
         self.cycle.reset()
@@ -134,9 +135,9 @@ class Modulator:
     def solve(
         self, samples: Samples, t: float, limits: Limits, deadline: float, further: bool = True
     ) -> None:
-        """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now.
+        """Update the solutions for the tick that begins at time t [s]; deadline: from now [s].
 
-        further: whether to go on with what there was no time for.
+        further: whether to improve solutions that ran out of time.
         """
         self._further = further
         key = samples, limits, self.session.solver
@@ -170,13 +171,13 @@ class Modulator:
         self.solved = solved
 
     def _done(self, kept: CachedSolution) -> bool:
-        """Whether what is kept will do for now."""
+        """Return whether a cached solution is good enough for this tick."""
         return kept.final or not self._further
 
     def rows(self, t: float, ticks: int = 1) -> Gains:
-        """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
+        """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
 
-        ticks: from one solution to the next one, over which a change is spread.
+        ticks: number of ticks between solutions, over which a change is spread.
         """
         solved = self.solved
         flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
@@ -206,7 +207,7 @@ class Modulator:
         return self._rows
 
     def _even(self, one: CachedSolution, a: Singles) -> None:
-        """Write rows of which nothing fades. a: amplitudes of the voices, (V, K)."""
+        """Write the rows while nothing fades. a: amplitudes of the voices, (V, K)."""
         if one.parts is None:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
             return
@@ -219,7 +220,7 @@ class Modulator:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
-        # a focus that is meant to jump is not held back, and new limits hold from the first row on
+        # an intended jump of a focus is not limited, and new limits apply from the first row on
         jumps = self._limited or bool(self._parts[1]) or self.cycle.count > 1
         self.smoother.settings = self._jumps if jumps else self._smoothing
         self._limited = False
@@ -234,10 +235,10 @@ class Modulator:
     def _found(
         self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
     ) -> CachedSolution:
-        """The solution for `samples`, at hand or new.
+        """Return the solution for `samples`, from the cache or new.
 
-        Where limits join all gains (power, quiet zones, exact samples), gains cannot be put together from
-        each voice's: their mean strength over the tick is then solved for.
+        If limits couple all gains (power, quiet zones, exact samples), gains cannot be combined from those of each
+        voice. Then the solve uses each voice's mean strength over the tick.
         """
         voices = EnvelopeGroups(samples)
         P = samples.radiation_pressure
@@ -262,7 +263,7 @@ class Modulator:
         return made
 
     def _in_turn(self, limits: Limits, deadline: float) -> list[CachedSolution]:
-        """What each row plays where a few frames make what is asked: one of these is solved anew, if any needs it."""
+        """Return the solution that each row plays in a cycle of frames; first solve for one frame, if any needs it."""
         cycle, samples = self.cycle, self.cycle.samples
         part = cycle.due()
         if part is None:
@@ -281,9 +282,9 @@ class Modulator:
         self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
         deadline: float,
     ) -> CachedSolution:  # fmt: skip
-        """A new solution for pressures P, (M,) [Pa], or for what the other parts of the cycle leave of them.
+        """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
 
-        joint: whether the voices' strengths are in P already.
+        joint: whether P already contains the voices' strengths.
         """
         several = self.cycle.count > 1
         q = samples.positions
@@ -292,7 +293,7 @@ class Modulator:
         if several:
             sounded &= self.cycle.sounds(part)
         index = voices.index
-        if limits.exact is not None:  # which of them, of those that are left
+        if limits.exact is not None:  # flags for the remaining samples
             exact = limits.exact_mask(len(q))[sounded] if len(q) else None
             limits = replace(limits, exact=exact)
         if not sounded.all():
@@ -324,12 +325,12 @@ class Modulator:
 
 
 def limits_join(limits: Limits) -> bool:
-    """Whether limits join all gains, so that these cannot be put together from parts."""
+    """Return whether limits couple all gains, so that these cannot be combined from the parts of voices."""
     return limits.power is not None or bool(limits.solver_limits)
 
 
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
-    """Samples that stay as they are, and those of each object that does not sound all of its own at once."""
+    """Return the samples of objects that sound as a whole, and separately those of each object with a technique."""
     items = samples.items
     moving = [i for i in np.unique(samples.objects).tolist() if not items[i].technique.still]
     if not moving:
@@ -339,7 +340,7 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
 
 
 def _growth(samples: Samples) -> float:
-    """How many times louder samples are at the most that their objects press with."""
+    """Return the factor by which the gains will grow once the samples reach the full pressure of their objects."""
     P, most = samples.radiation_pressure.sum(), samples.most.sum()
     return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
 

@@ -1,4 +1,4 @@
-"""From a scene to a frame: sample, solve, modulate, quantise; as much of it as there is time for."""
+"""Make a frame from a scene: sample, solve, modulate and quantise, as far as time allows."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Complexes, Floats, Gains
 
-SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
-MAX_ROWS = 1000  # frames a tick
-LOOK = 64  # ticks from look to look at what the device's levels make
+SHARE = 0.7  # deadline of a solve, relative to a tick
+MAX_ROWS = 1000  # most frames per tick
+LOOK = 64  # ticks between measurements of the emitted field
 
 
 class Pipeline:
-    """Makes the frames of one loop.
+    """Makes the frames of one render loop.
 
-    session: solves. sampler: samples. smoothing: from row to row. capability: of the device. period: of a
-    tick [s]. governed: whether there are fewer samples, but of regions, where ticks would be late. most, peak: frames
-    whose mean a region may be, and pressure that none of them is asked for more [Pa]. stages: tells how long each took,
-    and has the report to count in. Raises ArgumentError.
+    session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
+    period: of a tick [s]. governed: whether to reduce the number of samples, except those of regions, if ticks would be
+    late. most: largest number of frames in a cycle. peak: largest target of such a frame [Pa]. stages: stage timer,
+    which also holds the report. Raises ArgumentError.
     """
 
     def __init__(
@@ -68,33 +68,33 @@ class Pipeline:
         self.governor = BudgetController(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
         self.probe = Probe(session)
-        self._unlooked = LOOK  # ticks since the last look
+        self._unlooked = LOOK  # ticks since the last measurement
         self._begin()
 
     def _begin(self) -> None:
         self.turns = TickAlternation(self.period)
         self._sampled = self._played = Scene(), no_samples()
         self._seen: Scene | None = None
-        self._changed = True  # since it was sampled
-        self._made: tuple[object, ...] = ()  # from what the last frame was made
+        self._changed = True  # whether the scene changed since it was sampled
+        self._made: tuple[object, ...] = ()  # inputs of the last frame
         self._frame: Frame
 
     def warm_up(self, scene: Callable[[float], Scene]) -> None:
-        """Sample the scene of time 0, solve and round a few points for nobody."""
+        """Sample the scene at time 0, and solve and quantise for a few points, without output."""
         try:
             self.emitted(try_out(self.session).gains)
             first = scene(0.0)
             self.sampler.sample(first)
             load_envelopes(first, self.player.times)
-        except Exception:  # the first tick meets it again, and reports it
+        except Exception:  # the first tick will raise and report it again
             return
 
     def count(self) -> None:
-        """Count in the stages' report from now on."""
+        """Count in the current report of the stage timer from now on."""
         self.sampler.skipped = self.player.skipped = self.stages.report.skipped
 
     def use(self, capability: Capability) -> None:
-        """Make frames for a device that can do this, from the next one on. Raises ArgumentError."""
+        """Make frames for a device with this capability from now on. Raises ArgumentError."""
         if capability == self.quantiser.capability:
             return
         times, gap = row_times(capability, self.period)
@@ -104,7 +104,7 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
-        """Begin from silence, with nothing remembered."""
+        """Discard all state and start from silence."""
         self.sampler.reset()
         self.player.reset()
         self.session.forget()
@@ -115,7 +115,7 @@ class Pipeline:
 
     @property
     def shown(self) -> Scene:
-        """The scene that the last frame shows: with turns, not the newest. Empty before the first."""
+        """Scene of the last frame; not always the newest if sampling and solving alternate. Empty before the first."""
         return self._played[0]
 
     @property
@@ -124,7 +124,7 @@ class Pipeline:
         return self._frame if self._made else None
 
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
-        """The frame for a scene at time t [s], due at `due` [s]; the last one again if nothing has changed."""
+        """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.stages.enter("sample")
         self.limits = limits
         samples = self._sample(scene, t)
@@ -139,7 +139,7 @@ class Pipeline:
         self.stages.enter("solve")
         before = skipped[kept]
         self.player.solve(samples, t, limits, SHARE * self.period, self.turns.solves)
-        if not self.turns.solves:  # whether anything has moved was not looked at
+        if not self.turns.solves:  # not known whether anything moved
             skipped[kept] = before
         self._look()
         self.stages.enter("drive")
@@ -149,11 +149,11 @@ class Pipeline:
         return self._frame
 
     def same(self, frame: Frame) -> bool:
-        """Whether a frame is the last one again."""
+        """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
     def govern(self, seconds: float) -> None:
-        """Decide how the next ticks come to be in time, by how long this one took [s]."""
+        """Adapt alternation and sample budget to the duration of this tick, `seconds` [s]."""
         fresh = self.player.fresh
         if self.governor is None or self.turns.tick(seconds, bool(fresh)) or not fresh:
             return
@@ -163,11 +163,11 @@ class Pipeline:
         self.sampler.allowed = self.governor.tick(seconds, samples)
 
     def emitted(self, gains: Gains) -> Gains:
-        """What the device makes of gains, (N,); the array is reused."""
+        """Return gains, (N,), as rounded by the device; the array is reused."""
         return self.quantiser.emitted(gains, self._ceiling, self._down)
 
     def _sample(self, scene: Scene, t: float) -> Samples:
-        """What to play now."""
+        """Sample the scene, if it is this tick's turn, and return the samples to solve for."""
         self._changed = self._changed or scene is not self._seen
         self._seen = scene
         alone = limits_join(self.limits)
@@ -175,7 +175,7 @@ class Pipeline:
         self.sampler.surround = self.session.solver.surrounds and not alone
         self.sampler.even = 0.0 if alone else self.session.solver.even
         if self.turns.samples:
-            if self._changed:  # also where it has come back since
+            if self._changed:  # even if it has changed back since
                 self.sampler.changed()
             self._sampled, self._changed = (scene, self.sampler.sample(scene, t)), False
         if self.turns.solves:
@@ -185,7 +185,7 @@ class Pipeline:
         return self._played[1]
 
     def _look(self) -> None:
-        """Count the solves; now and then see what the last one makes, at its samples and between them."""
+        """Count the solves; every LOOK ticks, measure the emitted field at the samples and between them."""
         report, placed = self.stages.report, self.player.placed
         for one in self.player.fresh:
             report.solved(one.solution.status)
@@ -202,7 +202,7 @@ class Pipeline:
             assert placed is not None
             samples, targets = placed.samples, placed.solution.targets
             if not self.player.fresh and targets.regions is None:
-                return  # there is nothing new to see
+                return  # nothing new to measure
             propagator = self.session.propagator
             facing, gains = propagator.facing, self.emitted(placed.gains)[None]
             p = propagator.apply(gains[0])
@@ -211,7 +211,7 @@ class Pipeline:
 
     @property
     def sounding(self) -> Gains:
-        """What the device makes of the gains of the frames that sound in turn, (K, N)."""
+        """Gains of the frames of the cycle, as rounded by the device, (K, N)."""
         every = self.player.cycle.sounding if self.player.cycle.count > 1 else []
         if not every and self.player.solved:
             every = [self.player.solved[-1].gains]
@@ -229,11 +229,14 @@ class Pipeline:
 
 
 def row_times(capability: Capability, period: float) -> tuple[Floats, float]:
-    """Times of a tick's frames from its begin, (K,) [s], and the gap [s]. Raises ArgumentError."""
+    """Return the times of a tick's rows from its start, (K,) [s], and the interval between them [s].
+
+    Raises ArgumentError.
+    """
     rate = 1.0 / period
     if capability.rate < rate * (1.0 - 1e-9):
         raise ArgumentError("rate", f"of {rate:g} Hz is above the backend's {capability.rate:g} Hz")
-    count = max(1, round(capability.rate / rate))  # frames that one tick lasts
+    count = max(1, round(capability.rate / rate))  # rows per tick
     if count > MAX_ROWS:
         raise ArgumentError(
             "rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MAX_ROWS}"

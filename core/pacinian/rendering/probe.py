@@ -1,4 +1,4 @@
-"""Feels now and then, between the samples, what is emitted."""
+"""Measure the emitted field between the samples at intervals."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.types import Floats, Gains
 
-PLACES = 24  # between samples in one look; many looks add up
+PLACES = 24  # places between samples in one measurement; many measurements are added
 
 
 class Probe:
-    """Looks at other places each time, so that the figures of many looks are those of the regions as a whole."""
+    """Measures at different random places each time, so that many measurements together cover the regions."""
 
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
@@ -30,7 +30,7 @@ class Probe:
     def look(
         self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
     ) -> dict[str, FeltSums]:
-        """What is felt of each object that has a region, by its name.
+        """Return sums of what is felt of each object that has regions, by the object's name.
 
         targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose mean is felt.
         """
@@ -46,7 +46,7 @@ class Probe:
         return found
 
     def hear(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
-        """Sound pressure amplitude at points (M, 3) [m] that presses as the mean of the frames does, (M,) [Pa].
+        """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].
 
         gains: of the frames, (K, N).
         """
@@ -56,5 +56,5 @@ class Probe:
 
 
 def name_of(item: Object) -> str:
-    """Its name, or what kind of object it is."""
+    """Return the object's name, or its type if it has none."""
     return item.name or type(item).__name__.lower()

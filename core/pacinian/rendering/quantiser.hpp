@@ -1,4 +1,4 @@
-// Kernels that round gains to a device's levels of phase and amplitude: compiled for gains that may be no numbers.
+// Kernels that round gains to a device's phase and amplitude levels. They are compiled for gains that may be NaN.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace pacinian::rendering {
 
 constexpr Index TILE = 256;
 
-// The nearest phase level, 0..phases - 1, of re + j im; 0 of what has none.
+// Return the nearest phase level, 0..phases - 1, of re + j im; 0 if the phase is undefined.
 inline i4 phase_level(f4 re, f4 im, f4 phases) {
     const f4 a = std::abs(re), b = std::abs(im), low = a < b ? a : b, high = a < b ? b : a;
     const f4 t = low / (high > 1e-30f ? high : 1e-30f), u = t * t;  // arctan(t) / 2 pi on 0..1
@@ -35,7 +35,7 @@ inline void quantise(View<const c8, 1> g, i8 phases, i8 top, i8 highest, View<co
         const f4 re = z[2 * n], im = z[2 * n + 1];
         turns[n] = static_cast<std::uint16_t>(phase_level(re, im, circle));
         f4 level = std::floor(std::sqrt(re * re + im * im) * full + up[n]);
-        level = level < most ? level : most;  // not NaN: that is 0 below
+        level = level < most ? level : most;  // NaN becomes 0 below
         levels[n] = static_cast<std::uint16_t>(static_cast<i4>(re * re + im * im >= 0.0f && level > 0.0f ? level : 0.0f));
     }
 }
@@ -49,7 +49,7 @@ inline void quantise_by(View<const c8, 1> g, i8 phases, View<const f4, 1> size, 
     const f4 K = static_cast<f4>(first.size() - 1), circle = static_cast<f4>(phases), most = static_cast<f4>(highest);
     alignas(64) f4 tile[TILE];
     alignas(64) i4 place[TILE];
-    for (Index start = 0; start < N; start += TILE) {  // in passes: only the one that looks up is not vectorised
+    for (Index start = 0; start < N; start += TILE) {  // in passes, so that all but the table lookup vectorise
         const Index count = std::min(TILE, N - start);
         const f4 *__restrict z = reinterpret_cast<const f4*>(g.data + start), *__restrict up = threshold.data + start;
         std::uint16_t *__restrict turns = phase.data + start, *__restrict levels = amplitude.data + start;

@@ -1,4 +1,4 @@
-"""The last steps before the device: envelopes on gains, gains to device levels."""
+"""The last steps before the device: apply envelopes to gains, and quantise gains to device levels."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ if TYPE_CHECKING:
 
 
 def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
-    """Gains (N,) at K moments: the envelope, (K,), scales radiation pressure, so gains by its root.
+    """Write gains, (N,), times an envelope, (K,), to `out`, (K, N).
 
-    out: (K, N).
+    The envelope scales radiation pressure, so the gains are multiplied by its square root.
     """
     np.multiply(np.sqrt(envelope).astype(np.float32)[:, None], gains, out=out)
 
 
-SURE = 1.0 / 256.0  # of a level; amplitudes this near to one are rounded to it
-PARTS = 4096  # of 0..1, in each of which the search for a level begins at another one
+SURE = 1.0 / 256.0  # amplitudes this close to a level are always rounded to it [levels]
+PARTS = 4096  # entries of the lookup table from amplitude, 0..1, to the level where a search starts
 
 
 def dither_thresholds(count: int) -> Singles:
-    """From how far below a level amplitudes are rounded up to it, 0..1, for N transducers: fixed dithering.
+    """Return fixed dither thresholds, (count,): how far below a level an amplitude is rounded up to it [levels].
 
-    As many round up at each share of a level as should, in an order without a pattern. All that focus at one point
-    with one amplitude would else err alike, and their errors add up as their sound does.
+    The thresholds are uniformly distributed over the transducers, in random order. Without dither, transducers that
+    focus at one point with equal amplitudes would have equal rounding errors, which add up like their sound.
     """
     order = np.random.PCG64(0).random_raw(count).argsort().argsort()
     return (SURE + (1.0 - 2.0 * SURE) * (order + 0.5) / count).astype(np.float32)
 
 
 class Quantiser:
-    """Rounds gains to a device's levels, into one frame that is reused.
+    """Rounds gains to a device's levels. All frames share the same arrays.
 
     rows, columns: K and N of a frame.
     """
@@ -46,20 +46,20 @@ class Quantiser:
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
         self._dither = np.tile(dither_thresholds(columns), rows)
         self._none = np.zeros_like(self._dither)
-        # apart, so that a look at what is emitted leaves the frame alone
+        # separate, so that `emitted` does not overwrite the frame
         self._look = np.zeros((2, columns), dtype=np.uint16)
         self._made = np.zeros(columns, dtype=np.complex64)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
-        self._size = capability.sizes.copy()  # kernels take none that is read-only
+        self._size = capability.sizes.copy()  # kernels need a writable array
         self._inverse = None if capability.even else invert_levels(self._size)
 
     def frame(
         self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
     ) -> Frame:
-        """The frame for gains (K, N), no amplitude above `ceiling`, the gain limit; due at `time` [s].
+        """Return the frame for gains, (K, N), due at `time` [s], with no amplitude above `ceiling`, the gain limit.
 
-        down: round amplitudes down, so that a limit on power holds too.
+        down: round amplitudes down, so that a power limit is kept, too.
         """
         self._round(
             gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
@@ -67,7 +67,7 @@ class Quantiser:
         return Frame(sequence, time, self._phase, self._amplitude)
 
     def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
-        """What the device makes of gains (N,); the array is reused."""
+        """Return gains, (N,), as rounded by the device; the array is reused."""
         from pacinian.native import rendering as kernels
 
         phase, amplitude = self._look
@@ -89,7 +89,7 @@ class Quantiser:
 
 
 def invert_levels(size: Singles) -> tuple[Singles, Singles, Levels]:
-    """What `levels.quantise_by` looks amplitudes up in: size, slope, first."""
+    """Return the lookup tables of the kernel `quantise_by`: size, slope and first."""
     slope = np.append(1.0 / np.diff(size.astype(np.float64)), 0.0).astype(np.float32)
     starts = np.arange(PARTS + 1, dtype=np.float32) / np.float32(PARTS)
     first = np.searchsorted(size, starts, side="right") - 1

@@ -1,4 +1,4 @@
-"""Which samples sound can be sent to, and how much of what is sent presses on each."""
+"""Find the samples that sound can reach, and the fraction of the sound that presses on each."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Flags, Floats
 
-TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
-CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
-MAX_SUBSET = 128  # transducers that stand for all in that
+TOUCHING = 1e-5  # distance within which a sample is on a transducer [m]
+CELL, CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
+MAX_SUBSET = 128  # most transducers used to compute this power
 MIN_PRESSURE = 1e-300
 
 
 class ReachabilityFilter:
-    """Of one session's array."""
+    """Drops or weakens samples that the array of a session cannot reach."""
 
     def __init__(self, session: Session) -> None:
         array = session.array
@@ -37,7 +37,10 @@ class ReachabilityFilter:
         self._extent = away.max(axis=0) + TOUCHING  # [m]
 
     def reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
-        """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
+        """Return whether sound can be sent to each point of q, (M, 3) [m]: not too far, and not on a transducer.
+
+        skipped: counts the other points, by reason.
+        """
         kept = np.ones(len(q), dtype=np.bool_)
         if not len(q):
             return kept
@@ -49,13 +52,13 @@ class ReachabilityFilter:
         if self._medium.singular and inside.any():
             for m in np.flatnonzero(inside):
                 r = self._array.positions - q[m]
-                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
+                if (r * r).sum(axis=1).min() < TOUCHING**2:  # on a transducer, where no hand can be
                     kept[m] = False
                     skipped["samples on a transducer"] += 1
         return kept
 
     def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
-        """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
+        """Return the factor on each sample's target, given how well the array sees the skin there, (M,)."""
         self._propagator.set_points(q, facing)
         seen = self._propagator.powers / self._free(q)
         if seen.min() >= WELL:
@@ -65,7 +68,7 @@ class ReachabilityFilter:
         return share
 
     def _free(self, q: Floats) -> Floats:
-        """The power of all sound at points q, (M, 3) [m], if all of it pressed, (M,) [Pa^2]."""
+        """Return the power of the sound at points q, (M, 3) [m], without facing and occlusion, (M,) [Pa^2]."""
         cells = list(map(tuple, np.floor(q / CELL).tolist()))
         if len(self._powers) > CELLS:
             self._powers.clear()
@@ -74,7 +77,7 @@ class ReachabilityFilter:
             middles = CELL * (np.array(new) + 0.5)
             try:
                 B = matrix(self._some, middles, self._medium)
-            except PointOnTransducer:  # so near to it, all counts
+            except PointOnTransducer:  # so close to a transducer, all sound counts
                 return np.full(len(q), MIN_PRESSURE)
             share = len(self._array) / len(self._some)
             powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
@@ -83,7 +86,7 @@ class ReachabilityFilter:
 
 
 def _choose_subset(array: Array) -> Array:
-    """Of many transducers a few, from all over it."""
+    """Return an array of at most MAX_SUBSET transducers, spread over the whole array."""
     step = -(-len(array) // MAX_SUBSET)
     r, n, s = array.positions[::step], array.normals[::step], array.responses[::step]
     return Array(r, n, array.transducer, s)

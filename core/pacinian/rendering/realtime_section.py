@@ -1,4 +1,4 @@
-"""What keeps the loop from being held up by its own process."""
+"""Keep the process itself from delaying the render loop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def realtime_section() -> Generator[None]:
-    """One thread of linear algebra, and nothing old to search for garbage: both cost milliseconds."""
+    """Limit BLAS to one thread and freeze the garbage collector's old objects, which both cost milliseconds."""
     gc.collect()
     gc.freeze()
     try:

@@ -1,4 +1,4 @@
-"""What a recording says of an array besides its places, as plain values, and the array from them."""
+"""Convert an array to and from plain values in a recording, apart from positions and normals."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ NAMED = {"omni": omni, "t4010a1": t4010a1}
 
 
 def to_map(array: Array) -> dict[str, Any]:
-    """The transducers' kind and response, without a directivity that is not one of ours: it cannot be read again."""
+    """Return the transducers' type and responses as plain values; None for a user's own directivity.
+
+    A user's own directivity is a Python function, which cannot be read back.
+    """
     kind, response = array.transducer, array.response
     D = kind.directivity
     names = [name for name, function in NAMED.items() if function is D]
@@ -33,7 +36,7 @@ def to_map(array: Array) -> dict[str, Any]:
 
 
 def from_map(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
-    """The array, omnidirectional where the directivity was left out. Raises Exceptions of all kinds."""
+    """Return the array; omnidirectional if the directivity is missing. Damaged values raise any Exception."""
     told: dict[str, Any] = settings["transducer"]
     D: Any = told["directivity"]
     kind = Transducer(
@@ -44,5 +47,5 @@ def from_map(settings: dict[str, Any], positions: Floats, normals: Floats) -> Ar
     given = settings.get("response")
     response = None if given is None else np.frombuffer(given, "<c16")
     array = Array(positions, normals, kind, response)
-    object.__setattr__(array, "normals", normals)  # bit for bit: they were of length 1 already
+    object.__setattr__(array, "normals", normals)  # bit for bit, without normalising again
     return array

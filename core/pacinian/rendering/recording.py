@@ -1,7 +1,7 @@
-"""Recordings: every tick's scene, decisions and frame, in a file that survives an interruption.
+"""Recordings: scene, decisions and frame of every tick, in a file that survives an interruption.
 
-A stream of MessagePack maps: one header, then one map per tick. It is only ever appended to, so a file
-that was cut off is whole up to its last complete tick.
+The file is a stream of MessagePack maps: one header, then one map per tick. It is append-only, so a truncated file is
+valid up to its last complete tick.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 
 FORMAT = "pacinian recording"
 VERSION = 2
-MAX_MAP_BYTES = 1 << 28  # [bytes] one map
-MAX_TIME = 1e12  # [s]
+MAX_MAP_BYTES = 1 << 28  # largest size of one map [bytes]
+MAX_TIME = 1e12  # largest plausible time of a tick [s]
 
 
 @dataclass(frozen=True, eq=False)
 class Tick:
     """One tick of a recording.
 
-    frame: what was sent. time: of the scene [s]. asked: the scene, solver and limits; None where they
-    could not be recorded. clock: what the tick read from the clock [s]: all its decisions follow from that.
-    begins: whether the renderer had forgotten everything just before.
+    frame: as sent. time: of the scene [s]. asked: scene, solver and limits; None if they could not be recorded.
+    clock: the tick's clock readings [s], which determine its decisions. begins: whether the renderer was reset just
+    before.
     """
 
     frame: Frame
@@ -49,10 +49,10 @@ class Tick:
 
 
 class Recorder:
-    """Writes a recording. Raises RecordingError if the file cannot be made.
+    """Writes a recording. Raises RecordingError if the file cannot be created.
 
-    Give it to a `Renderer`, which opens and closes it. unrecorded: why a scene could not be written (it
-    holds a Python function, say); frames still are. "" if all could.
+    Pass it to a `Renderer`, which opens and closes it. unrecorded: why a scene could not be written, for example
+    because it contains a Python function; "" if all could. Frames are written in any case.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -66,7 +66,7 @@ class Recorder:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
 
     def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:
-        """Write the header. settings: what a replay needs besides."""
+        """Write the header. settings: further settings that a replay needs."""
         self._write(
             {
                 "format": FORMAT,
@@ -81,7 +81,7 @@ class Recorder:
         )
 
     def forget(self) -> None:
-        """The renderer forgets everything: the next tick begins anew."""
+        """Mark the next tick as the first after a reset of the renderer."""
         self._begins = True
 
     def write(
@@ -93,7 +93,7 @@ class Recorder:
         *,
         same: bool = False,
     ) -> None:
-        """Append a tick; same: whether its frame has the levels of the one before."""
+        """Append a tick; same: whether its frame repeats the levels of the one before."""
         values: dict[str, Any] = {"sequence": frame.sequence, "time": frame.time, "t": time}
         if not same:
             values["phase"] = frame.phase.astype("<u2", copy=False).tobytes()
@@ -124,9 +124,9 @@ class Recorder:
 
 
 class Recording:
-    """A recording to read: the array, the device's capability, and the ticks.
+    """Reads a recording: the array, the device's capability, and the ticks.
 
-    Raises RecordingError if the file is not one; a cut-off last frame is left out.
+    Raises RecordingError if the file is not a recording. A truncated last tick is ignored.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -152,14 +152,16 @@ class Recording:
 
     @cached_property
     def array(self) -> Array:
-        """The array that was driven: its kind of transducers and how each differs, too. Raises RecordingError.
+        """The array that was driven, with the type and responses of its transducers. Raises RecordingError.
 
-        A directivity of the user's own cannot be recorded: it is then omnidirectional.
+        A user-defined directivity cannot be recorded; the array is then omnidirectional.
         """
         try:
             return from_map(self.settings, self.positions, self.normals)
-        except Exception as error:  # the bytes may say anything
-            raise RecordingError(self.path, f"has settings of no array: {error}") from error
+        except Exception as error:  # damaged bytes can raise anything
+            raise RecordingError(
+                self.path, f"has settings from which no array can be made: {error}"
+            ) from error
 
     @card
     def _repr_html_(self) -> Card:
@@ -171,11 +173,11 @@ class Recording:
         return Card("Recording", rows)
 
     def __iter__(self) -> Iterator[Frame]:
-        """The frames, one at a time."""
+        """Iterate over the frames."""
         return (tick.frame for tick in self.ticks(frames_only=True))
 
     def ticks(self, *, frames_only: bool = False) -> Iterator[Tick]:
-        """The ticks, one at a time, with scenes unless `frames_only`."""
+        """Iterate over the ticks; without scenes if `frames_only`."""
         maps, reader = self._maps(), None if frames_only else Reader()
         next(maps, None)
         last: Frame | None = None
@@ -183,8 +185,8 @@ class Recording:
             try:
                 tick = self._tick(values, last, reader)
             except PacinianError as error:
-                raise RecordingError(self.path, f"has a tick that cannot be: {error}") from error
-            except Exception as error:  # the bytes may say anything
+                raise RecordingError(self.path, f"has an invalid tick: {error}") from error
+            except Exception as error:  # damaged bytes can raise anything
                 raise RecordingError(self.path, f"has a damaged tick: {error}") from error
             last = tick.frame
             yield tick
@@ -215,7 +217,7 @@ class Recording:
 
     def _maps(self) -> Iterator[dict[str, Any]]:
         if not self.path.is_file():
-            raise RecordingError(self.path, "is not there, or not a file")
+            raise RecordingError(self.path, "does not exist, or is not a file")
         try:
             with self.path.open("rb") as file:
                 for values in msgpack.Unpacker(
@@ -228,5 +230,5 @@ class Recording:
             raise
         except OSError as error:
             raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
-        except Exception as error:  # the bytes may say anything
+        except Exception as error:  # damaged bytes can raise anything
             raise RecordingError(self.path, f"is damaged: {error}") from error

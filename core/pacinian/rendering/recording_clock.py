@@ -1,4 +1,4 @@
-"""What a tick read from the clock: all that is decided by time can so be decided again."""
+"""Record the clock readings of a tick, so that a replay repeats all decisions that depend on time."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ if TYPE_CHECKING:
 
 
 class RecordingClock:
-    """A clock that notes what it told, or tells what was noted.
+    """A clock that records its readings, or replays recorded ones.
 
-    now: the clock that it listens to.
+    now: the underlying clock [s].
     """
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -21,21 +21,21 @@ class RecordingClock:
         self._place = 0
 
     def now(self) -> float:
-        """Seconds. Raises LookupError where a replay asks more often than was noted."""
+        """Return the time [s]. Raises LookupError if a replay reads the clock more often than was recorded."""
         if self._told is None:
             time = self._now()
             self._noted.append(time)
             return time
         if self._place >= len(self._told):
-            raise LookupError("the clock was not read so often when this was recorded")
+            raise LookupError("the clock is read more often than in the recording")
         self._place += 1
         return self._told[self._place - 1]
 
     def take(self) -> list[float]:
-        """What was told since this was last asked, and begin anew."""
+        """Return the readings since the last call, and clear them."""
         noted, self._noted = self._noted, []
         return noted
 
     def tell(self, noted: list[float]) -> None:
-        """Tell these next, instead of the time."""
+        """Replay these readings from now on, instead of the time."""
         self._told, self._place = noted, 0

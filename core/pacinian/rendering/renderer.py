@@ -1,4 +1,4 @@
-"""The loop. It never raises: what goes wrong in a tick silences the output and is reported."""
+"""The render loop. It never raises: an error in a tick silences the output and is reported."""
 
 from __future__ import annotations
 
@@ -44,31 +44,33 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains
 
-RAMP = 0.005  # [s] in which a sample comes up or goes
+RAMP = 0.005  # fade-in and fade-out time of a sample [s]
 
 
 class Renderer:
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
-    scene: a `Scene`, or a function from time since `open` [s] to one, called every tick and once before the
-    first, which may set limits and solver; replace it at any time, from any thread. backend, solver: names or
-    objects. rate: ticks per second [Hz]. limits: what every solution keeps. sampler: budget, spacing, ramps.
-    smoothing: from row to row. clock: for tests. recorder: keeps every tick; closed with the renderer.
+    scene: a `Scene`, or a function that maps the time since `open` [s] to one. The function is called every tick and
+    once before the first, and may set the limits and the solver. The scene can be replaced at any time, from any
+    thread. backend, solver: names or objects. rate: ticks per second [Hz]. limits: kept by every solution. sampler: its
+    budget, spacing and ramps. smoothing: slew-rate limit from row to row. clock: can be replaced in tests. recorder:
+    records every tick; it is closed with the renderer.
 
-    Envelopes are followed at the device's rate; where limits join all gains (power, quiet zones, exact samples)
-    and objects have different envelopes, each one's mean over a tick counts. Where ticks would be late, one
-    samples the scene and the next solves for it, by turns, and then there are fewer samples, highest priority
-    first, until there is time again: `governed`. Every tick sends a frame.
+    Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet zones, exact samples) and
+    objects have different envelopes, each envelope is replaced by its mean over the tick.
 
-    cycle: so many frames at most, whose mean is felt, may make a region together, where the device plays each of them
-    500 times a second: in bands where it has more samples than the budget, with waves from two sides where
-    transducers are at their limit; not while most solves for what moves are late. 1: every frame makes all that is
-    asked. peak: as such frames press in turn, each
-    presses with more than their mean; none is asked for more than this [Pa], but what is asked of one alone.
+    Every tick sends a frame. If ticks would be late, sampling and solving alternate from tick to tick. If that does not
+    suffice and `governed` is true, samples of the lowest priority are dropped until there is time again.
 
-    Use as a context manager, or call `run`, which opens and closes. A fault (a plug-in raises, a device is gone)
-    silences the output and holds it silent until `reset`; the loop goes on and counts. Raises ArgumentError,
-    UnknownPlugin, PluginError; `open` also what the backend raises.
+    cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
+    each of them 500 times a second. The frames are bands of a region that has more samples than the budget, or waves
+    from two sides if transducers are at their limit. While most solves for moving samples are late, only one frame is
+    used. 1 disables cycles. peak: the frames of a cycle press more strongly than their mean. `peak` limits the target
+    of each frame [Pa], but not below the target that a single frame would have.
+
+    Use the renderer as a context manager, or call `run`, which opens and closes it. A fault, for example an exception
+    in a plug-in or a lost device, silences the output until `reset`; the loop continues and counts ticks.
+    Raises ArgumentError, UnknownPlugin, PluginError; `open` also raises any exception of the backend.
     """
 
     def __init__(
@@ -114,32 +116,32 @@ class Renderer:
             self.peak, self._stages,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
-        self.start = 0.0  # [s] by its clock, when it was opened: the scene's time 0
+        self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
         self._opened = False
 
     @property
     def backend(self) -> Backend:
-        """The device; `use` changes it."""
+        """The backend; call `use` to replace it."""
         return self._emitter.backend
 
     @property
     def halted(self) -> Fault | None:
-        """The fault that holds the output silent; None while there is none."""
+        """The fault that keeps the output silent, if any."""
         return self._emitter.halted
 
     @property
     def player(self) -> Modulator:
-        """From samples to rows of gains."""
+        """The modulator, which turns samples into rows of gains."""
         return self._pipeline.player
 
     @property
     def governor(self) -> BudgetController | None:
-        """How many samples there is time for, if it is governed."""
+        """The controller of the sample budget, if `governed`."""
         return self._pipeline.governor
 
     @property
     def turns(self) -> TickAlternation:
-        """Whether sampling and solving take turns."""
+        """The controller that lets sampling and solving alternate."""
         return self._pipeline.turns
 
     @property
@@ -149,20 +151,20 @@ class Renderer:
 
     @property
     def samples(self) -> Samples | None:
-        """What was asked of it, or of all frames of a cycle together; None before the first."""
+        """Samples of the last solution, or of all frames of a cycle together; None before the first solution."""
         if self.player.cycle.count > 1:
             return self.player.cycle.samples
         return self.player.solved[-1].samples if self.player.solved else None
 
     @property
     def targets(self) -> Targets | None:
-        """What was asked at the samples, of all frames of a cycle together; None before the first solve."""
+        """Targets of the last solution, or of all frames of a cycle together; None before the first solution."""
         if self.player.cycle.count > 1:
             return self.player.cycle.targets
         return None if self.solution is None else self.solution.targets
 
     def open(self) -> None:
-        """Claim the device, silent; compile and load what a tick needs."""
+        """Open the device, silently, and warm up, so that the first tick is not slow."""
         from pacinian.rendering.settings import to_config
 
         if self._opened:
@@ -182,22 +184,22 @@ class Renderer:
         self.start = self.clock.now()
 
     def use(self, backend: Backend) -> Backend:
-        """Send to another device from the next tick on; return the one before, for the caller to close.
+        """Send to another backend from the next tick on; return the previous one, which the caller must close.
 
-        For the thread that ticks, between ticks. backend: open already, and silent, if the renderer is open;
-        its levels and rate may differ. The one before still sounds: let a tick pass, then close it.
-        Raises ArgumentError, and then goes on as before.
+        Call this between ticks, from the thread that ticks. backend: must be open and silent, if the renderer is open.
+        Its levels and rate may differ. The previous backend still sounds, so let one tick pass before you close it.
+        If this raises ArgumentError, nothing has changed.
         """
         check_kind("backend", backend, Backend)
         before = self.backend
         if self.recorder is not None and backend.capability != before.capability:
-            raise ArgumentError("backend", "must be able to do the same while this is recorded")
+            raise ArgumentError("backend", "must have the same capability while this is recorded")
         self._pipeline.use(backend.capability)
         self._emitter.backend = backend
         return before
 
     def close(self) -> None:
-        """Silence, and give the device back; may be called twice."""
+        """Silence and close the device; may be called twice."""
         if not self._opened:
             return
         self._opened = False
@@ -225,11 +227,11 @@ class Renderer:
         on_tick: Callable[[Report], object] | None = None,
         behind: float = BEHIND,
     ) -> Report:
-        """Tick at the rate for `duration` [s], or until Ctrl-C; then silence, always.
+        """Run ticks for `duration` [s], or until Ctrl-C; always silence the output at the end.
 
-        on_tick: called after each tick. behind: by how much the loop may lag [s] and then tick faster to make up
-        for it; after that, ticks whose whole time is over are left out: `report.skipped["missed ticks"]`. 0 where
-        only what is now counts. Ctrl-C ends the run with `report.interrupted`.
+        on_tick: called after each tick. behind: lag up to which the loop catches up by ticking faster [s]. With more
+        lag, missed ticks are skipped and counted in `report.skipped["missed ticks"]`. Pass 0 if only the present
+        matters. Ctrl-C ends the run and sets `report.interrupted`.
         """
         behind = check_number("behind", behind, low=0.0)
         duration = None if duration is None else check_number("duration", duration, low=0.0)
@@ -255,9 +257,9 @@ class Renderer:
         return self.report
 
     def tick(self, due: float | None = None) -> None:
-        """One tick, due at `due` [s] of the clock, now unless given.
+        """Run one tick, due at clock time `due` [s]; now by default.
 
-        Raises BackendError if not open, and no other Exception.
+        Raises BackendError if the renderer is not open, and no other Exception.
         """
         if not self._opened:
             raise BackendError("the renderer is not open: use `with renderer:`, or `run`")
@@ -267,7 +269,7 @@ class Renderer:
             self._emitter.attempt("scene", lambda: self._step(due))
         else:
             self.report.skipped["halted"] += 1
-            if self._emitter.loud:  # the device refused to be silent: ask again
+            if self._emitter.loud:  # silencing failed before, so retry
                 self._emitter.silence()
         end = self.clock.now()
         self.report.tick(end - begin, end > due + self.period)
@@ -281,12 +283,12 @@ class Renderer:
 
     @property
     def shown(self) -> Scene:
-        """The scene that the last frame shows: with turns, not always the newest. Empty before the first."""
+        """Scene of the last frame; not always the newest if sampling and solving alternate. Empty before the first."""
         return self._pipeline.shown
 
     @property
     def emitted(self) -> Gains:
-        """What the device made of the last gains at full envelope, (N,), whether it is silent now or not."""
+        """The last gains at full envelope as rounded by the device, (N,), even if it is silent now."""
         solution = self.solution
         gains = (
             np.zeros(len(self.session.array), np.complex64) if solution is None else solution.gains
@@ -295,15 +297,15 @@ class Renderer:
 
     @property
     def sounding(self) -> Gains:
-        """As `emitted`, of each frame that sounds in turn, (K, N): what is felt is their mean."""
+        """Like `emitted`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
         return self._pipeline.sounding
 
     def hear(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
-        """Sound pressure amplitude at points (M, 3) [m] that presses as the mean of these frames, (M,) [Pa]."""
+        """Return the root mean square over these frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa]."""
         return self._pipeline.probe.hear(points, facing, self.sounding)
 
     def reset(self) -> None:
-        """Sound again after a fault, from silence and with nothing remembered."""
+        """Clear a fault and all state, so that the next tick starts from silence."""
         self._emitter.halted = None
         self.tape.take()
         self._pipeline.reset()
@@ -312,14 +314,12 @@ class Renderer:
 
     def _step(self, due: float) -> None:
         pipeline, stages = self._pipeline, self._stages
-        if (
-            pipeline.sent is not None and not self._emitter.loud
-        ):  # it was silenced, by the end of a run
+        if pipeline.sent is not None and not self._emitter.loud:  # the end of a run silenced it
             self.reset()
         stages.begin(begin := self.tape.now())
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
-        limits, solver = self.limits, self.session.solver  # others may set them at any time
+        limits, solver = self.limits, self.session.solver  # other threads may set them at any time
         frame = pipeline.frame(scene, limits, t, due, self.report.frames_sent)
         stages.enter("send")
         self._emitter.send(frame)
@@ -333,7 +333,7 @@ class Renderer:
         stages.enter("scene")
 
     def _scene(self, t: float) -> Scene:
-        """The scene at time t [s]."""
+        """Return the scene at time t [s]."""
         scene = self.scene if isinstance(self.scene, Scene) else self.scene(t)
         check_kind("scene", scene, Scene)
         return scene

@@ -1,4 +1,4 @@
-"""Plays a recording on a backend."""
+"""Play a recording on a backend."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
 
 
-GAP = 0.1  # [s] after which a device is silenced until the next frame
-PAUSE = 3600.0  # [s] between two frames that is no longer believed
+GAP = 0.1  # gap between frames above which the device is silenced [s]
+PAUSE = 3600.0  # gap between frames above which a recording is taken to be damaged [s]
 
 
 def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | None = None) -> int:
-    """Send the recorded frames at the times they had, then silence; return how many.
+    """Send the recorded frames at their original times, then silence the device; return the number of frames.
 
-    Silent too is where the renderer was: after a fault, between two runs.
-    Raises RecordingError if array or levels are not those of the recording; what the backend raises.
+    The device is also silent where the renderer was silent: after a fault, and between two runs.
+    Raises RecordingError if the array or the device's levels differ from those of the recording, and any exception of
+    the backend.
     """
     clock = clock or SystemClock()
     can, had = backend.capability, recording.capability
     if can != replace(had, watchdog=can.watchdog):
-        raise RecordingError(recording.path, f"is for {had}, and {backend.name!r} has {can}")
+        raise RecordingError(recording.path, f"was made for {had}, but {backend.name!r} has {can}")
     if len(array) != len(recording.positions):
         raise RecordingError(
-            recording.path, f"is of {len(recording.positions)} transducers, not {len(array)}"
+            recording.path, f"has {len(recording.positions)} transducers, not {len(array)}"
         )
     count, offset, end = 0, 0.0, 0.0
     backend.open(array)

@@ -1,4 +1,4 @@
-"""What the loop did: counts, times, errors, faults."""
+"""The render loop's report: counts, times, errors and faults."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
 
-SHOWN = 4  # objects in a notebook's card
+SHOWN = 4  # most objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
-LOOKS = 1000  # between the samples: so many are kept
+LOOKS = 1000  # measurements between the samples that are kept
 REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Something that silenced the output.
+    """An error that silenced the output.
 
-    tick: when. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence". message: what was raised.
-    error: the exception itself, which a report has of its last fault only.
+    tick: number of the tick. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence". message: text
+    of the exception. error: the exception itself; a report keeps it for its last fault only.
     """
 
     tick: int
@@ -41,7 +41,7 @@ class Fault:
 
     @property
     def cause(self) -> BaseException:
-        """The exception, or one with its text."""
+        """The exception, or a PacinianError with its text."""
         return self.error or PacinianError(self.message)
 
 
@@ -49,8 +49,8 @@ class Fault:
 class Report:
     """Counts since the loop started.
 
-    ticks; late_ticks: those that finished after the next one's due time. skipped: work that was not
-    needed, by reason. statuses: how the solves ended. faults: the last ones. interrupted: by Ctrl-C.
+    late_ticks: ticks that finished after the next tick was due. skipped: counts of work that was not needed, by reason.
+    statuses: counts of solves by status. faults: the last ones. interrupted: whether Ctrl-C ended the loop.
     """
 
     ticks: int = 0
@@ -63,7 +63,7 @@ class Report:
     faults: deque[Fault] = field(default_factory=lambda: deque(maxlen=100))
     fault_count: int = 0
     stages: dict[str, float] = field(default_factory=lambda: defaultdict(float))
-    """How long each stage of the ticks took in all [s]."""
+    """Total time of each stage of the ticks [s]."""
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
@@ -87,18 +87,19 @@ class Report:
         self.statuses[status.name] += 1
 
     def looked(self, error: float, felt: dict[str, FeltSums]) -> None:
-        """Keep what a look at the gains as emitted, after quantisation, has found.
+        """Add a measurement of the emitted field, computed from the quantised gains.
 
-        error: of the sound pressures at the samples, relative. felt: between them, of each object that has a region.
+        error: relative error of the sound pressures at the samples. felt: sums between the samples, for each object
+        that has regions.
         """
         self._errors[self._measured % REMEMBERED] = error
         self._measured += 1
         self._felt.append(felt)
 
     def felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
-        """What was felt, as emitted, of each object that has regions, between its samples: of the last looks.
+        """Return what was felt between the samples of each object that has regions, over the last measurements.
 
-        One every 64 ticks, at some 24 places each.
+        looks: number of measurements; the loop makes one every 64 ticks, at some 24 places.
         """
         sums: dict[str, FeltSums] = {}
         for found in list(self._felt)[-looks:]:
@@ -108,18 +109,18 @@ class Report:
 
     def fault(self, fault: Fault) -> None:
         """Count a fault."""
-        if self.faults:  # an exception holds frames, and texts of any length
+        if self.faults:  # an exception keeps stack frames and long texts in memory
             self.faults[-1] = replace(self.faults[-1], error=None)
         self.faults.append(fault)
         self.fault_count += 1
 
     def tick_ms(self, percentile: float) -> float:
-        """A percentile of the remembered ticks' times [ms]; 0 before the first."""
+        """Return a percentile of the tick times kept [ms]; 0 before the first tick."""
         times = self._times[: self.ticks]
         return float(np.percentile(times, percentile)) * 1e3 if self.ticks else 0.0
 
     def recent(self, count: int) -> Floats:
-        """Times of the last ticks, `count` of them at most, in their order [s]."""
+        """Return the times of the last ticks, at most `count`, oldest first [s]."""
         count = min(count, self.ticks, REMEMBERED)
         return self._times[np.arange(self.ticks - count, self.ticks) % REMEMBERED]
 
@@ -130,7 +131,7 @@ class Report:
 
     @property
     def errors(self) -> Floats:
-        """Relative errors of the emitted sound pressures, of every 64th solve: the last ones, in their order."""
+        """Relative errors of the emitted sound pressures at the samples, measured every 64 ticks, oldest first."""
         count = min(self._measured, REMEMBERED)
         return self._errors[np.arange(self._measured - count, self._measured) % REMEMBERED]
 
@@ -140,7 +141,7 @@ class Report:
         return float(np.median(self.errors)) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
-        """All of it as plain numbers, for JSON."""
+        """Return the report as plain values, for JSON."""
         return {
             "ticks": self.ticks,
             "late_ticks": self.late_ticks,
@@ -177,15 +178,15 @@ class Report:
         return Card(f"{self.ticks} ticks", rows, draw=self._draw if self.ticks else None)
 
     def _draw(self, panel: Any) -> None:
-        """How many ticks took how long."""
+        """Plot a histogram of the tick times."""
         panel.hist(1e3 * self.recent(REMEMBERED), bins=50)
         panel.set(xlabel="tick time [ms]", ylabel="ticks", yscale="log")
 
 
 class StageTimer:
-    """Which stage of a tick the loop is in; tells a report how long each took.
+    """Knows the present stage of a tick, and adds the duration of each stage to a report.
 
-    now: the time [s]. report: may be replaced.
+    now: returns the time [s]. report: may be replaced.
     """
 
     def __init__(self, now: Callable[[], float], report: Report) -> None:
@@ -195,11 +196,11 @@ class StageTimer:
         self._entered = 0.0  # [s]
 
     def begin(self, time: float) -> None:
-        """A tick begins, at `time` [s], with its scene."""
+        """Begin a tick at `time` [s], with the stage "scene"."""
         self.stage, self._entered = "scene", time
 
     def enter(self, stage: Stage) -> None:
-        """A stage begins: the one before it is over."""
+        """End the present stage and begin the next."""
         now = self._now()
         self.report.staged(self.stage, now - self._entered)
         self.stage, self._entered = stage, now

@@ -1,4 +1,4 @@
-"""A recording's scenes rendered again: the same frames, bit for bit, on the same machine."""
+"""Render a recording's scenes again. On the same machine, the frames are equal bit for bit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class CaptureBackend(Backend):
-    """Keeps the last frame. capability: of the device that was recorded."""
+    """A backend that keeps the last frame. capability: of the recorded device."""
 
     name: ClassVar[str] = "kept"
 
@@ -30,14 +30,14 @@ class CaptureBackend(Backend):
 
     @property
     def capability(self) -> Capability:
-        """As recorded."""
+        """The capability of the recorded device."""
         return self._capability
 
     def open(self, array: Array) -> None:
         """Nothing to do."""
 
     def send(self, frame: Frame) -> None:
-        """Keep it."""
+        """Keep the frame."""
         self.frame = frame
 
     def silence(self) -> None:
@@ -48,24 +48,24 @@ class CaptureBackend(Backend):
 
 
 class FixedClock:
-    """A clock that tells the time of the tick being rendered again. time: [s]."""
+    """A clock that returns the time of the tick being rendered again. time: [s]."""
 
     def __init__(self) -> None:
         self.time = 0.0
 
     def now(self) -> float:
-        """Seconds."""
+        """Return `time` [s]."""
         return self.time
 
     def wait_until(self, due: float) -> None:
-        """At once."""
+        """Return at once."""
 
 
 def rerender(recording: Recording) -> tuple[int, int]:
-    """Render the recorded scenes again; return how many ticks, and in how many the frames (K, N) differ.
+    """Render the recorded scenes again; return the number of ticks, and of those whose frames, (K, N), differ.
 
-    recording: with its scenes. All that was decided by time is decided again by the times that were
-    noted. Raises RecordingError if the recording lacks its scenes, or is damaged.
+    Decisions that depend on time are repeated with the recorded clock readings. Raises RecordingError if the recording
+    has no scenes, or is damaged.
     """
     ticks = different = 0
     for tick, renderer in iterate_rerendered(recording):
@@ -75,15 +75,15 @@ def rerender(recording: Recording) -> tuple[int, int]:
 
 
 def iterate_rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
-    """Each tick as it was, and the renderer as it is after that tick. Raises RecordingError."""
+    """Yield each recorded tick, with the renderer after it has rendered that tick again. Raises RecordingError."""
     clock = FixedClock()
     try:
         renderer = from_config(
             recording.settings, recording.array, CaptureBackend(recording.capability), clock
         )
-    except Exception as error:  # the file may say anything
+    except Exception as error:  # damaged settings can raise anything
         raise RecordingError(
-            recording.path, f"has no settings to render it with again: {error}"
+            recording.path, f"has no settings with which to render it again: {error}"
         ) from error
     with renderer:
         for number, tick in enumerate(recording.ticks()):
@@ -103,5 +103,5 @@ def iterate_rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
 
 
 def are_equal(a: Frame, b: Frame) -> bool:
-    """Whether two frames have the same levels."""
+    """Return whether two frames have the same levels."""
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)

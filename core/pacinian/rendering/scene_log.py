@@ -1,6 +1,7 @@
-"""Scenes as they change, for recordings: each time only what is new.
+"""Encode the changes of a scene from tick to tick, for recordings.
 
-What stays the same object while recording is one object when read, too: it decides what is sampled anew.
+Values that are one Python object over several ticks are also one object when read back, because object identity
+decides what is sampled again.
 """
 
 from __future__ import annotations
@@ -25,17 +26,17 @@ if TYPE_CHECKING:
 
     from pacinian.plugins.solver import Solver
 
-    News = dict[int, Any]  # of a list: where each part of another place comes from, or what it is
+    News = dict[int, Any]  # by index in a list: the element's old index, or its encoding
 
 T = TypeVar("T")
 
 HAND = ("joints", "radii", "velocities", "vertices", "faces")
-OPEN = "envelope", "technique"  # fields that may hold, or hold what holds, any object of one's own
+OPEN = "envelope", "technique"  # fields that may contain user-defined objects
 
 
 @dataclass(frozen=True, eq=False)
 class TickInput:
-    """What one tick was given: the scene, the solver, the limits."""
+    """The inputs of one tick: scene, solver and limits."""
 
     scene: Scene
     solver: Solver
@@ -43,13 +44,13 @@ class TickInput:
 
 
 class Writer:
-    """Tells what is new against the last time. It raises ArgumentError for what cannot be written."""
+    """Encodes the changes since the last tick. Raises ArgumentError for values that cannot be written."""
 
     def __init__(self) -> None:
         self._last: TickInput | None = None
 
     def changes(self, asked: TickInput) -> dict[str, Any]:
-        """What is new, as plain values."""
+        """Return the changes since the last call, as plain values."""
         new: dict[str, Any] = {}
         last, scene = self._last, asked.scene
         if last is None or scene is not last.scene:
@@ -71,13 +72,13 @@ class Writer:
 
 
 class Reader:
-    """Puts together what a `Writer` told. It raises any Exception for what is damaged."""
+    """Decodes the changes that a `Writer` encoded. Damaged values raise any Exception."""
 
     def __init__(self) -> None:
         self._asked: TickInput | None = None
 
     def next(self, new: dict[str, Any]) -> TickInput:
-        """What the tick was given."""
+        """Return the inputs of the next tick."""
         last = self._asked
         scene = Scene() if last is None else last.scene
         if "objects" in new:
@@ -89,7 +90,7 @@ class Reader:
                 room = new["workspace"]
                 workspace = None if room is None else Workspace(tuple(room[0]), tuple(room[1]))
             scene = Scene(objects, workspace, hands)
-            # not all scenes of the same objects have the same: `put` keeps the latest
+            # not determined by the objects: `put` keeps the latest
             scene.__dict__["moves_until"] = float(new["until"])
         solver, limits = (None, None) if last is None else (last.solver, last.limits)
         if "solver" in new:
@@ -107,7 +108,7 @@ class Reader:
 
 
 def _news(now: tuple[T, ...], old: tuple[T, ...], pack: Callable[[T, T | None], Any]) -> News:
-    """For each part of `now` that is not where it was: where it was in `old`, or the part, packed."""
+    """Return for each element of `now` that moved or is new: its index in `old`, or the packed element."""
     if now is old:
         return {}
     changed = [i for i, part in enumerate(now) if i >= len(old) or part is not old[i]]
@@ -134,7 +135,7 @@ def _merged(
 
 
 def _packed(item: Object, old: Object | None) -> Any:
-    """An object, or, in a list, only those of its fields that are new: shapes may be large."""
+    """Encode an object, or (in a list) only its changed fields, because shapes may be large."""
     try:
         whole = type(item) is not type(old)
         now = {name: getattr(item, name) for name in item.__struct_fields__}
@@ -161,7 +162,7 @@ def _unpacked(old: Object | None, packed: Any) -> Object:
 
 def _readable(value: Any, kind: Any) -> None:
     if msgspec.msgpack.decode(msgspec.msgpack.encode(value), type=kind) != value:
-        raise TypeError(f"{value!r} is not of ours")
+        raise TypeError(f"{value!r} is a user-defined object")
 
 
 @functools.cache
@@ -181,7 +182,7 @@ def _unhand(old: Hand | None, values: dict[str, Any]) -> Hand:
 
 
 def _plain(value: Any) -> Any:
-    """An array, or a nest of them, as bytes, shape and kind."""
+    """Encode an array as bytes, shape and dtype; also arrays nested in lists."""
     if isinstance(value, np.ndarray):
         return {"kind": value.dtype.str, "shape": list(value.shape), "bytes": value.tobytes()}
     if isinstance(value, (tuple, list)):
@@ -201,7 +202,7 @@ def _array(value: Any) -> Any:
 
 
 def _options(solver: Solver) -> dict[str, Any]:
-    """Its settings: a solver of the same kind, that has them, must be among the plug-ins."""
+    """Return the solver's options. Raises ArgumentError unless the plug-ins can make the same solver from them."""
     settings: tuple[Field[Any], ...] = fields(solver) if is_dataclass(solver) else ()
     options: dict[str, Any] = {f.name: getattr(solver, f.name) for f in settings if f.init}
     try:
@@ -210,5 +211,5 @@ def _options(solver: Solver) -> dict[str, Any]:
     except (PacinianError, TypeError) as error:
         raise ArgumentError("solver", f"cannot be recorded: {describe_error(error)}") from error
     if not same:
-        raise ArgumentError("solver", f"cannot be recorded: {solver.name!r} is another one")
+        raise ArgumentError("solver", f"cannot be recorded: {solver.name!r} is another class")
     return options

@@ -1,4 +1,4 @@
-"""A renderer from a scene file."""
+"""Make a renderer from a scene file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
-    """A renderer of a scene file's scene. Raises SceneFileError, with `path` and the key."""
+    """Make a renderer for a scene file. Raises SceneFileError, with `path` and the key."""
     solver = _make("solver", file.solver, path)
     backend = _make("backend", file.backend, path)
     try:

@@ -1,4 +1,4 @@
-"""A renderer's settings as plain values, and a renderer from them: for recordings."""
+"""Convert a renderer's settings to and from plain values, for recordings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SAMPLER = "budget", "spacing", "ramp", "perception"
 
 
 def to_config(renderer: Renderer) -> dict[str, Any]:
-    """Everything but the scene, the solver and the limits, which may change from tick to tick."""
+    """Return all settings except scene, solver and limits, which may change from tick to tick."""
     session, sampler = renderer.session, renderer.sampler
     medium = {f.name: getattr(session.medium, f.name) for f in fields(Air) if f.init}
     return {
@@ -38,9 +38,9 @@ def to_config(renderer: Renderer) -> dict[str, Any]:
 
 
 def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
-    """A renderer with these settings, of an empty scene. array: as recorded. Raises Exceptions of all kinds."""
+    """Make a renderer with these settings and an empty scene; array: as recorded. May raise any Exception."""
     if settings["transducer"]["directivity"] is None:
-        raise ValueError("the transducers' directivity was one of the user's own")
+        raise ValueError("the transducers had a user-defined directivity, which cannot be recorded")
     return Renderer(
         array,
         Scene(),

@@ -1,4 +1,4 @@
-// The kernel of smooth output: align and fade, in passes that the compiler vectorises; gains may be no numbers.
+// The slew-rate limiter's kernel: align and fade, in passes that the compiler vectorises. Gains may be NaN or infinite.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 namespace pacinian::rendering {
 
-constexpr f4 SHORT = 1.0f - 4.76837158203125e-7f;  // 1 - 2^-21, times a gain: rounding then cannot make it larger than it was
+constexpr f4 SHORT = 1.0f - 4.76837158203125e-7f;  // 1 - 2^-21: factor on gains, so that rounding cannot enlarge them
 constexpr f4 HUGE_GAIN = 1e30f;
-constexpr f4 FORGETS = 16.0f;  // times as long as a gain takes from 0 to the loudest: what vibrates is as loud as it was at its most
+constexpr f4 FORGETS = 16.0f;  // decay time of `loudest` over its rise time, so that vibration counts at its peak
 
 inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool align, bool settled, View<f4, 1> loudest, View<c8, 1> last,
                    View<c8, 2> out) {
@@ -21,9 +21,9 @@ inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool al
         const f4* __restrict g = reinterpret_cast<const f4*>(gains.row(std::min(k, gains.shape[0] - 1)));
         f4* __restrict o = reinterpret_cast<f4*>(out.row(k));
         const f4* __restrict b = before;
-        f4 ur = 1.0f, ui = 0.0f;  // the turn that brings g nearest to the row before
+        f4 ur = 1.0f, ui = 0.0f;  // the rotation that brings g closest to the previous row
         if (align) {
-            f4 re = 0.0f, im = 0.0f;  // of the inner product of g and the row before
+            f4 re = 0.0f, im = 0.0f;  // inner product of g and the previous row
             for (Index i = 0; i < N; ++i) {
                 re += g[2 * i] * b[2 * i] + g[2 * i + 1] * b[2 * i + 1];
                 im += g[2 * i] * b[2 * i + 1] - g[2 * i + 1] * b[2 * i];
@@ -37,9 +37,9 @@ inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool al
                 ui = im * length;
             }
         }
-        f4 most = 1.0f;  // share of the way
+        f4 most = 1.0f;  // largest fraction of the way to g
         if (step < HUGE_GAIN) {
-            f4 far = 0.0f, here = 0.0f, there = 0.0f;  // squared
+            f4 far = 0.0f, here = 0.0f, there = 0.0f;  // squared magnitudes
             for (Index i = 0; i < N; ++i) {
                 const f4 dr = g[2 * i] * ur - g[2 * i + 1] * ui - b[2 * i], di = g[2 * i] * ui + g[2 * i + 1] * ur - b[2 * i + 1];
                 const f4 distance = dr * dr + di * di;

@@ -1,4 +1,4 @@
-"""Smooth output: gains that go from frame to frame without jumps, which would be heard."""
+"""Limit the slew rate of the gains from row to row, because jumps would be audible."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Smoothing:
-    """How far the output may go from row to row of a frame.
+    """How far the output may move from row to row of a frame.
 
-    rate: the largest change of any gain per second, over the loudest gain that sounds or is asked [1/s]; None for no
-        limit. The loudest transducer turns its phase by as many radians a second, so that a focus at speed v needs
-        k v at most: 750 lets one at 1 m/s pass without lag, and any sound come or go in 1.3 ms, be it strong or weak.
-        A focus that is meant to jump (spatio-temporal modulation) needs None.
-    align: turn each solution's global phase, which is free, to that of the row before.
+    rate: largest change of any gain per second, relative to the largest present or target gain [1/s]; None for no
+        limit. The loudest transducer can then turn its phase by `rate` radians per second. A focus that moves at speed
+        v needs at most k v. With 750, a focus at 1 m/s is followed without lag, and any sound, strong or weak, starts
+        or stops within 1.3 ms. A focus that must jump (spatio-temporal modulation) needs None.
+    align: turn the global phase of each solution, which is free, to that of the row before.
     Raises ArgumentError.
     """
 
@@ -38,13 +38,13 @@ class Smoothing:
 
 
 class SlewRateLimiter:
-    """Follows solved gains smoothly, from silence on.
+    """Follows target gains at a limited slew rate, starting from silence.
 
-    Where the limit binds, or a change is spread over more rows, the output fades from the row before to the
-    gains that are asked, all transducers by the same fraction. So what both keep is kept on the way: limits of
-    gain and power and quiet zones are convex, and a focus that both have in phase stays.
+    If the limit binds, or a change is spread over several rows, the output moves from the previous row towards the
+    target gains, by the same fraction for all transducers. Intermediate rows therefore keep every convex limit that
+    both ends keep (gain, power, quiet zones), and they keep a focus that both ends have in phase.
 
-    settings: may be replaced at any time. columns: N. Raises ArgumentError.
+    settings: may be replaced at any time. columns: number of transducers N. Raises ArgumentError.
     """
 
     def __init__(self, settings: Smoothing, columns: int) -> None:
@@ -53,21 +53,21 @@ class SlewRateLimiter:
         check_kind("settings", settings, Smoothing)
         self.settings = settings
         self.gains: Gains = np.zeros(check_integer("columns", columns, low=1), dtype=np.complex64)
-        """The last row given out, (N,)."""
+        """The last row of output, (N,)."""
         self.settled = False
-        """Whether that row is what was asked: with the same gains, nothing is left to do."""
+        """Whether that row has reached the target gains, so that the same gains need no more work."""
         self._loudest = np.zeros(1, dtype=np.float32)
         self._follow = kernels.follow
 
     def follow(
         self, gains: Gains, seconds: float, out: Gains, span: int = 1, growth: float = 1.0
     ) -> None:
-        """Write the next rows of output, (K, N), for the solved `gains`, (K, N), or (1, N) for all rows.
+        """Write the next rows of output to `out`, (K, N), for target `gains`, (K, N), or (1, N) for all rows.
 
-        gains: complex64, contiguous, before any envelope: what is meant to vibrate is not smoothed.
-        seconds: from row to row [s]. span: rows from now on over which a change is spread evenly; more where the limit
-        binds. growth: how many times louder the gains are going to be, if they come up: the limit is of that.
-        No |out| is more than those of the gains and of the row before.
+        gains: complex64, contiguous, without envelopes, because intended vibration must not be smoothed.
+        seconds: from row to row [s]. span: rows over which to spread a change evenly; more if the limit binds.
+        growth: factor by which the gains will still grow while they fade in; the limit is relative to the final gains.
+        No |out_n| exceeds the larger of |gains_n| and that of the previous row.
         Raises ArgumentError.
         """
         K, N = out.shape
@@ -81,10 +81,10 @@ class SlewRateLimiter:
         )
 
     def rest(self) -> None:
-        """All stays as it is: what was louder before does not count any more."""
+        """Tell the limiter that the output is constant, so that louder gains of the past no longer count."""
         self._loudest[:] = 0.0
 
     def reset(self) -> None:
-        """Silence: the next rows start from nothing."""
+        """Start the next rows from silence."""
         self.gains[:] = self._loudest[:] = 0.0
         self.settled = False

@@ -1,22 +1,22 @@
-"""Sampling and solving by turns, where both in one tick would be late."""
+"""Let sampling and solving alternate between ticks, if a tick that does both would be late."""
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
 
-LONG_SHARE = 0.8  # share of a tick from which it is long
-SEEN, MANY = 64, 12  # of so many ticks that solved so many may be long before turns are taken
-SHORT = 0.75  # share of a tick within which both must fit to go back
-WAIT, LONGEST = 256, 4096  # pairs that must; twice as many after each relapse
-BACK = 8  # pairs that one which does not fit takes away: a few may be the machine's doing
+LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
+SEEN, MANY = 64, 12  # alternation begins once 12 of the last 64 ticks with a solve were long
+SHORT = 0.75  # duration within which both must fit to end alternation, relative to the period
+WAIT, LONGEST = 256, 4096  # pairs of ticks that must fit; doubled after each relapse, up to LONGEST
+BACK = 8  # pairs deducted for one that does not fit; a few may be due to the machine
 
 
 @dataclass
 class TickAlternation:
-    """Lets one tick look at the scene and the next solve: each then has time, and all still send.
+    """Lets one tick sample the scene and the next solve, so that each has enough time. Every tick still sends.
 
-    period: of a tick [s]. taking: whether turns are taken. samples, solves: what the next tick does.
+    period: of a tick [s]. taking: whether ticks alternate. samples, solves: whether the next tick samples, and solves.
     """
 
     period: float
@@ -24,12 +24,15 @@ class TickAlternation:
     samples: bool = True
     solves: bool = True
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=SEEN), init=False)
-    _before: float = field(default=0.0, init=False)  # [s], what the tick that sampled took
+    _before: float = field(default=0.0, init=False)  # duration of the tick that sampled [s]
     _fits: int = field(default=0, init=False)
     _wait: int = field(default=WAIT, init=False)
 
     def tick(self, seconds: float, solved: bool) -> bool:
-        """Look at a tick that took `seconds` [s], and whether it solved; return whether turns begin."""
+        """Take account of a tick that took `seconds` [s]; return whether alternation begins.
+
+        solved: whether the tick solved.
+        """
         if not self.taking:
             if solved:
                 self._long.append(seconds > LONG_SHARE * self.period)

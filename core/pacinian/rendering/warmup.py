@@ -1,4 +1,4 @@
-"""Before the first tick: compile and load what it needs, so that it is like the others."""
+"""Warm up before the first tick: load and compile what it needs, so that it is as fast as the others."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def try_out(session: Session) -> Solution:
-    """Solve for one point, then two on skin, with nothing kept of it. Raises what the solver raises."""
+    """Solve for one point, then for two on skin, in a spare session. Raises any exception of the solver."""
     spare = Session(session.array, session.medium, session.solver)
     points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
     up = np.array([[0.0, 0.0, -1.0]] * 2)
@@ -26,7 +26,7 @@ def try_out(session: Session) -> Solution:
 
 
 def load_envelopes(scene: Scene, times: Floats) -> None:
-    """Load the envelopes of a scene, at a tick's rows' times (K,) [s]: a recorded wave takes 0.3 s."""
+    """Load the envelopes of a scene, because a recorded wave takes 0.3 s; times: of a tick's rows, (K,) [s]."""
     held = {id(item.envelope): resolve(item.envelope) for item in scene.objects}
     for envelope in held.values():
         envelope.at(times)

@@ -1,1 +1,1 @@
-"""Scenes: what is to be felt, where; and the samples that stand for it."""
+"""Scenes of virtual objects and hands, and the samples that represent them to a solver."""

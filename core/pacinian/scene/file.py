@@ -1,4 +1,4 @@
-"""Scene files: TOML or JSON, decoded and checked by msgspec; the schema comes from the same classes."""
+"""Scene files in TOML or JSON. msgspec decodes and checks them; the JSON Schema comes from the same classes."""
 
 from __future__ import annotations
 
@@ -35,12 +35,16 @@ class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
     pose: Pose = Pose()
 
     def make(self) -> Array:
-        """The array."""
+        """Make the array."""
         return autd(self.columns, self.rows).moved(self.pose)
 
 
 class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="lattice"):
-    """A planar lattice of ideal transducers [m]; with an angle, folded about an axis [deg]."""
+    """A planar lattice of ideal transducers.
+
+    width, height, pitch: of the lattice [m]. hinge: the axis, "x" or "y", about which it is folded. angle: of the
+    fold [deg]; 0 for a flat lattice.
+    """
 
     width: float
     height: float
@@ -50,24 +54,27 @@ class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
     pose: Pose = Pose()
 
     def make(self) -> Array:
-        """The array."""
+        """Make the array."""
         flat = lattice(self.width, self.height, self.pitch)
         return (flat.fold(self.hinge, self.angle) if self.angle else flat).moved(self.pose)
 
 
 class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="device"):
-    """A real device: a description of it (`pacinian.DeviceDescription`), beside this file; `pose` of the whole."""
+    """A real device.
+
+    file: its `pacinian.DeviceDescription`, relative to the folder of the scene file. pose: of the whole device.
+    """
 
     file: str
     pose: Pose = Pose()
 
     def make(self) -> Array:
-        """The array."""
+        """Make the array."""
         return DeviceDescription.load(self.file).array().moved(self.pose)
 
 
 class Medium(Struct, frozen=True, forbid_unknown_fields=True):
-    """Air: as `pacinian.Air`."""
+    """The air. Its parameters are those of `pacinian.Air`."""
 
     temperature: float | None = None
     humidity: float = 0.5
@@ -78,51 +85,55 @@ class Medium(Struct, frozen=True, forbid_unknown_fields=True):
     ambient_pressure: float = ATMOSPHERE
 
     def make(self) -> Air:
-        """The medium."""
+        """Make the medium."""
         return Air(**msgspec.structs.asdict(self))
 
 
 class Choice(Struct, frozen=True, forbid_unknown_fields=True):
-    """A plug-in by name, with settings of its own."""
+    """A plug-in, chosen by name, and its own options."""
 
     name: str
     options: dict[str, bool | int | float | str] = {}
 
 
 class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
-    """How finely the scene is sampled: at most `budget` samples, `spacing` apart [m].
+    """How finely the scene is sampled.
 
-    Unless given, they are a wavelength apart, or as far as the array resolves.
+    budget: maximum number of samples. spacing: between samples [m]. The default is one wavelength, or the resolution
+    of the array where that is coarser.
     """
 
     budget: int = 256
     spacing: float | None = None
 
     def __post_init__(self) -> None:
-        # as `Sampler` does, which takes half a second to import: a guard must be there again soon
+        # The same checks as in `Sampler`. Importing `Sampler` takes 0.5 s, and a guard must restart quickly.
         check_integer("budget", self.budget, low=1)
         if self.spacing is not None:
             check_number("spacing", check_length("spacing", self.spacing), low=FINEST)
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
-    """A hand: an open one whose palm is at `pose`, or 26 joints [m] in OpenXR's order."""
+    """A hand.
+
+    pose: of the palm of an open hand; with joints, it moves the joints. joints: 26 positions in OpenXR's order [m].
+    """
 
     side: Literal["left", "right"] = "right"
     pose: Pose = Pose()
     joints: tuple[Vector, ...] = ()
 
     def make(self) -> Hand:
-        """The hand."""
+        """Make the hand."""
         if self.joints:
             return Hand(self.joints, side=self.side).moved(self.pose)
         return Hand.open(self.side, self.pose)
 
 
 class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
-    """A scene file: what is to be felt, and with which array, medium, solver and backend.
+    """The contents of a scene file: the objects and hands, and the array, medium, solver and backend to use.
 
-    rate: ticks per second [Hz]. gain: the gain limit, 1 for full drive.
+    rate: ticks per second [Hz]. gain: the gain limit; 1 is full drive.
     """
 
     array: Units | Lattice | Device = Units()
@@ -142,15 +153,15 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def scene(self) -> Scene:
-        """The scene alone."""
+        """The scene: the objects, the workspace and the hands."""
         return Scene(self.objects, self.workspace, tuple(hand.make() for hand in self.hands))
 
 
 def load_scene_file(path: str | Path) -> SceneFile:
     """Read a scene file.
 
-    path: a file that ends in .toml or .json; all numbers in SI units ([m], [Pa], [N], [Hz]).
-    Raises SceneFileError, which names the file, the key and the fix.
+    path: a file whose name ends in .toml or .json. All numbers are in SI units ([m], [Pa], [N], [Hz]). Raises
+    SceneFileError, which names the file, the key and the fix.
     """
     path = Path(path)
     file = decode_document(path, SceneFile)
@@ -169,12 +180,12 @@ def load_scene_file(path: str | Path) -> SceneFile:
 
 
 def make_schema() -> dict[str, Any]:
-    """The JSON Schema of scene files."""
+    """Make the JSON Schema of scene files."""
     return json_schema(SceneFile, "Pacinian scene")
 
 
 def _found(item: Object, index: int, path: Path) -> Object:
-    """The object with its files looked for beside the scene file, and read once."""
+    """Resolve an object's files relative to the scene file's folder, and read them once to check them."""
     found, field = resolve_path(item, path.parent), ""
     try:
         for name in found.load():
@@ -185,7 +196,7 @@ def _found(item: Object, index: int, path: Path) -> Object:
 
 
 def resolve_path(struct: S, folder: Path) -> S:
-    """A struct whose files, and those of all that it holds, are looked for in `folder`."""
+    """Return the struct with its `file` fields, nested ones included, relative to `folder`."""
     new: dict[str, Any] = {}
     for name in struct.__struct_fields__:
         value = getattr(struct, name)

@@ -1,4 +1,4 @@
-"""What all objects have in common: how strong, how over time, how hard, how it moves."""
+"""The base of all haptic objects: pressure or force, envelope, technique, material and motion."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from pacinian.scene.motion import Motion
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MIN_AREA = 1e-12  # [m^2]
-MAX_PRESSURE = 1e30  # [Pa], [N]
-MAX_COUNT = 1_000_000
+MIN_AREA = 1e-12  # smallest area of a point, and smallest area that a force is divided by [m^2]
+MAX_PRESSURE = 1e30  # largest radiation pressure [Pa] or force [N]
+MAX_COUNT = 1_000_000  # the lowest priority is -MAX_COUNT
 
 
 class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What all objects have.
+    """The parameters that all objects share.
 
-    radiation_pressure: [Pa], or force: [N] over the whole of it, or of a point's focus; with a hand, the most that it
-    presses with. envelope: over time, or a preset's name. technique: how its samples are presented in time.
-    material: from depth to pressure. motion: since it was seen at its pose. priority: higher ones get
-    samples first. name: what it is called in messages; a later object of the same name replaces it.
+    Give either radiation_pressure: [Pa], or force: [N], over the whole object or over the focus of a point. If the
+    scene has a hand, this is the maximum with which the object presses. envelope: the amplitude over time, or the
+    name of a preset. technique: how the samples are presented in time. material: pressure as a function of depth.
+    motion: velocity since the object was seen at its pose. priority: objects of higher priority get samples first.
+    name: identifies the object in messages; a later object of the same name replaces it.
     """
 
     radiation_pressure: float | None = None
@@ -43,11 +44,11 @@ class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
     @property
     def focal(self) -> bool:
-        """Whether its force is that of a focus, so that the pressure depends on the array: see `Sampler`."""
+        """Whether the force is that of a focus, so that the pressure depends on the array (see `Sampler`)."""
         return False
 
     def load(self) -> Iterator[str]:
-        """Read its files, if it has any: tells of each field before it is looked at. Raises ArgumentError."""
+        """Read the object's files, if any. Yields the name of each field before checking it. Raises ArgumentError."""
         yield "envelope"
         if isinstance(self.envelope, Wave):
             self.envelope.at(np.zeros(1))
@@ -74,7 +75,7 @@ class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
             raise ArgumentError("name", f"must be a text, not {self.name!r}")
 
     def _pressure(self, area: float) -> float:
-        """Radiation pressure [Pa] over `area` [m^2]."""
+        """Radiation pressure [Pa] of the object, with a force spread over `area` [m^2]."""
         if self.radiation_pressure is not None:
             return self.radiation_pressure
         return (self.force or 0.0) / max(area, MIN_AREA)

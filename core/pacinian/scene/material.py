@@ -1,4 +1,4 @@
-"""From penetration to pressure: how hard an object feels."""
+"""Materials: how hard an object feels, as radiation pressure over penetration depth."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from pacinian.checks import FAR, check_number
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-DEPTH = 0.002  # [m] at which an object presses with all its pressure, unless told otherwise
+DEPTH = 0.002  # depth of full pressure if no stiffness is given [m]
 
 
 class Material(Struct, frozen=True, forbid_unknown_fields=True):
-    """A bed of springs (Winkler's foundation): pressure in proportion to depth, up to the object's own.
+    """A bed of springs (Winkler's foundation): pressure is proportional to depth, up to the object's own pressure.
 
-    stiffness: [Pa/m]; unless given, the object's whole pressure is felt 2 mm deep. reach: how far
-    outside of the object it is felt already [m]. Raises ArgumentError.
+    stiffness: [Pa/m]. By default, the full pressure is reached at a depth of 2 mm. reach: margin outside the object
+    where the pressure begins [m]. Raises ArgumentError.
     """
 
     stiffness: float | None = None
@@ -33,15 +33,15 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
         force_setattr(self, "reach", check_number("reach", self.reach, low=0.0, high=FAR))
 
     def per_metre(self, most: float) -> float:
-        """Its stiffness [Pa/m] where the object presses with `most` [Pa]."""
+        """Return the stiffness [Pa/m] for an object whose full pressure is `most` [Pa]."""
         return most / DEPTH if self.stiffness is None else self.stiffness
 
     def enough(self, most: float) -> float:
-        """The depth [m] below its surface from which an object presses with `most` [Pa]."""
+        """Return the depth below the surface at which an object reaches its full pressure `most` [Pa]: [m]."""
         return max(0.0, most / self.per_metre(most) - self.reach)
 
     def pressure(self, depth: Floats, most: float) -> Floats:
-        """Radiation pressure [Pa] at `depth` [m] below where it begins, 0 to `most` [Pa]."""
+        """Return the radiation pressure [Pa], 0 to `most`, at `depth` [m] below the level where it begins."""
         return np.asarray(np.minimum(np.maximum(depth, 0.0) * self.per_metre(most), most))
 
 

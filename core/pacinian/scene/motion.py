@@ -1,4 +1,4 @@
-"""Motion between updates: where a thing is now, that was seen somewhere a moment ago."""
+"""Motion between updates: extrapolate the pose of an object from its last known pose and velocity."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from pacinian.acoustics.pose import Pose, Vector, rotate, vector
 from pacinian.checks import check_number
 from pacinian.errors import ArgumentError
 
-MAX_EXTRAPOLATION = 0.1  # [s] after which an update is no longer followed: the thing stands still
-MAX_SPEED = 100.0  # [m/s]
+MAX_EXTRAPOLATION = 0.1  # an object stops this long after its last update [s]
+MAX_SPEED = 100.0  # largest speed of an object [m/s]
 STILL = 0.0, 0.0, 0.0
 
 
 class Motion(Struct, frozen=True, forbid_unknown_fields=True):
-    """How an object moves after it was seen at its pose.
+    """The motion of an object since it was seen at its pose.
 
-    velocity: [m/s]. angular_velocity: about the world's axes [rad/s]. time: when it was seen [s],
-    of the renderer's time. It is followed for 0.1 s; the next update should come before. Raises
+    velocity: [m/s]. angular_velocity: about the world's axes [rad/s]. time: when the object was seen, by the
+    renderer's clock [s]. The motion is extrapolated for 0.1 s, so send the next update before that. Raises
     ArgumentError.
     """
 
@@ -38,16 +38,16 @@ class Motion(Struct, frozen=True, forbid_unknown_fields=True):
         force_setattr(self, "time", check_number("time", self.time))
 
     def age(self, t: float) -> float:
-        """For how long it has moved at time t [s], 0 to 0.1 s."""
+        """Return for how long the object has moved by time t [s]: 0 to 0.1 s."""
         return min(max(t - self.time, 0.0), MAX_EXTRAPOLATION)
 
     def position(self, position: Vector, t: float) -> Vector:
-        """Where at time t [s] is what was seen at `position` [m]."""
+        """Return the position [m] at time t [s] of a point that was seen at `position` [m]."""
         s, (x, y, z), (u, v, w) = self.age(t), position, self.velocity
         return x + s * u, y + s * v, z + s * w
 
     def pose(self, pose: Pose, t: float) -> Pose:
-        """The pose at time t [s] of what was seen at `pose`: straight on, at a constant turn."""
+        """Return the pose at time t [s] of an object that was seen at `pose`, at constant velocities."""
         rotation = pose.rotation
         if self.angular_velocity != STILL:
             rotation = rotate(rotation, self.angular_velocity, self.age(t))

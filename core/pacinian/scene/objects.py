@@ -1,4 +1,4 @@
-"""What is to be felt: points, paths, particles, surfaces and volumes. All immutable."""
+"""Haptic objects: points, paths, particles, surfaces and volumes. All are immutable."""
 
 from __future__ import annotations
 
@@ -32,19 +32,20 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across: a focus where no array is known
-WAVELENGTH = 0.0085  # [m]
-THICKNESS = 0.02  # [m]
-CROWD = 100_000  # particles of one object
+SPOT = math.pi * 0.00425**2  # default area of a point [m^2]: a disc one wavelength across
+WAVELENGTH = 0.0085  # default width of paths and diameter of particles [m]
+THICKNESS = 0.02  # default depth down to which a surface is felt [m]
+CROWD = 100_000  # largest number of particles in one object
 ORIGIN = np.zeros(3)
 
 
 class Point(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="point"):
     """A point that presses: a focus.
 
-    position: [m]. force: [N] over the main lobe of the focus, whose area is the array's (`pacinian.focal_area`). area:
-    a disc [m^2], one wavelength across unless given; with a hand the point is felt where the skin is within that disc's
-    radius, and inside of the hand. More: `HapticObject`. Raises ArgumentError.
+    position: [m]. force: [N] over the main lobe of the focus, whose area depends on the array (`pacinian.focal_area`).
+    area: of a disc [m^2]; by default it is one wavelength across. A hand feels the point where the skin is within that
+    disc's radius of the point, and where the point is inside the hand. For the other parameters, see `HapticObject`.
+    Raises ArgumentError.
     """
 
     position: Vector
@@ -57,39 +58,40 @@ class Point(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="poin
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]; of a force, as far as no array is known."""
+        """Radiation pressure at full envelope [Pa]. For a force, the value before an array is known."""
         return self._pressure(self.area)
 
     @property
     def focal(self) -> bool:
-        """Whether it is given a force."""
+        """Whether the point is given a force."""
         return self.force is not None
 
     @property
     def radius(self) -> float:
-        """Of the disc that it presses on [m]."""
+        """Radius of the disc that the point presses on [m]."""
         return math.sqrt(self.area / math.pi)
 
     @property
     def pose(self) -> Pose:
-        """Where it was seen."""
+        """The pose where the point was seen, without a turn."""
         return Pose(self.position)
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the object's origin to its farthest point [m]."""
         return self.radius
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Itself."""
+        """Return the point itself as the only sample."""
         return LocalSamples(np.zeros((1, 3)), np.zeros((1, 3)), np.array([self.area]))
 
 
 class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"):
-    """A line that presses: a polyline, a circle, a Lissajous figure.
+    """A line that presses: a segment, a polyline, a circle or a Lissajous figure.
 
-    shape: in its own frame. pose: where it is. force: over its length times a wavelength. width: how near
-    the skin must be [m]. More: `HapticObject`. Raises ArgumentError.
+    shape: the curve, in the object's own frame. pose: of that frame. width: of the line; it is felt where the skin is
+    within half of this [m]. force: [N] over length times width. For the other parameters, see `HapticObject`. Raises
+    ArgumentError.
     """
 
     shape: Curve
@@ -109,16 +111,16 @@ class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"
 
     @property
     def radius(self) -> float:
-        """How near the skin must be [m]."""
+        """Largest distance from the skin at which the path is felt: half the width [m]."""
         return self.width / 2.0
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the object's origin to its farthest point [m]."""
         return self.shape.bounding_radius + self.radius
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Samples in its own frame, about `spacing` [m] apart."""
+        """Return samples about `spacing` [m] apart, in the object's own frame."""
         made = self.shape.sample_surface(spacing)
         area = self.shape.length * self.width / max(1, len(made.points))
         return LocalSamples(made.points, made.normals, np.full(len(made.points), area))
@@ -127,11 +129,11 @@ class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"
 class Particles(
     HapticObject, frozen=True, kw_only=True, dict=True, tag_field="type", tag="particles"
 ):
-    """Many points that press, each by itself: rain, sparks, smoke.
+    """Many points, each of which presses by itself: rain, sparks, smoke.
 
-    positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
-    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `HapticObject`. Raises
-    ArgumentError.
+    positions: in the object's own frame, (K, 3) [m]. pose: of that frame. radius: largest distance from the skin at
+    which a particle is felt [m]. radiation_pressure [Pa] or force [N]: of each particle, as of a `Point`. For the
+    other parameters, see `HapticObject`. Raises ArgumentError.
     """
 
     positions: tuple[Vector, ...]
@@ -152,32 +154,32 @@ class Particles(
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope [Pa]; of a force, as far as no array is known."""
+        """Radiation pressure at full envelope [Pa]. For a force, the value before an array is known."""
         return self._pressure(math.pi * self.radius**2)
 
     @property
     def focal(self) -> bool:
-        """Whether each is given a force."""
+        """Whether each particle is given a force."""
         return self.force is not None
 
     @cached_property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the object's origin to its farthest point [m]."""
         places = np.array(self.positions).reshape(-1, 3)
         return self.radius + float(np.sqrt((places * places).sum(axis=1)).max(initial=0.0))
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Each particle."""
+        """Return each particle as a sample."""
         places = np.array(self.positions).reshape(-1, 3)
         area = np.full(len(places), math.pi * self.radius**2)
         return LocalSamples(places, np.zeros_like(places), area)
 
 
 class Body(HapticObject, frozen=True, kw_only=True):
-    """What surfaces and volumes share: a shape at a pose, with a texture, felt to a depth.
+    """The base of surfaces and volumes: a shape at a pose, with a texture.
 
-    texture: a factor on the pressure, over the shape's own x and y. thickness: how far below its surface
-    a hand still feels it [m].
+    texture: a factor on the pressure, over the shape's own x and y. thickness: depth below the surface down to which
+    a hand still feels the object [m].
     """
 
     pose: Pose = Pose()
@@ -185,7 +187,7 @@ class Body(HapticObject, frozen=True, kw_only=True):
     thickness: float = THICKNESS
 
     def load(self) -> Iterator[str]:
-        """As for every object."""
+        """Read the object's files, as `HapticObject.load`."""
         yield "texture"
         if self.texture is not None:
             _ = self.texture.factors
@@ -200,9 +202,9 @@ class Body(HapticObject, frozen=True, kw_only=True):
 
 
 class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
-    """A surface that presses evenly, or by its texture.
+    """A surface that presses evenly, or with a texture.
 
-    shape: in its own frame. More: `Body`, `HapticObject`. Raises ArgumentError.
+    shape: in the object's own frame. For the other parameters, see `Body` and `HapticObject`. Raises ArgumentError.
     """
 
     shape: Shell
@@ -210,43 +212,44 @@ class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
     def __post_init__(self) -> None:
         check_kind("shape", self.shape, *SHELLS)
         if isinstance(self.shape, Mesh) and not self.shape.file:
-            _ = self.shape.area  # it must have some
+            _ = self.shape.area  # raises if the mesh has no area
         self._check()
 
     def load(self) -> Iterator[str]:
-        """As for every object."""
+        """Read the object's files, as `HapticObject.load`."""
         yield "shape"
         _ = self.shape.area
         yield from super().load()
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope, where its texture is 1 [Pa]."""
+        """Radiation pressure at full envelope, where the texture is 1 [Pa]."""
         return self._pressure(self.shape.area if self.force is not None else 1.0)
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the object's origin to its farthest point [m]."""
         return self.shape.bounding_radius
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Samples in its own frame, about `spacing` [m] apart."""
+        """Return samples about `spacing` [m] apart, in the object's own frame."""
         return self.shape.sample_surface(spacing)
 
     def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
-        """Signed distance, negative where it is felt, of points (K, 3) in its own frame, (K,) [m].
+        """Return the signed distance of points (K, 3) in the object's own frame, negative where it is felt: (K,) [m].
 
-        beyond, deep: farther outside or inside than these [m] it need not be exact.
+        beyond: distances farther outside than this need not be exact [m]. deep: unused here, because a surface is felt
+        only down to its thickness.
         """
         d = distance(self.shape, points, beyond, self.thickness + beyond)
         return np.asarray(np.maximum(d, -d - self.thickness))
 
 
 class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
-    """A volume that presses evenly, or by its texture.
+    """A volume that presses evenly, or with a texture.
 
-    shape: in its own frame. felt: its "shell", or its "interior" too, so that a hand inside of it feels it
-    everywhere. More: `Body`, `HapticObject`. Raises ArgumentError.
+    shape: in the object's own frame. felt: "shell", or "interior" if a hand inside the volume feels it everywhere. For
+    the other parameters, see `Body` and `HapticObject`. Raises ArgumentError.
     """
 
     shape: SolidShape
@@ -263,7 +266,7 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
         self._check()
 
     def load(self) -> Iterator[str]:
-        """As for every object."""
+        """Read the object's files, as `HapticObject.load`."""
         yield "shape"
         check_closed(self.shape)
         _ = self.shape.area
@@ -271,16 +274,16 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
 
     @property
     def pressure(self) -> float:
-        """Radiation pressure at full envelope, where its texture is 1 [Pa]."""
+        """Radiation pressure at full envelope, where the texture is 1 [Pa]."""
         return self._pressure(self.shape.area if self.force is not None else 1.0)
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the object's origin to its farthest point [m]."""
         return self.shape.bounding_radius
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Samples in its own frame, about `spacing` [m] apart."""
+        """Return samples about `spacing` [m] apart, in the object's own frame."""
         return (
             self.shape.sample_surface(spacing)
             if self.felt == "shell"
@@ -288,7 +291,10 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
         )
 
     def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
-        """Signed distance, negative where it is felt, of points (K, 3), (K,) [m]; as for a surface."""
+        """Return the signed distance of points (K, 3), negative where the volume is felt: (K,) [m].
+
+        beyond, deep: distances farther outside or inside than these need not be exact [m]. A shell ignores `deep`.
+        """
         if self.felt == "interior":
             return distance(self.shape, points, beyond, deep)
         d = distance(self.shape, points, beyond, self.thickness + beyond)

@@ -1,4 +1,4 @@
-"""The scene: an immutable snapshot of objects and hands, and where each of them may be."""
+"""The scene: an immutable snapshot of objects and hands, with the bounding spheres of the objects."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
     from pacinian.types import Flags, Floats
 
-DRAWN = 500  # objects in a notebook's small picture
+DRAWN = 500  # largest number of objects drawn in a notebook
 KINDS = Point, Path, Particles, Surface, Volume
 
 
 class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
-    """The box where anything may be felt. lower, upper: its corners [m]. Raises ArgumentError."""
+    """The box outside which nothing is felt. lower, upper: its corners [m]. Raises ArgumentError."""
 
     lower: Vector
     upper: Vector
@@ -39,19 +39,20 @@ class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
         force_setattr(self, "lower", vector("lower", self.lower))
         force_setattr(self, "upper", vector("upper", self.upper))
         if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise ArgumentError("workspace", "must have each of `lower` below that of `upper`")
+            raise ArgumentError("workspace", "must have `lower` below `upper` in x, y and z")
 
     def holds(self, points: Floats) -> Flags:
-        """Which of the points, (M, 3) [m], are inside, (M,)."""
+        """Return which of the points, (M, 3) [m], are inside: (M,)."""
         return np.asarray(((points >= self.lower) & (points <= self.upper)).all(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is to be felt, and by which hands. A change is a new scene that shares all that stayed.
+    """Objects, and the hands that feel them. A change makes a new scene, which shares everything unchanged.
 
-    objects: in order of importance. workspace: where; everywhere unless given. hands: what feels them;
-    without any, objects are rendered whole. Names, where given, are unique. Raises ArgumentError.
+    objects: at equal priority, earlier ones come first. workspace: limits where objects are felt; by default there is
+    no limit. hands: the objects are felt where these touch them; without hands, objects are rendered whole. Names,
+    where given, must be unique. Raises ArgumentError.
     """
 
     objects: tuple[Object, ...] = ()
@@ -68,7 +69,7 @@ class Scene:
         if self.workspace is not None:
             check_kind("workspace", self.workspace, Workspace)
         for i, item in enumerate(cast("tuple[object, ...]", self.objects)):
-            if type(item) not in KINDS:  # quicker than `kind`, and most are
+            if type(item) not in KINDS:  # fast path: `check_kind` is slower
                 check_kind(f"objects[{i}]", item, *KINDS)
         for i, hand in enumerate(self.hands):
             check_kind(f"hands[{i}]", hand, Hand)
@@ -76,14 +77,14 @@ class Scene:
         _unique("hands", [hand.name for hand in self.hands])
 
     def put(self, *items: Object) -> Scene:
-        """With these objects: each in the place of the one of its name, or as the last."""
+        """Return the scene with these objects: each replaces the object of its name, or is appended."""
         objects, index, rows = list(self.objects), self._index, set[int]()
         for item in items:
             check_kind("items", item, *KINDS)
             i = index.get(item.name) if item.name else None
             if i is None:
                 if item.name:
-                    if index is self._index:  # which other scenes have too
+                    if index is self._index:  # shared with other scenes
                         index = index.copy()
                     index[item.name] = len(objects)
                 objects.append(item)
@@ -99,7 +100,7 @@ class Scene:
         return self._with(tuple(objects), _index=index, bounds=bounds, moves_until=until)
 
     def remove(self, *names: str) -> Scene:
-        """Without the objects of these names; names that nothing has are no error."""
+        """Return the scene without the objects of these names. Unknown names are ignored."""
         gone = sorted({self._index[name] for name in names if name in self._index})
         if not gone:
             return self
@@ -110,9 +111,9 @@ class Scene:
         return self._with(tuple(objects), bounds=bounds, moves_until=self.moves_until)
 
     def held(self, *hands: Hand) -> Scene:
-        """The same objects with these hands instead."""
+        """Return the scene with these hands instead of its own."""
         made = replace(self, objects=(), hands=hands)
-        # looked at here, so that all scenes that come from this one share them
+        # computed on this scene, so that all scenes derived from it share the cached values
         made.__dict__.update(objects=self.objects, bounds=self.bounds, moves_until=self.moves_until)
         if "_index" in self.__dict__:
             made.__dict__["_index"] = self._index
@@ -120,7 +121,7 @@ class Scene:
 
     @functools.cached_property
     def bounds(self) -> Floats:
-        """Bounding sphere of each object, (objects, 8): centre [m], velocity [m/s], time [s], radius [m]."""
+        """Bounding spheres of the objects, (objects, 8): centre [m], velocity [m/s], time [s], radius [m]."""
         return _bounds(self.objects)
 
     @functools.cached_property
@@ -129,7 +130,7 @@ class Scene:
 
     @functools.cached_property
     def moves_until(self) -> float:
-        """When the last of its objects stands still, unless updated [s], or a moment after."""
+        """Upper bound of the time when all objects have stopped, unless they are updated [s]."""
         return max(map(_until, self.objects), default=-math.inf)
 
     @card
@@ -149,7 +150,7 @@ class Scene:
         return Card(f"Scene of {count} objects", rows, [head, *table], count, draw)
 
     def _draw(self, panel: Any) -> None:
-        """From the side: what holds each object, and the hands' joints."""
+        """Draw the objects' bounding spheres and the hands' joints from the side."""
         from matplotlib.patches import Circle
 
         for x, _, z, *_, radius in 1e3 * self.bounds[:DRAWN]:
@@ -161,7 +162,7 @@ class Scene:
         panel.set(xlabel="x [mm]", ylabel="z [mm]", aspect="equal", adjustable="datalim")
 
     def _with(self, objects: tuple[Object, ...], **cached: Any) -> Scene:
-        """This scene with other objects, all checked already."""
+        """Return this scene with other objects, without checking them again."""
         made = object.__new__(Scene)
         made.__dict__.update(objects=objects, workspace=self.workspace, hands=self.hands, **cached)
         return made
@@ -198,4 +199,4 @@ def _unique(name: str, given: Iterable[str]) -> None:
     names = list(given)
     if len(set(names)) != len(names):
         twice = next(word for word, n in Counter(names).items() if n > 1)
-        raise ArgumentError(name, f"must have names of their own: two are called {twice!r}")
+        raise ArgumentError(name, f"must have unique names: two are called {twice!r}")

@@ -1,4 +1,4 @@
-// Kernels of places that may be anywhere, or no numbers: compiled without the assumption that all are finite.
+// Kernels for positions that may be infinite or NaN. They are compiled without the assumption of finite numbers.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace pacinian::scene {
 
-constexpr f8 LATEST = 0.1;  // [s], as `motion.LATEST`
-constexpr f8 ON = 1e-9;     // [m] from an edge: on it
+constexpr f8 LATEST = 0.1;  // largest extrapolation time [s], equal to `motion.MAX_EXTRAPOLATION`
+constexpr f8 ON = 1e-9;     // a point this near to an edge lies on it [m]
 
 inline Index near(View<const f8, 2> bounds, f8 t, View<const f8, 2> boxes, View<i8, 1> found) {
     require(bounds.shape[1] == 8 && boxes.shape[1] == 6 && found.size() >= bounds.shape[0], "near: the shapes differ");
@@ -43,13 +43,13 @@ inline Index rough(View<const f8, 2> points, View<const f8, 1> low, View<const f
         Index cell[3];
         for (int k = 0; k < 3; ++k) {
             f8 x = points(i, k);
-            if (!(x > low[k])) x = low[k];  // or not a number
+            if (!(x > low[k])) x = low[k];  // also if x is NaN
             x = std::min(x, high[k]);
             cell[k] = std::min(static_cast<Index>((x - low[k]) / size), gap.shape[k] - 1);
             away += square(points(i, k) - x);
         }
         f8 bound = gap(cell[0], cell[1], cell[2]);
-        if (away > 0.0) bound = std::sqrt(away + bound * bound);  // nothing inside of a mesh is outside of its box
+        if (away > 0.0) bound = std::sqrt(away + bound * bound);  // the mesh lies inside its box
         else if (away != 0.0) bound = std::numeric_limits<f8>::infinity();
         d[i] = bound;
         if (least <= bound && bound <= most) near[count++] = i;

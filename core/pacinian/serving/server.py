@@ -1,4 +1,4 @@
-"""The server from its start to its end: what it makes, and takes away again."""
+"""The server from start to end: it creates all resources, and releases them at the end."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pacinian.serving.control.supervisor import Process
     from pacinian.serving.settings import Network, Settings
 
-RESERVE = 16  # files that are kept for processes that are started again
+RESERVE = 16  # file descriptors reserved for restarted processes
 
 
 def serve(
@@ -44,10 +44,10 @@ def serve(
     start: Callable[[str, child_process.LaunchConfig], Process] = child_process.start,
     ending: threading.Event | None = None,
 ) -> None:
-    """Run the server until SIGTERM, Ctrl-C or `ending`; then silence, always.
+    """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
 
-    ready: called with the connection file once clients may come. start: starts one of the other processes.
-    Raises ServerError.
+    ready: called with the connection file once clients can connect. start: starts one of the other processes. Raises
+    ServerError.
     """
     ending = ending or threading.Event()
     path = locate_connection(settings.connection)
@@ -65,7 +65,8 @@ def serve(
             name: stack.enter_context(shared_memory.SharedRegister.create(folder / name, capacity))
             for name, capacity in capacities.items()
         }
-        scheduling.raise_priority()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
+        # The stop is answered whatever the others do; ZeroMQ's threads inherit the priority.
+        scheduling.raise_priority()
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         secret = secrets.get("token") or secrets["secret_key"]
@@ -82,7 +83,7 @@ def serve(
             with _reserve():
                 if name == SPARE:
                     return start(GUARD, replace(told, spare=spare))
-                # the others have no socket
+                # The other processes have no socket.
                 return start(name, replace(told, secrets=secrets) if name == "bus" else told)
 
         supervisor = Supervisor(begin, settings.safety.hung)
@@ -106,7 +107,7 @@ def serve(
 
 
 def _alone(path: Path) -> FileLock:
-    """The right to write a connection file, as long as this process lives. Raises ServerError."""
+    """Lock the connection file for this process. Raises ServerError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         lock = FileLock(path.with_name(f"{path.name}.lock"))
@@ -114,7 +115,7 @@ def _alone(path: Path) -> FileLock:
         raise ServerError(f"{path}: cannot be written: {error.strerror}") from error
     except LockHeld as error:
         raise ServerError(
-            f"{path} is of a server that runs (process {error.pid or 'not known yet'}): end it, or choose "
+            f"{path} belongs to a running server (process {error.pid or 'unknown'}): end it, or choose "
             "another file with `--connection`"
         ) from error
     try:
@@ -126,7 +127,7 @@ def _alone(path: Path) -> FileLock:
 
 
 def _limit_files(reserve: int) -> None:
-    """Each connection takes a file: let there be as many as the system allows, but for so many."""
+    """Allow as many connections as the system permits, less `reserve`. Each connection takes a file descriptor."""
     if sys.platform == "win32":
         return
     import resource
@@ -139,7 +140,7 @@ def _limit_files(reserve: int) -> None:
 
 @contextlib.contextmanager
 def _reserve() -> Generator[None]:
-    """Files that no connection can take, for a process that is started."""
+    """Release the reserved file descriptors to a process that is being started."""
     _limit_files(0)
     try:
         yield
@@ -179,7 +180,7 @@ def _connection(network: Network, secrets: dict[str, str], stop: str) -> Connect
 
 
 def _check_ports(settings: Settings) -> None:
-    """Refuse ports that are taken, before anything is started that takes long. Raises ServerError."""
+    """Check that the ports are free, before the slow part of the start. Raises ServerError."""
     network = settings.network
     ports = [(network.host, port) for port in (network.control, network.command, network.state)]
     for host, port in (*ports, (HOST, settings.metrics.port)):
@@ -188,13 +189,12 @@ def _check_ports(settings: Settings) -> None:
 
 
 def _free(host: str, port: int) -> int:
-    """A port that nobody listens on, for what is bound later: that one, or any unless given. Raises ServerError."""
+    """Return a free port for a later bind: the given one, or any if it is 0. Raises ServerError."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(family) as probe:
-            if (
-                os.name == "posix"
-            ):  # as who binds it later: connections that linger are no hindrance
+            # ZeroMQ binds with this option too: lingering connections do not block the port.
+            if os.name == "posix":
                 probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind((host, port))
             return int(probe.getsockname()[1])
@@ -204,7 +204,7 @@ def _free(host: str, port: int) -> int:
 
 @contextlib.contextmanager
 def _signals(ending: threading.Event) -> Generator[None]:
-    """SIGTERM and Ctrl-C end the server in order, not where it happens to be."""
+    """Let SIGTERM and Ctrl-C end the server in order, instead of anywhere."""
 
     def asked(number: int, frame: FrameType | None) -> None:
         ending.set()
@@ -222,7 +222,7 @@ def _signals(ending: threading.Event) -> Generator[None]:
 
 
 def notify(state: str) -> None:
-    """Tell systemd, if it wants to know: sd_notify(3)."""
+    """Notify systemd, if it asks for that: sd_notify(3)."""
     address = os.environ.get("NOTIFY_SOCKET", "")
     if not address or not hasattr(socket, "AF_UNIX"):
         return

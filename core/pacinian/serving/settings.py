@@ -1,4 +1,4 @@
-"""The server's settings: what a configuration file may hold. No client can change or exceed them."""
+"""The server's settings, read from a configuration file. No client can change or exceed them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
 
 
 class Network(Struct, frozen=True, forbid_unknown_fields=True):
-    """Where the server listens: an IP address, and the ports of its three sockets."""
+    """The address to listen on: an IP address, and the ports of the three sockets."""
 
     host: str = "127.0.0.1"
     control: Port = 0
@@ -32,7 +32,7 @@ class Network(Struct, frozen=True, forbid_unknown_fields=True):
         try:
             ipaddress.ip_address(self.host)
         except ValueError:
-            problem = f"must be an IP address, as 127.0.0.1 or 0.0.0.0, not {self.host!r}"
+            problem = f"must be an IP address, such as 127.0.0.1 or 0.0.0.0, not {self.host!r}"
             raise ArgumentError("host", problem) from None
 
     @property
@@ -41,7 +41,7 @@ class Network(Struct, frozen=True, forbid_unknown_fields=True):
         return ipaddress.ip_address(self.host).is_loopback
 
     def endpoint(self, port: int, *, local: bool = False) -> str:
-        """Where a socket is bound; local: where programs on this machine connect to it."""
+        """Return the address to bind a socket to. local: the address for clients on this machine."""
         address = ipaddress.ip_address(self.host)
         if local and address.is_unspecified:
             address = ipaddress.ip_address("127.0.0.1" if address.version == 4 else "::1")
@@ -49,7 +49,7 @@ class Network(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Zone(Struct, frozen=True, forbid_unknown_fields=True):
-    """A ball that always stays quiet. pressure: the most sound pressure there [Pa]. radius: [m], 0 for a point."""
+    """A ball that always stays quiet. pressure: maximum sound pressure in it [Pa]. radius: [m], 0 for a point."""
 
     position: Vector
     pressure: float
@@ -62,13 +62,13 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):
-    """What ends sound. All times in seconds.
+    """Safety limits. All times are in seconds.
 
-    lease: from the owner's last renewal to silence. stale: age of the newest frame at which there is silence.
-    hung: age of a process's last sign of life at which it is killed. forget: age of a client's last renewal at
-    which its session ends. takeover: whether a client may take the output from another. pressure: the most
-    radiation pressure of an object [Pa]; 200 Pa is 165 dB SPL on skin and ten times the strongest object of the
-    gallery: it stops a mistaken unit, not a strong effect. zones: what always stays quiet.
+    lease: from the owner's last renewal to silence. stale: age of the newest frame at which the device is silenced.
+    hung: age of a process's last heartbeat at which it is killed. forget: age of a client's last renewal at which its
+    session ends. takeover: whether a client may take the output from another. pressure: maximum radiation pressure of
+    an object [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times the strongest object of the gallery: it
+    stops a mistaken unit, not a strong effect. zones: quiet zones of the installation.
     """
 
     lease: float = 0.25
@@ -88,10 +88,10 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Clients(Struct, frozen=True, forbid_unknown_fields=True):
-    """How much clients may ask of the server.
+    """Limits for clients.
 
-    most: sessions, not connections. objects: of a scene; per_client: of one client. rate: messages per second of
-    one client. command_bytes: of one command.
+    most: maximum number of sessions, not of connections. objects: of one scene; per_client: of one client. rate:
+    messages per second of one client. command_bytes: of one command.
     """
 
     most: Annotated[int, Meta(ge=1, le=1024)] = 64
@@ -104,30 +104,30 @@ class Clients(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Security(Struct, frozen=True, forbid_unknown_fields=True):
-    """Who may connect from elsewhere. keys: a folder with server.key and clients/*.key (`pacinian keys`)."""
+    """Access from other machines. keys: a folder with server.key and clients/*.key (`pacinian keys`)."""
 
     keys: str = ""
 
 
 class Log(Struct, frozen=True, forbid_unknown_fields=True):
-    """What is logged to standard error, for people or for programs."""
+    """Logging to standard error, as text for people or as JSON for programs."""
 
     format: Literal["console", "json"] = "console"
     level: Literal["debug", "info", "warning", "error"] = "info"
 
 
 class Metrics(Struct, frozen=True, forbid_unknown_fields=True):
-    """Where Prometheus finds the metrics, on 127.0.0.1 only; 0: nowhere."""
+    """The port of the Prometheus metrics, on 127.0.0.1 only; 0 disables them."""
 
     port: Annotated[int, Meta(ge=0, le=65535)] = 0
 
 
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
-    """A configuration file. What it shares with a scene file means the same there.
+    """A configuration file. Keys that a scene file also has mean the same here.
 
-    power: the most sum of squared gains; None for no limit. cycle: frames at most whose mean may make a region; 1 for
-    each by itself. connection: where clients on this machine find how to
-    connect; "" for the default. state_rate: of the published state [Hz]. Raises ArgumentError.
+    power: maximum sum of squared gains; None for no limit. cycle: maximum number of frames whose mean may form a
+    region; 1: each frame by itself. connection: path of the connection file for clients on this machine; "" for the
+    default. state_rate: of the published state [Hz]. Raises ArgumentError.
     """
 
     array: Units | Lattice | Device = Units()
@@ -168,7 +168,7 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load(path: str | Path) -> Settings:
-    """Read a configuration file, TOML or JSON; paths in it are relative to its folder.
+    """Read a configuration file, TOML or JSON. Paths in it are relative to its folder.
 
     Raises SceneFileError, which names the file, the key and the fix.
     """

@@ -1,1 +1,1 @@
-"""What a solver is given and what it gives: targets, limits, budget, propagator, solution."""
+"""Inputs and outputs of solvers: targets, limits, budget, propagator and solution."""

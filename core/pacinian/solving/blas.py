@@ -1,4 +1,4 @@
-"""One thread of linear algebra for small problems: more of them cost milliseconds of waiting for each other."""
+"""Limit BLAS to one thread for small problems, where threads lose milliseconds waiting for each other."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from threadpoolctl import ThreadpoolController
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-MIN_ELEMENTS = 4_096  # elements of B up to which BLAS does not think of a second thread
-MAX_ELEMENTS = 1_000_000  # from which several threads are worth their while
+MIN_ELEMENTS = 4_096  # elements of B below which BLAS does not start a second thread by itself
+MAX_ELEMENTS = 1_000_000  # elements of B from which several threads are faster
 
 
 def one_thread(elements: int = MIN_ELEMENTS) -> AbstractContextManager[object]:
-    """Keep BLAS to one thread for `MIN_ELEMENTS` to `MAX_ELEMENTS` elements of B; costs 25 us, nested nothing.
+    """Limit BLAS to one thread, if B has `MIN_ELEMENTS` to `MAX_ELEMENTS` elements. Costs 25 us, or nothing if nested.
 
-    The threads are the process's: what there was comes back when the last that asked is done.
+    The limit applies to the whole process. The last context to exit restores the previous number of threads.
     """
     return ONE if MIN_ELEMENTS <= elements < MAX_ELEMENTS else NOTHING
 
 
 class _One:
-    """Limits while anyone is inside, from any thread."""
+    """A context, shared by all threads, that limits BLAS while at least one thread is inside."""
 
     def __init__(self) -> None:
         self._inside = 0
@@ -51,6 +51,6 @@ NOTHING, ONE = nullcontext(), _One()
 
 @functools.cache
 def _controller() -> ThreadpoolController:
-    """Finding the libraries takes milliseconds, so once: all that solvers use are loaded by then."""
+    """Find the BLAS libraries, once, because that takes milliseconds; imports those that solvers use first."""
     import_module("scipy.linalg.lapack")
     return ThreadpoolController()

@@ -1,4 +1,4 @@
-"""Space to work in, used again: none is allocated from one solve to the next."""
+"""A pool of workspaces, so that repeated solves do not allocate."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeVar, cast
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
-MAX_BUFFERS = 8  # rooms kept
-MAX_BUFFER_SIZE = 1_000_000  # M N of those that are: to make larger ones takes no time that counts
+MAX_BUFFERS = 8  # workspaces kept
+MAX_BUFFER_SIZE = 1_000_000  # largest M N to keep; for larger problems, allocation is negligible
 
 T = TypeVar("T")
 
@@ -17,18 +17,18 @@ _free: OrderedDict[Hashable, object] = OrderedDict()
 
 
 def acquire(key: Hashable, make: Callable[[], T]) -> T:
-    """A room for `key`, maybe used before, else made; it is the caller's until given back."""
+    """Return a workspace for `key`: a released one, or a new one. It is the caller's until `release`."""
     room = _free.pop(key, None)
     return make() if room is None else cast("T", room)
 
 
 def release(key: Hashable, room: object, size: int = 0) -> None:
-    """Give a room of size M N back, for the next that takes one for that key; from any thread."""
+    """Return a workspace of size M N to the pool, for the next `acquire` with this key; thread-safe."""
     if size > MAX_BUFFER_SIZE:
         return
     _free[key] = room
     while len(_free) > MAX_BUFFERS:
         try:
             _free.popitem(last=False)
-        except KeyError:  # another thread was quicker
+        except KeyError:  # another thread emptied the pool
             break

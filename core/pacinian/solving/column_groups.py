@@ -1,4 +1,4 @@
-"""Equal columns of B, as mirrored or coincident transducers have them: each group can share one gain."""
+"""Merge equal columns of B, which mirrored or coincident transducers have, so that each group shares one gain."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
-PROJECTIONS = 4  # random ones, in which columns are equal that are equal, and hardly any others
-NEIGHBOURS = 8  # in order of one of them, among which equal columns are sought
+PROJECTIONS = 4  # random projections by which columns are compared
+NEIGHBOURS = 8  # window in the order of the first projection within which equal columns are sought
 
 
 @dataclass(frozen=True, eq=False)
 class ColumnGroups:
-    """Orthonormal S, (N, r), with B = (B S) S^H: g = S h gives the columns of a group equal shares.
+    """An orthonormal S, (N, r), with B = (B S) S^H; g = S h divides each h equally among the columns of its group.
 
-    kept: one column of each group, ascending, (r,). group: which group each column is in, (N,), -1 for
-    a column of zeros, which is left out. root: sqrt(columns in the group), (r,).
+    kept: one column of each group, ascending, (r,). group: group of each column, (N,); -1 for a column of zeros, which
+    is left out. root: square root of the number of columns in each group, (r,).
     """
 
     kept: Indices
@@ -28,7 +28,7 @@ class ColumnGroups:
 
     @classmethod
     def of(cls, B: Complexes, tolerance: float) -> ColumnGroups:
-        """Of columns that differ by no more than `tolerance` times the largest. B: (M, N)."""
+        """Group the columns of B, (M, N), that differ by at most `tolerance` times the largest."""
         W = np.random.default_rng(0).normal(size=(PROJECTIONS, len(B)))
         P = W.astype(B.dtype) @ B
         F = np.concatenate([P.real, P.imag]).astype(np.float64)  # (2 PROJECTIONS, N)
@@ -49,20 +49,20 @@ class ColumnGroups:
         return len(self.kept) == len(self.group)
 
     def merge(self, B: Complexes, axis: int = 1) -> Complexes:
-        """B S, shape (M, r); for axis 0, S^H B, of a B whose rows are equal."""
+        """Return B S, shape (M, r); for axis 0, S^H B, to merge equal rows."""
         if self.trivial:
             return B
         root = self.root.astype(B.real.dtype)
         return np.take(B, self.kept, axis=axis) * (root if axis else root[:, None])
 
     def gather(self, g: Complexes) -> Complexes:
-        """S^H g, shape (r,), complex128."""
-        total = np.zeros(len(self.kept) + 1, dtype=np.complex128)  # the last one is for zeros
+        """Return S^H g, shape (r,), complex128."""
+        total = np.zeros(len(self.kept) + 1, dtype=np.complex128)  # the last is for zeros
         np.add.at(total, self.group, g)
         return total[:-1] / self.root
 
     def spread(self, h: Complexes) -> Complexes:
-        """S h, shape (N,), for h of shape (r,); or of each row, (K, N), for (K, r)."""
+        """Return S h, shape (N,), for h of shape (r,); for h of shape (K, r), apply S to each row, (K, N)."""
         h = h / self.root
         return np.concatenate([h, np.zeros_like(h, shape=(*h.shape[:-1], 1))], axis=-1)[
             ..., self.group
@@ -70,7 +70,7 @@ class ColumnGroups:
 
 
 def _first(F: Floats, tolerance: float) -> Indices:
-    """For each column of F, sorted by its first row, the first one that it is equal to; shape (N,)."""
+    """Return for each column of F, sorted by its first row, the index of the first equal column, (N,)."""
     index = np.arange(F.shape[1])
     first = index.copy()
     for s in range(1, min(len(index), NEIGHBOURS)):
@@ -79,5 +79,5 @@ def _first(F: Floats, tolerance: float) -> Indices:
         first[s:][near] = index[:-s][near]
     while (first != first[first]).any():
         first = first[first]
-    apart = np.abs(F - F[:, first]).max(axis=0, initial=0.0) > tolerance  # the far end of a chain
+    apart = np.abs(F - F[:, first]).max(axis=0, initial=0.0) > tolerance  # far ends of chains
     return np.where(apart, index, first)

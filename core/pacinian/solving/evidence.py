@@ -1,4 +1,4 @@
-"""What gains achieve, from the gains themselves: status, violations, and the proof of a bound."""
+"""Evidence computed from the gains themselves: status, violated limits, and a proven bound."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Floats
 
-TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
-EVEN = 0.05  # the same where there are regions: at their samples, 10 % of the pressure that is felt
-ROUNDED = 1e-5  # of a limit: what rounding to levels or to single precision adds
+TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
+EVEN = 0.05  # the same for targets with regions; it is 10 % of the radiation pressure
+ROUNDED = 1e-5  # excess over a limit, relative to it, that counts as rounding
 MIN_LIMIT_SHARE = (
-    1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
+    1e-2  # of full drive; the excess over lower limits is relative to this, because of rounding
 )
 
 
 def measure_violations(
     propagator: Propagator, limits: Limits, targets: Targets, p: Complexes, g: Complexes
 ) -> dict[str, float]:
-    """By how much gains g, (N,), with pressures p, (M,), break limits: see `Solution.measure_violations`."""
+    """Return by how much gains g, (N,), with pressures p, (M,), break limits; see `Solution.violations`."""
     found: dict[str, float] = {}
     for name, top, value in (
         ("gain", limits.gain, float(np.abs(g).max())),
@@ -35,7 +35,7 @@ def measure_violations(
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
         loud = np.abs(propagator.quiet.apply(g))
-        full = np.sqrt(max(len(g) * propagator.quiet.power, 1e-60))  # [Pa]: about full drive
+        full = np.sqrt(max(len(g) * propagator.quiet.power, 1e-60))  # about full drive [Pa]
         over = (loud - limit) / np.maximum(limit, MIN_LIMIT_SHARE * full)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
@@ -52,7 +52,7 @@ def measure_violations(
 
 
 def _asked_in_zones(propagator: Propagator, limits: Limits, targets: Targets) -> float:
-    """By how much the most that is asked in a quiet zone is over its limit, over that limit."""
+    """Return the largest excess of a target over the limit of the quiet zone that it is in, relative to the limit."""
     return max(
         float(targets.amplitudes[zone.holds(propagator.points)].max(initial=0.0)) / zone.pressure
         - 1.0
@@ -63,11 +63,11 @@ def _asked_in_zones(propagator: Propagator, limits: Limits, targets: Targets) ->
 def compute_bound(
     B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None, weights: Floats
 ) -> float:
-    """What 1/2 sum_m w_m |p - B g|_m^2 + mu/2 ||g||^2 cannot be less than under |g_n| <= gain [Pa^2].
+    """Return a lower bound [Pa^2] of 1/2 sum_m w_m |p - B g|_m^2 + mu/2 ||g||^2 over gains with |g_n| <= gain.
 
-    B: (M, N). p: targets, (M,). weights: w, (M,). y: any multipliers, (M,): the dual of `lagrange`,
-    D(y) = Re(y^H p) - sum_m |y_m|^2 / (2 w_m) - sum_n c(|B^H y|_n), c(s) = s^2 / (2 mu), or gain s - mu gain^2 / 2
-    where s > mu gain.
+    B: (M, N). p: targets, (M,). weights: w, (M,). y: multipliers, (M,); any y gives a valid bound. The bound is the
+    dual function of `lagrange`, D(y) = Re(y^H p) - sum_m |y_m|^2 / (2 w_m) - sum_n c(|B^H y|_n), with
+    c(s) = s^2 / (2 mu) if s <= mu gain, and gain s - mu gain^2 / 2 otherwise.
     """
     s = np.abs(B.conj().T @ y)
     cost = s * s / (2.0 * mu)
@@ -77,14 +77,14 @@ def compute_bound(
 
 
 def relative_error(targets: Targets, p: Complexes) -> float:
-    """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; with `scale="max"`, of p at the strength asked."""
+    """Return ||t - p|| / ||t|| for targets t; with `scale="max"`, p, (M,) [Pa], is first scaled to their strength."""
     if targets.scale == "exact" or not targets.norm:
         return targets.relative_error(p)
     return targets.relative_error(p / (reached_multiple(targets, p) or 1.0))
 
 
 def reached_multiple(targets: Targets, p: Complexes) -> float:
-    """The multiple of the targets that pressures p, (M,) [Pa], are as strong as."""
+    """Return ||p|| / ||targets||, without points beside regions, for pressures p, (M,) [Pa]."""
     return float(np.linalg.norm(p[~targets.beside])) / targets.norm
 
 
@@ -99,7 +99,11 @@ def determine_status(
     limited: bool,
     unproven: bool = False,
 ) -> Status:
-    """How it ended, by what pressures `relative_error`, and by what the solver and the limits did."""
+    """Return the status, given the relative error `miss` and reports of the solver and of the limits.
+
+    broken: a limit is broken. late: the deadline passed. scaled: the gains were scaled down to the limits. limited: the
+    solver was held back by a limit. unproven: with `scale="max"`, stronger gains may exist.
+    """
     if not targets.norm:
         return Status.silent
     if broken:
@@ -112,7 +116,7 @@ def determine_status(
         scaled = False
     if miss <= (TOLERANCE if targets.regions is None else EVEN):
         return Status.ok
-    unheard = (targets.amplitudes > 0.0) & (propagator.powers == 0.0)  # or its squares vanish
+    unheard = (targets.amplitudes > 0.0) & (propagator.powers == 0.0)  # or they underflow
     if unheard.any() and not propagator.B[unheard].any(axis=1).all():
         return Status.unreachable
     if late:

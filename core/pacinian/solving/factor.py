@@ -1,4 +1,4 @@
-"""A Cholesky factor of the Gram matrix, regularised."""
+"""Cholesky factor of the regularised Gram matrix."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """The upper Cholesky factor of G + mu I, (M, M), complex128; definite: whether there is one.
+    """The upper Cholesky factor of G + mu I, (M, M), complex128.
 
-    Valid while the points stay where they are.
+    definite: whether the matrix is positive definite, so that the factor exists. Valid until the points move.
     """
 
     gram: Complexes
@@ -26,7 +26,7 @@ class Factor:
 
     @classmethod
     def of(cls, gram: Complexes, mu: float, buffer: Complexes | None = None) -> Factor:
-        """Factor `gram` + mu I; buffer: (M, M), in Fortran's order, to write the factor to."""
+        """Factor `gram` + mu I; buffer: (M, M), in Fortran order, to write the factor to."""
         upper = np.empty(gram.shape, np.complex128, order="F") if buffer is None else buffer
         upper[...] = gram
         upper.T.reshape(-1)[:: len(gram) + 1] += mu
@@ -35,7 +35,7 @@ class Factor:
 
     @property
     def reciprocal_condition(self) -> float:
-        """LAPACK's estimate; 0 where the matrix is not positive definite."""
+        """LAPACK's estimate; 0 if the matrix is not positive definite."""
         if not self.definite:
             return 0.0
         norm = float((np.abs(self.gram).sum(axis=0) + self.mu).max())
@@ -43,6 +43,6 @@ class Factor:
         return float(reciprocal)
 
     def solve(self, y: Complexes) -> Complexes:
-        """(B B^H + mu I)^-1 y, for y of shape (M,) or (M, K)."""
+        """Return (B B^H + mu I)^-1 y, for y of shape (M,) or (M, K)."""
         x, _ = lapack.zpotrs(self.upper, y)
         return cast("Complexes", x.reshape(y.shape))

@@ -1,4 +1,4 @@
-"""What is felt of regions, at places between and beside the samples: those that the solver was not given."""
+"""Evaluate what is felt of regions between and beside their samples, at places that the solver did not see."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
-NEIGHBOURS = 1.5  # times as far as the nearest sample that lies elsewhere
-SAME = 1e-4  # [m]: samples that are no farther apart lie in one place
-CELLS = 28  # one sample, those that may be so near in cells of that width, and one that is not
-ON = 1e-5  # [m]: a place that is no farther from a transducer lies on it
-BESIDE = 0.003, 0.004, 0.005  # [m]
-AROUND = 12  # directions in which is looked there
-HOLE = 0.5  # of what was asked: less is a hole
-EVEN_FORCE, EVEN_RMS = 0.05, 0.10  # off by more is not what was asked
+NEIGHBOURS = 1.5  # largest distance of neighbours, in distances to the nearest other sample
+SAME = 1e-4  # samples up to this far apart count as one place [m]
+CELLS = 28  # nearest samples to query: itself, 26 that may be within SAME, and one that is not
+ON = 1e-5  # places up to this far from a transducer count as on it [m]
+BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region [m]
+AROUND = 12  # number of directions of these places
+HOLE = 0.5  # fraction of the target below which a place is a hole
+EVEN_FORCE, EVEN_RMS = 0.05, 0.10  # largest errors of a region that counts as even
 
 
 class FeltRegion(NamedTuple):
-    """What is felt of one region, against what was asked; pressures are radiation pressures.
+    """What is felt of one region, relative to its target. All pressures are radiation pressures.
 
-    force: over what was asked, 1 if right. rms: root mean square of the difference, over that of what
-    was asked. holes: the share of the region with less than half. spill: the highest pressure 3 to 5 mm beside
-    it, over the mean that was asked. All between the samples; 1, 0, 0, 0 of a region where nothing is asked.
+    force: relative to the target force; 1 is right. rms: root mean square error, relative to the root mean square of
+    the target. holes: fraction of the region with less than half the target. spill: highest pressure 3 to 5 mm beside
+    the region, relative to the mean target. Evaluated between the samples. For a region with target 0: 1, 0, 0, 0.
     """
 
     force: float = 1.0
@@ -50,16 +50,16 @@ class FeltRegion(NamedTuple):
 
     @property
     def even(self) -> bool:
-        """Whether that is what was asked: force within 5 %, rms at most 0.10, no holes."""
+        """Whether the region is as requested: force within 5 %, rms at most 0.10, no holes."""
         return abs(self.force - 1.0) <= EVEN_FORCE and self.rms <= EVEN_RMS and not self.holes
 
 
 class FeltSums(NamedTuple):
-    """What `FeltRegion` is made of, so that looks at different moments can be added.
+    """Sums from which `FeltRegion` is computed; sums of different moments can be added.
 
-    places: how many, half way between samples. made, asked: sums of the squares of the sound pressure amplitudes
-    [Pa^2]. errors, squares: sums of the squares of their difference, and of what was asked [Pa^4]. holes: places with
-    less than half. beside: the highest square beside the region [Pa^2].
+    places: number of places, half way between samples. made, asked: sums of squared sound pressure amplitudes, achieved
+    and target [Pa^2]. errors, squares: sums of squares of their difference, and of `asked` [Pa^4]. holes: number of
+    places with less than half the target. beside: highest squared amplitude beside the region [Pa^2].
     """
 
     places: int = 0
@@ -71,7 +71,7 @@ class FeltSums(NamedTuple):
     beside: float = 0.0
 
     def plus(self, other: FeltSums) -> FeltSums:
-        """Both together."""
+        """Return the sums of both."""
         return FeltSums(
             self.places + other.places,
             self.made + other.made,
@@ -84,7 +84,7 @@ class FeltSums(NamedTuple):
 
     @property
     def felt(self) -> FeltRegion:
-        """The figures."""
+        """The figures of the region."""
         if not self.asked:
             return FeltRegion()
         rms = math.sqrt(self.errors / self.squares)
@@ -94,10 +94,11 @@ class FeltSums(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FeltPlaces:
-    """Places between the samples of regions, and beside these.
+    """Places between the samples of regions, and beside the regions.
 
-    points: (K, 3) [m]. asked: square of the sound pressure amplitude, (K,) [Pa^2]; 0 beside. region: of
-    each, (K,). facing: of the skin there. count: of regions.
+    points: (K, 3) [m]. asked: square of the target amplitude, (K,) [Pa^2]; 0 beside a region. region: number of each
+    place's region, (K,). beside: whether each place is beside it, (K,). facing: of the skin at the places. count:
+    number of regions.
     """
 
     points: Floats
@@ -109,9 +110,10 @@ class FeltPlaces:
 
     @classmethod
     def of(cls, points: Floats, targets: Targets, facing: SkinFacing | None) -> FeltPlaces:
-        """For samples at `points`, (M, 3) [m]: half way between neighbours, and 3 to 5 mm beside the region.
+        """Return places half way between neighbouring samples, and 3 to 5 mm beside their region.
 
-        Half way, the mean of both is asked. A region of one sample is looked at there.
+        points: the samples, (M, 3) [m]. Half way, the target is the mean of both samples. A region of one sample is
+        evaluated at that sample.
         """
         from scipy.spatial import KDTree
 
@@ -140,9 +142,9 @@ class FeltPlaces:
         count: int,
         chance: Generator,
     ) -> FeltPlaces | None:
-        """At random a few of those that `of` has: `count` half way, fewer beside; None without a region.
+        """Return a random subset of such places: `count` half way, at most as many beside; None if there is no region.
 
-        Beside is outward from a neighbour. Takes a tenth of a millisecond, where `of` takes tens.
+        A place beside a region lies outward from a sample and its neighbour. Takes 0.1 ms, where `of` takes tens of ms.
         """
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
@@ -163,7 +165,7 @@ class FeltPlaces:
         )
         first, second = sounding[first], sounding[second]
         a, b = first[:count], second[:count]
-        # the others: outward from the neighbour
+        # places beside: outward from the neighbour
         m, n = first[count:], second[count:]
         away = points[m] - points[n]
         size = np.sqrt((away * away).sum(axis=1, keepdims=True))
@@ -179,7 +181,7 @@ class FeltPlaces:
         cls, points: Floats, targets: Targets, facing: SkinFacing | None,
         pairs: tuple[Indices, Indices], outside: Floats, of: Indices,
     ) -> FeltPlaces:  # fmt: skip
-        """Half way between pairs of samples, and outside, beside the samples `of`."""
+        """Return the places half way between `pairs` of samples, and `outside`, which lie beside the samples `of`."""
         assert targets.regions is not None
         P, (first, second) = targets.amplitudes**2, pairs
         inside = len(first)
@@ -201,7 +203,7 @@ class FeltPlaces:
         )
 
     def heard_by(self, propagator: Propagator) -> FeltPlaces:
-        """Put the propagator's points here; what lies on a transducer is left out. Returns what is left."""
+        """Move the propagator's points to these places, without those on a transducer. Returns the places used."""
         try:
             propagator.set_points(self.points, self.facing)
         except PointOnTransducer:
@@ -222,14 +224,14 @@ class FeltPlaces:
         return places
 
     def felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[FeltRegion, ...]:
-        """The figures of each region, in their order, for sound pressures p, (K,) [Pa].
+        """Return the figures of each region, in order, for sound pressures p, (K,) [Pa].
 
-        multiple: of the amplitudes that count as asked.
+        multiple: factor by which the target amplitudes are multiplied first.
         """
         return tuple(sums.felt for sums in self.sums(p, multiple))
 
     def sums(self, p: Complexes | Floats, multiple: float = 1.0) -> list[FeltSums]:
-        """The sums of each region, in their order; arguments as for `felt`."""
+        """Return the sums of each region, in order; arguments as for `felt`."""
         made, asked = np.abs(p).astype(np.float64) ** 2, self.asked * multiple**2
         found: list[FeltSums] = []
         for number in range(self.count):
@@ -254,9 +256,9 @@ class FeltPlaces:
 
 
 def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
-    """Pairs of neighbours among the samples of a region, (M, 3) [m], and how far apart they are, in the median [m].
+    """Return pairs of neighbouring samples of a region, (M, 3) [m], and the median distance to the nearest [m].
 
-    Of samples in one place one counts. A region that is all in one place is a pair of that sample with itself.
+    Samples in one place count as one. If all are in one place, the pair is that sample and itself.
     """
     from scipy.spatial import KDTree
 
@@ -275,9 +277,10 @@ def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
 
 
 def _around(points: Floats, radius: float, every: KDTree) -> tuple[Floats, Indices]:
-    """Places 3 to 5 mm from samples of a region, along its surface, and no nearer to any other of `every`.
+    """Return places 3 to 5 mm from a sample, along the surface, and no nearer to any sample in `every`.
 
-    radius: in which neighbours tell how the surface lies [m]. Returns also beside which sample each is.
+    points: samples of one region, (M, 3) [m]. radius: neighbours within it determine the tangent plane [m]. Returns
+    the index of each place's sample, too.
     """
     from scipy.spatial import KDTree
 

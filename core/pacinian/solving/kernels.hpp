@@ -1,4 +1,4 @@
-// Kernels in the small space: the Gram matrix B B^H, Gerchberg-Saxton steps on it, limits.
+// Kernels in the M-dimensional space: the Gram matrix B B^H, Gerchberg-Saxton steps on it, and limits.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-"""min ||B g - p||, of those min ||g||, for any shape and rank, as fast as B allows.
+"""Minimum-norm least squares, min ||g|| among all g that minimise ||B g - p||, for B of any shape and rank.
 
-Equal rows and columns of B are merged: what is left of the paper's cases 2a and 2b, rank 451 of 861,
-has full rank. Then the smaller Gram matrix, B^H B (M > N) or B B^H, is factored by Cholesky in single
-precision. The pseudo-inverse X that this gives need not be exact: steps g <- g + X (p - B g) shrink the
-error to what B's own precision leaves, or do not shrink it and so tell that X will not do. Then the
-same in double precision, then singular values.
+First, equal rows and columns of B are merged. After this, the paper's cases 2a and 2b, with rank 451 of 861, have full
+rank. Then the smaller Gram matrix, B^H B (if M > N) or B B^H, is factored by Cholesky in single precision. The
+resulting pseudo-inverse X need not be exact, because refinement steps g <- g + X (p - B g) reduce the error to the
+precision of B. If they do not reduce it, X is not good enough. Then the same is tried in double precision, and last a
+singular value decomposition.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 SINGLE, DOUBLE = np.dtype(np.complex64), np.dtype(np.complex128)
-# The Gram matrix's reciprocal condition number from which its factor is used. Of a singular matrix it
-# comes out as 1e-8 and 1e-16 or less.
-PHASES = 2e-5  # [rad] at 0.4 m
+PHASES = 2e-5  # rounding of phases in single precision, at 0.4 m [rad]
+# Smallest reciprocal condition number of the Gram matrix at which its factor is used. For a singular matrix, LAPACK
+# returns 1e-8 (single) or 1e-16 (double), or less.
 TRUSTED: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
-STEPS = 20  # of refinement at most; 2 or 3 are usual
-SHRUNK = 0.1  # the first of them is shorter than this share of g, or X will not do
+STEPS = 20  # most refinement steps; 2 or 3 are usual
+SHRUNK = 0.1  # largest length of the first step, relative to g, at which X is good enough
 
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """The pseudo-inverse of a matrix, prepared once, applied to targets again and again.
+    """The pseudo-inverse of a matrix, prepared once and applied to many targets.
 
-    B: the matrix times 2^shift, its equal rows and columns merged, (m, n). rcond: singular values below
-    this share of the largest count as zero.
+    B: the matrix times 2^shift, with equal rows and columns merged, (m, n). rcond: singular values below this fraction
+    of the largest count as zero.
     """
 
     B: Complexes
@@ -48,7 +48,7 @@ class LeastSquares:
 
     @classmethod
     def of(cls, B: Complexes, rcond: float | None = None) -> LeastSquares:
-        """For B of shape (M, N), finite; rcond: max(M, N) times its precision unless given."""
+        """Prepare a finite B of shape (M, N); rcond: by default max(M, N) times its precision."""
         rounding = rounding_share(B)
         rcond = rounding if rcond is None else rcond
         B, shift = scale_matrix(B)
@@ -58,10 +58,10 @@ class LeastSquares:
         return cls(rows.merge(B, axis=0), shift, rows, columns, rcond)
 
     def solve(self, p: Complexes) -> tuple[Complexes, str]:
-        """Gains (N,), complex128, for targets p (M,), and a note on how they were found.
+        """Return gains, (N,), complex128, for targets p, (M,), and a note on the method used.
 
-        For B of complex128 to double precision; of complex64, with the rounding of B g in single
-        precision. The largest |B_mn| and |p_m| may be 1e-150 to 1e150, or 0.
+        The result has double precision if B is complex128, and the rounding of B g in single precision if B is
+        complex64. The largest |B_mn| and |p_m| may be 1e-150 to 1e150, or 0.
         """
         size = float(np.abs(p).max(initial=0.0)) or 1.0
         q = self.rows.gather(p / size)
@@ -75,7 +75,7 @@ class LeastSquares:
         return self.columns.spread(g) * (size * 2.0**self.shift), f"{how}: rank {rank} of {full}"
 
     def _refined(self, p: Complexes) -> Complexes | None:
-        """Gains by the first factor that is good enough, if any."""
+        """Return gains from the first factor that is good enough; None if none is."""
         least = 3.0 * self.rcond**2  # the condition number is an estimate
         for dtype, trusted in TRUSTED.items():
             if dtype not in self._normals:
@@ -85,13 +85,13 @@ class LeastSquares:
                 g = refine(self.B, normal, p)
                 if g is not None:
                     return g
-            if normal.reciprocal_condition < least - 1e-7:  # nor would it be in double precision
+            if normal.reciprocal_condition < least - 1e-7:  # double precision would not help
                 break
         return None
 
     @cached_property
     def _normals(self) -> dict[np.dtype[Any], Normal]:
-        """The factors made so far."""
+        """The factors computed so far, by precision."""
         return {}
 
 
@@ -104,11 +104,11 @@ class Reduced:
 
     R: Complexes
     basis: Complexes  # (M, r), Q, or B without its repeated columns
-    upper: Complexes | None  # (r, r), then conj(basis) = Q conj(upper)
+    upper: Complexes | None  # (r, r), or None; if present, conj(basis) = Q conj(upper)
 
     @classmethod
     def of(cls, B: Complexes) -> Reduced:
-        """Reduce B, (M, N), finite: by Cholesky, without Q, where its condition allows, else by Householder."""
+        """Reduce a finite B, (M, N), by Cholesky (without forming Q) if its condition allows, else by Householder."""
         B = B.astype(np.complex128, copy=False)
         columns = ColumnGroups.of(B, rounding_share(B))
         basis = columns.merge(B)
@@ -120,7 +120,7 @@ class Reduced:
         return cls(columns.spread(R), Q, None)
 
     def down(self, p: Complexes) -> Complexes:
-        """Q^H p, shape (r,), complex128, for p of shape (M,)."""
+        """Return Q^H p, shape (r,), complex128, for p of shape (M,)."""
         q = adjoint(self.basis, p)
         if self.upper is None:
             return q
@@ -132,7 +132,7 @@ class Reduced:
 class Normal:
     """The Cholesky factor of the smaller Gram matrix: U^H U = conj(B B^H) if M <= N, else conj(B^H B).
 
-    reciprocal_condition: LAPACK's estimate for the Gram matrix; 0 where it is not positive definite.
+    reciprocal_condition: LAPACK's estimate for the Gram matrix; 0 if it is not positive definite.
     """
 
     upper: Complexes
@@ -140,7 +140,7 @@ class Normal:
 
     @classmethod
     def of(cls, B: Complexes) -> Normal:
-        """The factor, in the precision of B; shape (M, N)."""
+        """Compute the factor for B, (M, N), in its precision."""
         single = B.dtype == np.complex64
         M, N = B.shape
         herk = blas.cherk if single else blas.zherk
@@ -154,21 +154,21 @@ class Normal:
         return cls(upper, float(reciprocal))
 
     def solve(self, y: Complexes) -> Complexes:
-        """(B B^H)^-1 y, or (B^H B)^-1 y, complex128, as good as the factor is."""
-        size = float(np.abs(y).max()) or 1.0  # so that single precision can hold it
+        """Return (B B^H)^-1 y, or (B^H B)^-1 y, complex128, with the accuracy of the factor."""
+        size = float(np.abs(y).max()) or 1.0  # normalise, so that y fits single precision
         potrs = lapack.cpotrs if self.upper.dtype == np.complex64 else lapack.zpotrs
         x, _ = potrs(self.upper, (y.conj() / size).astype(self.upper.dtype))
         return cast("Complexes", np.conj(x.ravel()) * np.complex128(size))
 
     def pseudo_inverse(self, B: Complexes, p: Complexes) -> Complexes:
-        """B^+ p, shape (N,), complex128, as good as the factor is."""
+        """Return B^+ p, shape (N,), complex128, with the accuracy of the factor."""
         M, N = B.shape
         g = adjoint(B, self.solve(p)) if M <= N else self.solve(adjoint(B, p))
         return g.astype(np.complex128, copy=False)
 
 
 def refine(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
-    """B^+ p by steps of refinement, shape (N,); None where the factor is not good enough for them."""
+    """Return B^+ p, shape (N,), by iterative refinement; None if the factor is not good enough."""
     eps = float(np.finfo(B.dtype).eps)
     g = normal.pseudo_inverse(B, p)
     first = last = float(np.linalg.norm(g))
@@ -177,31 +177,31 @@ def refine(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
         length = float(np.linalg.norm(d))
         if not step and not length < SHRUNK * first:
             return None
-        if not length < last / 2.0:  # what is left is rounding
+        if not length < last / 2.0:  # the rest is rounding
             break
         g += d
-        if length**2 <= eps * first * last:  # as long as the next one would be
+        if length**2 <= eps * first * last:  # the next step would be below rounding
             break
         last = length
     return g
 
 
 def adjoint(B: Complexes, y: Complexes) -> Complexes:
-    """B^H y, shape (N,), in the precision of B."""
+    """Return B^H y, shape (N,), in the precision of B."""
     return np.conj(y.conj().astype(B.dtype, copy=False) @ B)
 
 
 def rounding_share(B: Complexes) -> float:
-    """The share of the largest singular value below which rounding may have made them.
+    """Return the fraction of the largest singular value below which others may be due to rounding.
 
-    max(M, N) eps; in single precision at least that of the phases, 6e-8 k r and more.
+    This is max(M, N) eps; in single precision, at least the rounding of phases, which is 6e-8 k r or more.
     """
     least = PHASES if B.dtype == np.complex64 else 0.0
     return max(least, float(max(1, *B.shape) * np.finfo(B.dtype).eps))
 
 
 def scale_matrix(B: Complexes) -> tuple[Complexes, int]:
-    """B 2^shift, contiguous, so that its square suits single precision; and the shift."""
+    """Return B 2^shift, contiguous and scaled so that its squares fit single precision, and the shift."""
     B = np.ascontiguousarray(B)
     parts = B.view(B.real.dtype)
     largest = float(max(parts.max(initial=0.0), -parts.min(initial=0.0)))

@@ -1,7 +1,7 @@
-// Products with B and B^H, tile by tile: B is read once, in single precision, without BLAS and its threads.
+// Products with B and B^H in single precision, tile by tile, so that B is read once, without BLAS and its threads.
 //
-// Arguments shared by all: B [Pa], (M, N). Complex vectors are planes, real and imaginary parts, (2, ...).
-// tile: room for one tile of B, (2, M rounded up to 4, TILE). Sums over a tile are single, over tiles double.
+// Common arguments: B [Pa], (M, N). Complex vectors are two planes, real and imaginary parts, (2, ...).
+// tile: workspace for one tile of B, (2, M rounded up to 4, TILE). Sums within a tile are single, across tiles double.
 #pragma once
 #include <algorithm>
 
@@ -9,9 +9,9 @@
 
 namespace pacinian::solving {
 
-constexpr Index TILE = 256;  // columns at a time: 16 rows of them stay in the first-level cache, 256 in the second
+constexpr Index TILE = 256;  // columns per tile: 16 rows fit the first-level cache, 256 rows the second-level cache
 
-// The columns first..first + count of B to `tile`, real and imaginary parts apart.
+// Copy columns first..first + count of B to `tile`, with separate real and imaginary parts.
 inline void load(View<const c8, 2> B, Index first, Index count, View<f4, 3> tile) {
     for (Index m = 0; m < B.shape[0]; ++m) {
         const f4* __restrict row = reinterpret_cast<const f4*>(B.row(m) + first);
@@ -23,7 +23,7 @@ inline void load(View<const c8, 2> B, Index first, Index count, View<f4, 3> tile
     }
 }
 
-// x = B^H y of one tile; rows of `tile` and of y beyond M are 0.
+// Write x = B^H y for one tile. Rows of `tile` and of y beyond M must be 0.
 inline void backward(View<const f4, 3> tile, Index count, View<const f4, 2> y, f4* __restrict xr, f4* __restrict xi) {
     std::fill(xr, xr + count, 0.0f);
     std::fill(xi, xi + count, 0.0f);
@@ -42,7 +42,7 @@ inline void backward(View<const f4, 3> tile, Index count, View<const f4, 2> y, f
     }
 }
 
-// Add B h of one tile to p.
+// Add B h for one tile to p.
 inline void forward(View<const f4, 3> tile, Index count, const f4* __restrict hr, const f4* __restrict hi, View<f8, 2> p) {
     for (Index m = 0; m < p.shape[1]; ++m) {
         const f4 *__restrict a = tile.row(0, m), *__restrict b = tile.row(1, m);
@@ -56,7 +56,7 @@ inline void forward(View<const f4, 3> tile, Index count, const f4* __restrict hr
     }
 }
 
-// Whether a tile has room for columns of so many rows.
+// Check that `tile` can hold columns of M rows.
 inline void require_tile(View<const f4, 3> tile, Index M) {
     require(tile.shape[0] == 2 && tile.shape[1] >= M && tile.shape[1] % 4 == 0 && tile.shape[2] == TILE, "no tile for B");
 }

@@ -1,4 +1,4 @@
-"""Phases for targets whose phase is free: people feel amplitude, not phase."""
+"""Choose the phases of targets whose phase is free, because people feel amplitude, not phase."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
 
-COLD, WARM = 20, 3  # steps from scratch, and from the phases of the last solution
+COLD, WARM = 20, 3  # Gerchberg-Saxton steps from scratch, and from the phases of the last solution
 
 
 def gerchberg_saxton(
     gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = COLD
 ) -> Complexes:
-    """Targets [Pa], complex, (M,), with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
+    """Return complex targets, (M,) [Pa], with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
 
-    One step sends the targets back to the array and forth again, p <- |t| exp(j arg(G p)), G = B B^H:
-    the classical iteration in M unknowns instead of N (Plasencia et al., GS-PAT, ACM TOG 2020).
-    It climbs towards phases that the array makes with the least power. Fixed phases stay.
+    One step propagates the targets back to the array and forth again: p <- |t| exp(j arg(G p)), G = B B^H. This is the
+    classical iteration in M unknowns instead of N (Plasencia et al., GS-PAT, ACM TOG 2020). It approaches the phases
+    for which the array needs the least power. Fixed phases do not change.
 
-    gram: (M, M). start: phases to start from [rad], (M,); quadratic ones unless given.
+    gram: (M, M). start: initial phases [rad], (M,); quadratic ones by default.
     """
     start = _spread(len(gram)) if start is None else start
     p, free = np.empty(len(gram), np.complex128), np.empty(len(gram), np.bool_)
@@ -37,7 +37,7 @@ def gerchberg_saxton(
 
 @functools.lru_cache(maxsize=64)
 def _spread(count: int) -> Floats:
-    """Phases to start from [rad]: spread out, as equal ones may be a saddle point."""
+    """Return initial phases [rad], (count,). They are spread out, because equal phases may be a saddle point."""
     m = np.arange(count)
     start = np.pi * m * m / max(1, count)
     start.flags.writeable = False
@@ -45,7 +45,7 @@ def _spread(count: int) -> Floats:
 
 
 def choose_phases(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
-    """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
+    """Return complex targets, (M,) [Pa]; chooses the free phases and keeps the others."""
     p, free = np.empty(len(targets.amplitudes), np.complex128), np.empty_like(targets.free)
     choose_phases_into(propagator, targets, start, p, free)
     return p
@@ -54,7 +54,10 @@ def choose_phases(propagator: Propagator, targets: Targets, start: Floats | None
 def choose_phases_into(
     propagator: Propagator, targets: Targets, start: Floats | None, p: Complexes, free: Flags
 ) -> float:
-    """As `choose_phases`, into p; and into `free`, (M,), where a phase is free and counts. Returns ||t||."""
+    """Like `choose_phases`, but write the targets to p, and to `free`, (M,), where the phase is free and t > 0.
+
+    Returns ||t||.
+    """
     if not targets.free.any():
         p[:], free[:] = targets.complex(targets.phases), False
         return targets.norm
@@ -69,7 +72,7 @@ def choose_phases_into(
 def _choose_tall(
     propagator: Propagator, targets: Targets, start: Floats, steps: int, p: Complexes, free: Flags
 ) -> float:
-    """The same steps through the transducers, of which there are fewer than points."""
+    """Take the same steps by products with B and B^H, because there are fewer transducers than points."""
     p[:], free[:] = targets.complex(start), targets.free & (targets.amplitudes > 0.0)
     for _ in range(steps):
         q = propagator.apply(propagator.adjoint(p))
@@ -79,5 +82,5 @@ def _choose_tall(
 
 
 def initial_phases(count: int, start: Floats | None) -> tuple[Floats, int]:
-    """Phases to start from [rad], (count,), and how many steps to take from there."""
+    """Return initial phases [rad], (count,), and the number of steps to take from there."""
     return (_spread(count), COLD) if start is None else (start, WARM)

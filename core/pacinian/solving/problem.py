@@ -1,4 +1,4 @@
-"""The problem that a solver is given: targets, limits, budget."""
+"""The problem passed to a solver: targets, limits and budget."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ Scale = Literal["exact", "max"]
 
 @functools.lru_cache(maxsize=64)
 def _anything(count: int) -> Floats:
-    """Phases that are all free, (count,)."""
+    """Return phases that are all free (NaN), shape (count,)."""
     phi = np.full(count, np.nan)
     phi.flags.writeable = False
     return phi
 
 
-ISOLATED = -1  # the number of a point that belongs to no region
-BESIDE = -2  # the number of a point beside regions, where silence is asked
-QUIETEST, LOUDEST = 1e-30, 1e30  # [Pa]: what single precision can work with
+ISOLATED = -1  # region number of a point that belongs to no region
+BESIDE = -2  # region number of a point beside the regions, with target 0
+QUIETEST, LOUDEST = 1e-30, 1e30  # range of amplitudes that single precision can handle [Pa]
 
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """What is asked at M points.
+    """The targets at M points.
 
-    amplitudes: peak sound pressure [Pa], shape (M,), not negative; below 1e-30 Pa counts as 0.
+    amplitudes: peak sound pressures [Pa], shape (M,), not negative; values below 1e-30 Pa count as 0.
     phases: [rad], shape (M,), NaN where free.
-    scale: "exact" (these pressures) or "max" (as strong as the limits allow in these proportions).
-    regions: the region of each point, shape (M,), -1 for an isolated one, -2 for one beside regions, where silence is
-    asked; None where there is no region. When a solver
-    is asked, the phases of a region's points are given: those of one wave (`pacinian.joint_phases`).
+    scale: "exact" (these pressures) or "max" (as strong as the limits allow, in these proportions).
+    regions: region of each point, shape (M,): -1 for an isolated point, -2 for a point beside the regions, whose target
+    is 0. None if there are no regions. When a solver receives targets with regions, the phases of each region are
+    fixed to those of a single wave (`pacinian.joint_phases`).
     """
 
     amplitudes: Floats
@@ -61,12 +61,12 @@ class Targets:
         scale: str,
         regions: ArrayLike | None = None,
     ) -> Targets:
-        """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
+        """Make targets for `count` points from a caller's arguments. Raises ArgumentError."""
         t = check_numbers("amplitudes", amplitudes, (count,)).copy()
         if count and not (low := t.min()) >= 0.0:
             where = int(np.argmin(t))
             raise ArgumentError(
-                "amplitudes", f"must be 0 or more: [{where}] is {low:g}; a sign is a phase"
+                "amplitudes", f"must be 0 or more: [{where}] is {low:g}; give a sign as a phase"
             )
         if count and t.max() > LOUDEST:
             raise ArgumentError("amplitudes", f"must be at most {LOUDEST:g} Pa")
@@ -102,7 +102,7 @@ class Targets:
 
     @functools.cached_property
     def free(self) -> Flags:
-        """Where the phase is free, shape (M,)."""
+        """Whether each phase is free, shape (M,)."""
         return np.isnan(self.phases)
 
     @functools.cached_property
@@ -112,20 +112,20 @@ class Targets:
 
     @classmethod
     def unchecked(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
-        """Targets of free phase that have been checked; the caller keeps the arrays."""
+        """Make targets with free phases from checked arguments; copies `amplitudes`."""
         t, phi = amplitudes.copy(), _anything(len(amplitudes))
         t.flags.writeable = False
         return cls(t, phi, regions=regions)
 
     @functools.cached_property
     def beside(self) -> Flags:
-        """Which points are beside regions, shape (M,)."""
+        """Whether each point is beside the regions, shape (M,)."""
         if self.regions is None:
             return np.zeros(len(self.amplitudes), np.bool_)
         return np.asarray(self.regions == BESIDE)
 
     def multiple(self, other: Targets) -> float:
-        """The c for which these targets are c times `other`, in the same phases; NaN if there is none."""
+        """Return the c for which these targets equal c times `other`, with equal phases; NaN if there is none."""
         t, before = self.amplitudes, other.amplitudes
         if not len(t):
             return math.nan
@@ -142,14 +142,14 @@ class Targets:
         return c if np.abs(t - c * before).max() <= 1e-12 * t[k] else math.nan
 
     def complex(self, phases: Reals) -> Complexes:
-        """The targets [Pa] with `phases` [rad], shape (M,), where free."""
+        """Return complex targets [Pa], shape (M,), with `phases` [rad] where the phase is free."""
         angle = phases if self.all_free else np.where(self.free, phases, self.phases)
         return np.asarray(self.amplitudes * np.exp(1j * angle), np.complex128)
 
     def relative_error(self, p: Complexes | Floats) -> float:
-        """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them.
+        """Return ||t - p|| / ||t|| for the complex targets t, whose free phases are those of p.
 
-        Points beside regions do not count. p may also be amplitudes, where no phase is given.
+        p: sound pressures, (M,) [Pa]; if all phases are free, amplitudes suffice. Points beside regions do not count.
         """
         from pacinian.native import solving as kernels
 
@@ -160,7 +160,10 @@ class Targets:
 
 
 def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
-    """The region of each of `count` points, (count,); None where all are isolated. Raises ArgumentError."""
+    """Return the region of each of `count` points, (count,), renumbered from 0; None if all points are isolated.
+
+    Raises ArgumentError.
+    """
     if regions is None:
         return None
     try:
@@ -186,22 +189,23 @@ def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
 
 
 def _alike(a: Longs | None, b: Longs | None) -> bool:
-    """Whether points belong to the same regions."""
+    """Return whether both arrays assign the points to the same regions."""
     return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Limits:
-    """What a solution must keep.
+    """The limits that a solution must keep.
 
-    gain: |g_n| <= gain for every transducer, 1e-6..1e6; 1 is full drive; None lifts the limit.
+    gain: |g_n| <= gain for every transducer, 1e-6..1e6; 1 is full drive; None for no limit.
     power: sum |g_n|^2 <= power; None for no limit.
-    quiet: ((K, 3) points [m], limit [Pa], one or (K,)): |p| <= limit there, without the hand's shadow.
-    exact: indices of the samples to meet exactly, or a flag for each.
-    zones: `Zone`s, balls that stay quiet whatever the solver; they need a limit of gain or power, and a second to be
-    prepared, once.
-    A solver that cannot keep a limit refuses it (UnsupportedLimit) and never ignores it. Limits that
-    contradict each other or the targets end in `Status.infeasible`. Raises ArgumentError.
+    quiet: a pair of points, (K, 3) [m], and limits [Pa], one or (K,): |p| <= limit at these points. The shadow of the
+    hand is not taken into account.
+    exact: the samples to meet exactly, as indices or as one flag for each sample.
+    zones: `Zone`s, balls that stay quiet with any solver. They require a limit of gain or power. Each set of zones is
+    prepared once, which takes about a second.
+    If a solver cannot keep a limit, the solve raises UnsupportedLimit; limits are never ignored. Limits that
+    contradict each other or the targets result in `Status.infeasible`. Raises ArgumentError.
     """
 
     gain: float | None = 1.0
@@ -233,16 +237,16 @@ class Limits:
 
     @functools.cached_property
     def solver_limits(self) -> frozenset[str]:
-        """Names of the limits that a solver must keep by itself: the session keeps the others."""
+        """Names of the limits that the solver itself must keep; the session keeps the others."""
         return frozenset(name for name in ("quiet", "exact") if getattr(self, name) is not None)
 
     def rms(self, count: int) -> float:
-        """The root mean square that gains, (count,), have at most."""
+        """Return the largest root mean square that `count` gains can have under these limits."""
         gain = math.inf if self.gain is None else self.gain
         return min(gain, math.inf if self.power is None else math.sqrt(self.power / count))
 
     def exact_mask(self, count: int) -> Flags:
-        """Which of `count` samples are to be met exactly, (count,). Raises ArgumentError."""
+        """Return a flag for each of `count` samples: whether to meet it exactly, (count,). Raises ArgumentError."""
         flags = np.zeros(count, dtype=np.bool_)
         if self.exact is None:
             return flags
@@ -257,7 +261,7 @@ class Limits:
 
 
 def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:
-    """Indices or flags of exact samples, copied."""
+    """Check and copy the indices or flags of exact samples."""
     try:
         chosen = np.array(given)
     except ValueError:
@@ -269,7 +273,7 @@ def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:
 
 
 def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
-    """Points (K, 3) [m] and limits (K,) [Pa] of quiet zones."""
+    """Check and copy quiet points, (K, 3) [m], and their limits, (K,) [Pa]."""
     try:
         where, limit = given
     except (TypeError, ValueError):
@@ -289,9 +293,9 @@ def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Budget:
-    """How long a solver may go on; asked between iterations.
+    """The time budget of a solver, which checks it between iterations.
 
-    due: when to stop, in seconds of `clock`; infinity for no deadline.
+    due: when to stop, as a reading of `clock` [s]; infinity for no deadline.
     """
 
     due: float = math.inf
@@ -301,14 +305,14 @@ class Budget:
     def until(
         cls, deadline: float | None, clock: Callable[[], float] = time.perf_counter
     ) -> Budget:
-        """A budget of `deadline` seconds from now; None for no deadline."""
+        """Make a budget that ends `deadline` seconds from now; None for no deadline."""
         if deadline is None:
             return cls(math.inf, clock)
         return cls(clock() + check_number("deadline", deadline, low=0.0), clock)
 
     @property
     def endless(self) -> bool:
-        """Whether there is no deadline: nothing need be asked for."""
+        """Whether there is no deadline."""
         return self.due == math.inf
 
     @property
@@ -317,5 +321,5 @@ class Budget:
         return self.due < math.inf and self.clock() >= self.due
 
     def affords(self, seconds: float) -> bool:
-        """Whether so long a step would still be in time."""
+        """Return whether a step of `seconds` would end before the deadline."""
         return self.due == math.inf or self.clock() + seconds <= self.due

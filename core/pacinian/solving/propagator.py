@@ -1,4 +1,4 @@
-"""The propagator: B and what follows from it, each made when asked for and kept while valid."""
+"""The propagator: B and quantities derived from it, computed on demand and cached while valid."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 A = TypeVar("A", Floats, Complexes)
 
 
-TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
-MIN_PARALLEL_ROWS = 128  # rows from which the Gram matrix is made by all cores
-MAX_UPDATE_SHARE = 10  # rows of the Gram matrix are made anew one by one up to a share of 1 / FEW
+TILE = 512  # columns per tile: real and imaginary parts of 64 rows fill a second-level cache
+MIN_PARALLEL_ROWS = 128  # rows of B from which all cores compute the Gram matrix
+MAX_UPDATE_SHARE = 10  # the Gram matrix is updated row by row if at most 1/10 of the rows changed
 
 
 @dataclass
 class CacheStats:
-    """What was done and what was saved, since the propagator was made."""
+    """Counts of results computed and of results reused, since the propagator was created."""
 
     rows_built: int = 0
     rows_kept: int = 0
@@ -48,11 +48,11 @@ class CacheStats:
 
 
 class Propagator:
-    """Equations (4) to (8) for one array, one medium and points that move.
+    """Equations (4) to (8) for one array, one medium and moving points.
 
-    All solvers share one propagator and its caches. `set_points` says where the points are now: only the
-    rows of B and of B B^H whose points moved are made anew. With `facing`, B is weighted by it, and with `nulls` it is
-    that of gains which keep zones quiet; so is all that follows from B.
+    All solvers share one propagator and its caches. `set_points` moves the points and recomputes only the rows of B
+    and B B^H whose points moved. With `facing`, B is weighted by it. With `nulls`, B is projected so that gains
+    computed from it keep the zones quiet. Both apply to everything derived from B, too.
     """
 
     def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
@@ -72,30 +72,30 @@ class Propagator:
         self._points = np.empty((count, 3))
         self._B = np.empty((count, len(self.array)), dtype=self.dtype)
         self._rows = np.arange(count)
-        self._fresh = True  # nothing is kept of what was before
+        self._fresh = True  # no row is valid
         self._gram: Complexes | None = None
         self._powers: Floats | None = None
         self._factors: dict[float, Factor] = {}
-        self._spent: list[Factor] = []  # of points that have moved: their space is used again
-        self._stale = np.ones(count, dtype=bool)  # rows of the Gram matrix
-        self._moved = True  # whether any row is
+        self._spent: list[Factor] = []  # outdated factors, whose memory is reused
+        self._stale = np.ones(count, dtype=bool)  # outdated rows of the Gram matrix
+        self._moved = True  # whether any row is outdated
 
     def forget(self) -> None:
-        """Forget the points; the space stays."""
+        """Invalidate the caches; keep their memory."""
         self._fresh = True
         self.quiet = None
         self._factors.clear()
 
     def keep_quiet(self, nulls: QuietSubspace | None) -> None:
-        """From the next `set_points` on, B is that of gains without these."""
+        """From the next `set_points` on, project B onto gains outside `nulls`; None to stop."""
         self._fresh = self._fresh or nulls is not self.nulls
         self.nulls = nulls
 
     def set_points(self, points: Floats, facing: SkinFacing | None = None) -> int:
-        """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
+        """Move the points to `points` [m], shape (M, 3); return the number of rows of B that were recomputed.
 
-        facing: which way skin faces there, and what hides it; without, all sound counts.
-        Raises ArgumentError; PointOnTransducer, and then holds no points.
+        facing: normals of the skin at the points, and what hides it; None to count all sound.
+        Raises ArgumentError and PointOnTransducer; after the latter, the propagator has no points.
         """
         if facing is not None and len(facing) != len(points):
             raise ArgumentError("facing", f"must have {len(points)} normals, as many as points")
@@ -132,14 +132,14 @@ class Propagator:
         return count
 
     def _leave_out(self, nulls: QuietSubspace, points: Floats, rows: Indices) -> None:
-        """Make of these rows of B, of points (K, 3), what they are of gains that keep zones quiet."""
+        """Project these rows of B, of `points` (K, 3), onto gains that keep the zones quiet."""
         B = self._B if len(rows) == len(self._B) else self._B[rows]
         nulls.leave_out(B, points)
         if B is not self._B:
             self._B[rows] = B
 
     def _turned(self, points: Floats, facing: SkinFacing | None, moved: Indices) -> Indices:
-        """Rows `moved`, (K,), and those for which other sound counts now."""
+        """Store `facing`; return `moved`, (K,), with the rows added whose weights it changes."""
         before, self.facing = self.facing, facing
         if len(moved) == len(points):
             return moved
@@ -156,24 +156,24 @@ class Propagator:
 
     @property
     def points(self) -> Floats:
-        """Where the points are [m], shape (M, 3); not to be written to."""
+        """The points [m], shape (M, 3), read-only."""
         return _sealed(self._points)
 
     @property
     def B(self) -> Complexes:
-        """Sound pressure at each point per unit gain [Pa], shape (M, N); not to be written to."""
+        """Sound pressure at each point per unit gain [Pa], shape (M, N), read-only."""
         return _sealed(self._B)
 
     @property
     def single(self) -> Gains:
-        """B in single precision, for the kernels; not to be written to."""
+        """B in single precision, for the kernels, read-only."""
         if self._single:
             return cast("Gains", self._B)
         return self._B.astype(np.complex64)
 
     @property
     def gram(self) -> Complexes:
-        """B B^H [Pa^2], shape (M, M), complex128; not to be written to."""
+        """The Gram matrix B B^H [Pa^2], shape (M, M), complex128, read-only."""
         if self._gram is not None and not self._moved:
             self.work.grams_kept += 1
             return self._gram
@@ -195,12 +195,12 @@ class Propagator:
 
     @property
     def power(self) -> float:
-        """trace(B B^H) / M [Pa^2]: the mean square pressure that all transducers at full drive add up to."""
+        """trace(B B^H) / M [Pa^2]: mean square pressure if all transducers at full drive add up incoherently."""
         return float(self.powers.sum()) / max(1, len(self._points))
 
     @property
     def powers(self) -> Floats:
-        """The diagonal of B B^H [Pa^2], (M,); not to be written to."""
+        """The diagonal of B B^H [Pa^2], (M,), read-only."""
         if self._powers is None:
             made = np.empty(len(self._points))
             if self._gram is not None and not self._moved:
@@ -212,7 +212,7 @@ class Propagator:
         return self._powers
 
     def factor(self, mu: float) -> Factor:
-        """A Cholesky factor of B B^H + mu I; mu: [Pa^2]."""
+        """Return a Cholesky factor of B B^H + mu I; mu: [Pa^2]."""
         kept = self._factors.get(mu)
         if kept is not None:
             self.work.factors_kept += 1
@@ -223,7 +223,7 @@ class Propagator:
         return factor
 
     def apply(self, g: Complexes) -> Complexes:
-        """P = B g [Pa], shape (M,), complex128, for gains of shape (N,)."""
+        """Return p = B g [Pa], shape (M,), complex128, for gains of shape (N,)."""
         if not self._single:
             return np.asarray(self._B @ g, np.complex128)
         p = np.empty(len(self._B), dtype=np.complex128)
@@ -231,7 +231,7 @@ class Propagator:
         return p
 
     def adjoint(self, y: Complexes) -> Complexes:
-        """B^H y, shape (N,), of B's precision, for y of shape (M,)."""
+        """Return B^H y, shape (N,), in B's precision, for y of shape (M,)."""
         if not self._single:
             return np.asarray((y.conj() @ self._B).conj())
         x = np.empty(self._B.shape[1], dtype=np.complex64)
@@ -240,21 +240,21 @@ class Propagator:
 
 
 def _different(a: Floats, b: Floats) -> Indices:
-    """The rows in which a and b, (M, 3), differ."""
+    """Return the indices of rows in which a and b, (M, 3), differ."""
     return np.flatnonzero((a != b).any(axis=1))
 
 
 def _sealed(array: A) -> A:
-    """A view that cannot be written to: solvers are given the caches themselves."""
+    """Return a read-only view, because solvers receive the caches themselves."""
     view = array.view()
     view.flags.writeable = False
     return view
 
 
 def gram_matrix(B: Complexes, out: Complexes | None = None) -> Complexes:
-    """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS.
+    """Return B B^H, exactly Hermitian, complex128; uses the kernel for single precision, else BLAS.
 
-    out: (M, M), to write it to.
+    out: (M, M), to write the result to.
     """
     M = len(B)
     if out is None:
@@ -269,7 +269,7 @@ def gram_matrix(B: Complexes, out: Complexes | None = None) -> Complexes:
 
 
 def _single_gram(B: Gains, out: Complexes) -> None:
-    """Write B B^H to `out`; many rows on all cores, each with a share of the columns."""
+    """Write B B^H to `out`. For many rows, divide the columns among all cores."""
     M, N = B.shape
     workers = 1 if M < MIN_PARALLEL_ROWS else min(os.cpu_count() or 1, 1 + N // 512)
 

@@ -1,10 +1,10 @@
-"""Quiet zones: what gains may not contain, so that nowhere in a ball the sound pressure exceeds its limit.
+"""Quiet zones: the subspace to exclude from gains, so that the sound pressure in a ball stays below its limit.
 
-Let b(x) be the row of B for a point x, and V orthonormal rows that are left out of gains g: V g = 0. What is left of
-b(x) is c(x) = b(x) (1 - V^H V). Gains that are made for points elsewhere know nothing of c(x): |b(x) g| is then about
-||c(x)|| times their root mean square, and hardly ever LIKELY times as much. V is enlarged until that is at most the
-limit q at thousands of places of the zone, and at thousands of fresh ones after that. It has not many more rows than
-waves that the array can tell apart in the zone. Each solution is checked at some places, and turned down if need be.
+Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded from gains g: V g = 0. This leaves
+c(x) = b(x) (1 - V^H V) of b(x). Gains computed for points elsewhere are unrelated to c(x), so that |b(x) g| is about
+||c(x)|| times their root mean square, and hardly ever LIKELY times that. V is enlarged until this bound is at most the
+limit q at thousands of places in the zone, and then at thousands of new ones. V has few more rows than the number of
+waves that the array can resolve in the zone. Each solution is checked at some places and scaled down if necessary.
 """
 
 from __future__ import annotations
@@ -30,31 +30,31 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Floats, Gains
 
-BLOCK = 64  # rows that V gets at a time, at most
-LIKELY = 4.0  # times the root mean square of pressures at random: hardly any is more
+BLOCK = 64  # most rows added to V at a time
+LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
 WATCHED = 256  # places of a zone at which each solution is checked
-SPARE = 1.25  # times as much as there, it may be at others
-ENOUGH = 0.5  # of the limit, where V is enlarged: so that fresh points keep the limit itself
-FAINT = 0.15  # of the limit: V gets no row for what is fainter
-DISTINCT = 1e-4  # of a block's strongest row: fainter ones wait for the next block
-ROUNDS = 16  # of fresh points, at most
-LARGEST_SHARE = 0.8  # of all dimensions that zones may take
-MIN_LIMIT = 1e-5  # of what full drive makes in a zone: single precision keeps no lower limit
-REPAIRS = 32  # times that gains are shortened, and freed of V again
-SOFT = 0.1  # of the mean power of rows: with what regularisation pressures are corrected
-LEFT = 0.02  # of a limit: what gains may still make of V
-ROUNDING = 2e-6  # of ||g||: what single precision leaves of V
-SKETCHED = 16  # random mixtures of V's rows, which tell within a factor of 2 what gains hold of V
-MAX_PREPARED = 4  # sets of zones that stay prepared
+SPARE = 1.25  # safety factor for the places of a zone that are not checked
+ENOUGH = 0.5  # V is enlarged down to this fraction of the limit, so that new places keep the limit
+FAINT = 0.15  # V gets no rows for pressures below this fraction of the limit
+DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the next block
+ROUNDS = 16  # most rounds of new places
+LARGEST_SHARE = 0.8  # largest fraction of the N dimensions that V may take
+MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
+REPAIRS = 32  # most alternating projections of gains: clipping, then removing V
+SOFT = 0.1  # regularisation of the pressure correction, relative to the mean power of rows
+LEFT = 0.02  # pressure that the rest of V in gains may cause, relative to the limit
+ROUNDING = 2e-6  # rest of V that single precision leaves, relative to ||g||
+SKETCHED = 16  # random mixtures of V's rows; they estimate ||V g|| within a factor of 2
+MAX_PREPARED = 4  # prepared sets of zones that are kept
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
 @dataclass(frozen=True, eq=False)
 class QuietSubspace:
-    """What gains may not contain for zones to be quiet.
+    """The subspace that gains must not contain, so that zones stay quiet.
 
-    V: (R, N), orthonormal rows, complex64. sketch: mixtures of them, (S, N), by which ||sketch g|| is about ||V g||.
-    watched: b(x) / q of some places, (W, N). loudest: ||b(x)|| / q of all places.
+    V: its basis, orthonormal rows, (R, N), complex64. sketch: random mixtures of V's rows, (S, N), so that ||sketch g||
+    is about ||V g||. watched: b(x) / q of the places that are checked, (W, N). loudest: largest ||b(x)|| / q.
     """
 
     zones: tuple[Zone, ...]
@@ -65,9 +65,10 @@ class QuietSubspace:
 
     @classmethod
     def of(cls, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> QuietSubspace:
-        """Those of an array's zones; rms: of gains, at most. They take a second, large ones several.
+        """Compute the subspace of these zones, which takes a second, or several for large zones.
 
-        Raises ArgumentError for zones that hold a transducer, or leave the array nothing to sound with.
+        rms: largest root mean square of gains. Raises ArgumentError if a zone contains a transducer, or if the zones
+        leave too few dimensions for gains.
         """
         wave, N = KernelData.prepare(array, medium), len(array)
         check_near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
@@ -93,11 +94,11 @@ class QuietSubspace:
         return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
 
     def heard(self, g: Complexes) -> float:
-        """The highest sound pressure that gains, (N,), make at the places that are watched, over its limit."""
+        """Return the highest ratio of sound pressure to limit at the watched places, for gains (N,)."""
         return float(np.abs(self.watched @ g.astype(np.complex64)).max())
 
     def leave_out(self, B: Complexes, points: Floats) -> None:
-        """Make of rows B, (M, N), in place, what they are of gains without V; nothing where points are in a zone."""
+        """Remove V from the rows of B, (M, N), in place; set the rows of points in a zone to 0."""
         _leave_out(self.V, B)
         for zone in self.zones:
             B[zone.holds(points)] = 0.0
@@ -105,10 +106,10 @@ class QuietSubspace:
     def keep(
         self, g: Complexes, gain: float | None, propagator: Propagator, budget: Budget
     ) -> None:
-        """Free gains, (N,), in place, of V, and turn them down until zones are quiet; none is longer than `gain` then.
+        """Remove V from gains, (N,), in place, and scale them down until the zones are quiet and |g_n| <= `gain`.
 
-        They are shortened, and moved to the nearest that have no V and make the same pressures, by turns (projections
-        onto convex sets), then scaled down as a whole. propagator: of the samples.
+        Alternates (projections onto convex sets) between clipping the gains and moving them to the nearest ones without
+        V that produce the same pressures; then scales all gains down. propagator: of the samples.
         """
         made = propagator.apply(g)
         top = math.inf if gain is None else gain * (1.0 - 2.0**-21)
@@ -133,7 +134,7 @@ class QuietSubspace:
         g -= ((self.V @ g.astype(np.complex64)).conj() @ self.V).conj()
 
     def over(self, array: Array, medium: Air, g: Complexes) -> float:
-        """The highest sound pressure that gains, (N,), make at fresh places of the zones, over its limit, less 1."""
+        """Return the highest ratio of sound pressure to limit at new places of the zones, minus 1, for gains (N,)."""
         wave, most = KernelData.prepare(array, medium), 0.0
         for zone in self.zones:
             places = zone.places()
@@ -145,7 +146,7 @@ class QuietSubspace:
 
 
 class Preparation:
-    """Zones of a session, prepared beside it; and of all sessions, those that were prepared last are kept."""
+    """Prepares the zones of a session in a background thread. All sessions share a cache of prepared zones."""
 
     _pool = ThreadPoolExecutor(1, "quiet zones")
     _kept: ClassVar[dict[object, Future[QuietSubspace]]] = {}
@@ -158,18 +159,18 @@ class Preparation:
     def nulls(
         self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget
     ) -> QuietSubspace | None:
-        """The quiet subspace; None if the budget is spent before it is known. Raises as `QuietSubspace.of`."""
+        """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`."""
         key = array, medium, zones, rms
         if key != self._key or self._made is None:
             if self._made is not None:
-                self._made.cancel()  # where it has not begun: it would be late
+                self._made.cancel()  # has an effect only if it has not begun
             self._key, self._made = key, self._begun(key)
         left = None if budget.endless else max(0.0, budget.due - budget.clock())
         try:
             return self._made.result(left)
         except TimeoutError:
             return None
-        except CancelledError:  # by another session, which wants others now
+        except CancelledError:  # another session cancelled it
             self._made = None
             return self.nulls(array, medium, zones, rms, budget)
 
@@ -186,7 +187,7 @@ class Preparation:
 
 
 def _rows(wave: KernelData, places: Floats) -> Gains:
-    """B for places of a zone. Raises ArgumentError where one is on a transducer."""
+    """Return B for places of a zone. Raises ArgumentError if a place is on a transducer."""
     B = np.empty((len(places), len(wave.array)), dtype=np.complex64)
     try:
         wave.matrix(places, B)
@@ -196,7 +197,7 @@ def _rows(wave: KernelData, places: Floats) -> Gains:
 
 
 def _norms(B: Gains) -> Floats:
-    """Of each row."""
+    """Return the norm of each row."""
     made = np.empty(len(B))
     kernels.powers(B, made)
     return np.sqrt(made)
@@ -214,7 +215,10 @@ def _leave_out(V: Gains, B: Complexes) -> None:
 
 
 def _enlarged(V: Gains, rest: Gains, most: float) -> Gains:
-    """V with rows that leave at most ENOUGH of `most` of each row of `rest`, (K, N), which is worked on."""
+    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most ENOUGH times `most`.
+
+    Removes the new rows from `rest`, in place.
+    """
     while True:
         size = _norms(rest)
         block = np.argsort(-size)[:BLOCK]
@@ -222,7 +226,7 @@ def _enlarged(V: Gains, rest: Gains, most: float) -> Gains:
         if not len(block):
             return V
         X = rest[block].astype(np.complex128)
-        for _ in range(2):  # what rounding has left of V
+        for _ in range(2):  # twice, because of rounding
             _leave_out(V, X)
         power, ways = np.linalg.eigh(X @ X.conj().T)
         kept = power > max((FAINT * most) ** 2, DISTINCT * DISTINCT * power[-1])

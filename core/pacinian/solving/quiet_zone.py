@@ -1,4 +1,4 @@
-"""A quiet zone: what is asked. How it is kept: `nulls`."""
+"""The definition of a quiet zone. `quiet_subspace` keeps it quiet."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
     from pacinian.types import Flags, Floats
 
-MAX_RADIUS = 10.0  # [m], a zone's radius at most
-LOOKED_AT = 2048  # points of a zone at a time
-GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of points that spread evenly in a cube
+MAX_RADIUS = 10.0  # largest radius of a zone [m]
+LOOKED_AT = 2048  # points of a zone in one batch
+GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of a low-discrepancy sequence (R3)
 
 
 @dataclass(frozen=True)
 class Zone:
-    """A ball that stays quiet: the sound pressure is at most `pressure` [Pa] everywhere in it, in free air.
+    """A ball in which the sound pressure in free air is at most `pressure` [Pa] everywhere.
 
-    position: its centre [m]. radius: [m]; 0 for a point. Nothing can be felt in it. Raises ArgumentError.
+    position: its centre [m]. radius: [m], 0 for a point. Nothing can be felt inside it. Raises ArgumentError.
     """
 
     position: tuple[float, float, float]
@@ -38,11 +38,11 @@ class Zone:
         force(self, "pressure", check_number("zone.pressure", self.pressure, low=0.0, above=True))
 
     def holds(self, points: Floats) -> Flags:
-        """Which points, (M, 3) [m], are in it."""
+        """Return whether each of `points`, (M, 3) [m], is in the zone, (M,)."""
         return np.asarray(np.linalg.norm(points - np.array(self.position), axis=1) <= self.radius)
 
     def places(self) -> Iterator[Floats]:
-        """Points of it, (K, 3) [m], again and again others; half of them on its surface."""
+        """Yield endless batches of new points in the zone, (K, 3) [m], half of them on its surface."""
         count, k = (LOOKED_AT if self.radius else 1), 0
         while True:
             u = np.modf((np.arange(k, k + count)[:, None] + 0.5) * GOLDEN)[0]

@@ -1,4 +1,4 @@
-// Regions: the phases of a wave that converges beyond its points, and the rows that stand for each.
+// Regions: phases of a wave that converges beyond a region's points, and one row of B that represents each group.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 
 namespace pacinian::solving {
 
-constexpr f8 SHARED = 0.4;    // of the array's radius: from so far around its centre a region's wave comes
-constexpr f8 FARTHEST = 4.0;  // times the region's distance: where its wave converges at most, beyond it
-constexpr f8 THICK = 64.0;    // times a region's thickness: so far beyond it its wave converges at least
-constexpr f8 TINY = 1e-30;    // [m] or [m^2]: distances that are divided by are at least this
-constexpr f8 STEEP = 0.9;     // cosine of the angle to the x axis, from which a wave along it is tilted along z
+constexpr f8 SHARED = 0.4;    // radius of the part of the array that a region's wave comes from, relative to the array's
+constexpr f8 FARTHEST = 4.0;  // largest d'/d: distance of the focus beyond the region, over the region's distance
+constexpr f8 THICK = 64.0;    // smallest distance of the focus beyond the region, in thicknesses of the region
+constexpr f8 TINY = 1e-30;    // smallest distance [m] or squared distance [m^2] used as a divisor
+constexpr f8 STEEP = 0.9;     // cosine of the angle to the x axis from which a wave is tilted along z instead of x
 
-// The least eigenvalue of a symmetric matrix (Smith 1961).
+// Return the smallest eigenvalue of a symmetric matrix (Smith 1961).
 inline f8 least_eigenvalue(const f8 (&A)[3][3]) {
     const f8 mean = (A[0][0] + A[1][1] + A[2][2]) / 3.0;
     f8 size = 2.0 * (square(A[0][1]) + square(A[0][2]) + square(A[1][2]));
@@ -52,7 +52,7 @@ inline void converge(View<const f8, 2> q, View<const f8, 1> P, View<const f8, 2>
         for (int j = 0; j < 3; ++j) along += axis[i] * A[i][j] * axis[j];
     const f8 width = std::sqrt(std::max(A[0][0] + A[1][1] + A[2][2] - along, 0.0));
     const f8 thickness = std::sqrt(std::max(least_eigenvalue(A), 0.0));
-    // the transducers count by their power at the middle
+    // weight the transducers by their power at the middle
     f8 whole = 0.0, first[3] = {}, second = 0.0;
     for (Index v = 0; v < V; ++v) {
         const f8 x = some(v, 0) - middle[0], y = some(v, 1) - middle[1], z = some(v, 2) - middle[2];

@@ -1,9 +1,9 @@
-"""Regions: samples of one surface, whose phases belong together.
+"""Regions: samples of one surface, whose phases are coupled.
 
-Where phases of neighbours differ by pi there is a zero between them, however near they are. So the samples
-of a region have the phases of one wave, and only the region's phase as a whole is free. Of all waves that come
-from the array to the region we take one that converges beyond it, because many transducers then share the work:
-phases as of a wave from the array's centre make those near the centre do most of it.
+If the phases of two neighbours differ by pi, the field has a zero between them, however close they are. Therefore the
+samples of a region get the phases of a single wave, and only one phase for the whole region is free. The wave
+converges beyond the region, so that many transducers share the work. With a wave from the array's centre, the
+transducers near the centre would do most of it.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
 
 
-STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
-NEAR = 3e-3  # [m]: a sample goes on from one that is so near
-MIN_CONVERGENCE = 0.25  # times the region's distance: where its wave converges at least, beyond it
-ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
-MAX_SUBSET = 128  # transducers that stand for all
-ASIDE = 0.1  # of the mean square that full drive makes: mu in the steps that turn a wave aside from quiet zones
-TURNS = 16  # such steps
-LITTLE_SAVED = 0.07  # of what is costly: where the first step saves no more, none is made
-MUCH_SAVED = 0.17  # where it saves as much, steps are whole
+STILL = 5e-4  # samples that moved by less than this keep their solution [m]
+NEAR = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
+MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
+ON_SKIN = 0.4  # the same for samples on skin, which are less even
+MAX_SUBSET = 128  # most transducers used to compute the array's radius
+ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the mean of diag(G)
+TURNS = 16  # number of these steps
+LITTLE_SAVED = 0.07  # no steps are taken if the first saves at most this fraction of the cost
+MUCH_SAVED = 0.17  # steps have full length if the first saves at least this fraction
 
 
 def joint_phases(
@@ -48,19 +48,19 @@ def joint_phases(
     *,
     radiation_pressure: ArrayLike | None = None,
 ) -> Floats:
-    """Phases of a region's points, phi_m = k |q_m - f| [rad], (M,): of a wave that converges to a point beyond.
+    """Return phases of a region's points, phi_m = k |q_m - f| [rad], (M,): those of a wave that converges beyond it.
 
-    The point f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c. The
-    wave comes from transducers within w (1 + d/d') of c, w being the region's width (root mean square, across the
-    wave): d'/d is such that this is 0.4 of the array's radius, but 0.25 to 1, so that many transducers share the work
-    (a solve with `facing`, for samples on skin: 0.4 to 1).
-    A wave grows stronger on its way to f. So a region with a thickness s (root mean square along its thinnest axis),
-    as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases a field is even between points at most
-    half a wavelength apart.
+    The wave's focus f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c.
+    The wave then comes from transducers within w (1 + d/d') of c, where w is the region's root-mean-square width across
+    the wave. d'/d is chosen so that this radius is 0.4 of the array's, and clipped to 0.25..1, so that many transducers
+    share the work. (A solve with `facing`, for samples on skin, clips it to 0.4..1.)
+    The wave grows stronger towards f. Therefore a region of thickness s (root mean square along its thinnest axis),
+    such as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases, the field is even between points
+    that are at most half a wavelength apart.
 
-    array: as its radius counts the root mean square, each transducer weighted by its power at m. points: q, of one
-    region, (M, 3) [m]. medium: `Air()` unless given. radiation_pressure: asked at the points, (M,), by which they are
-    weighted, so that a point which comes or goes with little of it changes little; all alike unless given.
+    array: its radius is a root mean square, with each transducer weighted by its power at m. points: q, of one region,
+    (M, 3) [m]. medium: `Air()` by default. radiation_pressure: targets of the points, (M,), which serve as weights, so
+    that a point with a small target has little influence when it appears or disappears; equal weights by default.
     Raises ArgumentError.
     """
     check_kind("array", array, Array)
@@ -76,10 +76,10 @@ def _converging(
     q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = MIN_CONVERGENCE,
     tilt: float = 0.0,
 ) -> Floats:  # fmt: skip
-    """As `joint_phases`.
+    """Compute `joint_phases`.
 
-    positions: of the transducers, (N, 3) [m], and their centre, (3,). least: d'/d at least. tilt: by how much the point
-    f is moved aside, over the array's radius times d'/d.
+    positions: of the transducers, (N, 3) [m], with their centre, (3,). least: smallest d'/d. tilt: sideways shift of
+    the focus f, relative to the array's radius times d'/d.
     """
     phases = np.empty(len(q))
     kernels.converge(
@@ -98,12 +98,12 @@ def _converging(
 def settle_phases(
     propagator: Propagator, targets: Targets, warm: Solution | None, tilt: float = 0.0
 ) -> Targets:
-    """The same targets with every phase given, for points where some belong to regions.
+    """Return the same targets with every phase fixed, for points of which some belong to regions.
 
-    Within a region the phases are those of `joint_phases`, turned aside from quiet zones, and turned as a whole by the
-    region's own phase. That, and the phases of isolated samples, are chosen by Gerchberg-Saxton steps, as in `phases`:
-    from those that `warm` made, so that none jumps. Phases that were given stay. tilt: by how much the waves come from
-    aside, over the array's radius; 0 for none.
+    The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
+    Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
+    the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
+    relative to the array's radius times d'/d.
     """
     assert targets.regions is not None
     positions, centre = propagator.array.positions, propagator.origin
@@ -125,9 +125,9 @@ def settle_phases(
     if warm is None:
         start = np.where(alone, start, wave)
     phi = np.where(given, targets.phases, np.where(alone, start, wave))
-    # squares in single precision must not overflow
+    # normalised, so that squares in single precision do not overflow
     p = t / (targets.norm or 1.0) * np.exp(1j * phi)
-    # by how much each group is turned: the mean over its samples of what `start` has beyond `phi`
+    # phase of each group: the weighted mean over its samples of `start` minus `phi`
     z = np.zeros(count, np.complex128)
     np.add.at(z, group, t * np.exp(1j * (start - phi)))
     size = np.abs(z)
@@ -147,11 +147,12 @@ def settle_phases(
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
-    """Phases like those of a wave, (M,) [rad], which gains that keep zones quiet can make with less strength.
+    """Return phases like those of `wave`, (M,) [rad], that need weaker gains when zones are to stay quiet.
 
-    The wave may go on to a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) turn it aside: what it takes strength
-    to make is left out of p. It is less even between the points then, so the steps are shorter where the first saves
-    little, and none where that is no more than steps save without any zone. G: B B^H, (M, M). t: amplitudes, (M,).
+    The wave may run on into a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) steer it aside, because they remove
+    the part of p that needs strong gains. They also make the field between the points less even. Therefore the steps
+    are shorter if the first saves little, and none is taken if it saves no more than it would without zones.
+    G: B B^H, (M, M). t: amplitudes, (M,).
     """
     mu = ASIDE * float(G.diagonal().real.mean())
     factor = Factor.of(G, mu)
@@ -177,11 +178,12 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
 def carry_phases(
     propagator: Propagator, targets: Targets, warm: Solution, before: Floats
 ) -> Solution:
-    """The last solution's phases for the points of now, where other samples may have come and gone.
+    """Return the last solution carried over to the present points, although samples may have come and gone.
 
-    before: its points, (M', 3) [m]. Each point goes on from the nearest of its kind, if that is at most 3 mm away;
-    others from the sound that is there. Multipliers are kept for the same samples only: they are rough where the
-    array resolves little, so that those of other samples are worse than none.
+    before: the points of `warm`, (M', 3) [m]. Each point takes over the phase of the nearest earlier point of its kind
+    (isolated, or in a region), if that is less than 3 mm away, and otherwise the phase of the present sound there.
+    Multipliers are kept only if the samples are the same. Multipliers of other samples are worse than none, because
+    they vary strongly between samples that the array hardly resolves.
     """
     q, asked = propagator.points, warm.asked_phases
     now, were = targets.regions, warm.targets.regions
@@ -206,14 +208,14 @@ def carry_phases(
 
 
 def _phases(warm: Solution) -> Floats:
-    """What was asked last, if that is known, else what was made of it [rad], (M,)."""
+    """Return the phases given to the solver last, if known, else the achieved ones, (M,) [rad]."""
     return warm.phases if warm.asked_phases is None else warm.asked_phases
 
 
 def _groups(regions: Longs, given: Flags) -> tuple[Longs, int]:
-    """What turns as one: the group of each sample, (M,), and how many there are.
+    """Return the group of each sample, (M,), and the number of groups; the samples of a group share one free phase.
 
-    Samples of given phase are group 0, if there are any.
+    Samples with given phases form group 0, if there are any.
     """
     regions = np.where(regions == BESIDE, 0, regions)  # silence has no phase
     own = np.where(regions == ISOLATED, regions.max() + 1 + np.arange(len(regions)), regions)

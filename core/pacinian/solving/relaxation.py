@@ -1,12 +1,14 @@
-"""The error that no gains are below, whatever the phases: a semidefinite relaxation, and its proof.
+"""A lower bound of the error over all gains and phases, by a semidefinite relaxation and its proof.
 
-Where phases are free, ||t - |B g||| is the least of ||D u - B g|| over u, |u_m| = 1, D = diag(t): a quadratic form of
-z = (u, g). Its Lagrange dual under |u_m|^2 = 1 and |g_n|^2 <= 1 is that of the relaxation of z z^H to any matrix >= 0:
+If phases are free, ||t - |B g||| is the minimum of ||D u - B g|| over u with |u_m| = 1, where D = diag(t). Its square
+is a quadratic form of z = (u, g). The Lagrange dual of this minimum under |u_m|^2 = 1 and |g_n|^2 <= 1 is also the dual
+of the relaxation in which z z^H is replaced by any matrix >= 0:
 
     maximise  sum a - sum b   subject to  K = [D^2 - diag(a), -D B; -B^H D, B^H B + diag(b)] >= 0,  b >= 0.
 
-For b > 0 K >= 0 says S = D P^-1 D >= diag(a) with P = I + B diag(1/b) B^H: matrices of M rows only. Newton steps with
-the barriers tau (log det K + log b) go there. What is proven needs none of this: any a and any b > 0 prove a bound.
+For b > 0, K >= 0 is equivalent to S = D P^-1 D >= diag(a) with P = I + B diag(1/b) B^H, matrices of only M rows. Newton
+steps with the barriers tau (log det K + log b) find the maximum. The proof does not depend on them, because any a and
+any b > 0 give a valid bound.
 """
 
 from __future__ import annotations
@@ -19,17 +21,17 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-MAX_POINTS = 16  # points: M^2 columns and steps of some 10 ms
+MAX_POINTS = 16  # most points M; a step handles M^2 columns and takes some 10 ms
 MAX_STEPS, MIN_STEP = 150, 1e-6
-CENTRED, LOWER = 0.25, 8.0  # length of a Newton step from which barriers are lowered, by so much
-CLOSE, NONE = 1e-2, 1e-6  # what barriers may cost, of the bound; squared error that counts as none
-BEGIN = 0.2  # b to start from, over the root of what B is worth to M points
+CENTRED, LOWER = 0.25, 8.0  # tau is divided by LOWER once a Newton step is at most CENTRED long
+CLOSE, NONE = 1e-2, 1e-6  # largest relative gap at which to stop; smallest bound it is relative to
+BEGIN = 0.2  # initial b, relative to ||B|| / sqrt(N)
 
 
 def least_error(B: Complexes, t: Floats) -> float:
-    """A number that ||t - |B g||| / ||t|| is not below, for any g with |g_n| <= 1.
+    """Return a lower bound of ||t - |B g||| / ||t|| over all g with |g_n| <= 1.
 
-    B: (M, N), complex128, for gains in units of the limit. t: (M,), not all 0.
+    B: (M, N), complex128, for gains in units of the limit. t: target amplitudes, (M,), not all 0.
     """
     size = float(np.linalg.norm(t))
     B, t = B[:, B.any(axis=0)] / size, t / size
@@ -58,10 +60,11 @@ def least_error(B: Complexes, t: Floats) -> float:
 
 
 def prove_bound(B: Complexes, t: Floats, a: Floats, b: Floats) -> float:
-    """What ||t - |B g|||^2 is not below for any |g_n| <= 1, by multipliers a, (M,), and b > 0, (N,).
+    """Return the lower bound of ||t - |B g|||^2 over |g_n| <= 1 that multipliers a, (M,), and b > 0, (N,), prove.
 
-    Rounding is taken off. For any Y S >= D Y + Y^H D - Y^H P Y, in which an error of Y counts by its square; that is
-    summed in extended precision where the machine has it. By as much as diag(a) exceeds it, a is lowered.
+    An upper bound of the rounding is subtracted. For any Y, S >= D Y + Y^H D - Y^H P Y, where errors of Y count only
+    with their square. This expression is computed in extended precision, if the machine has it. If diag(a) exceeds it,
+    a is lowered by the excess.
     """
     M, N = B.shape
     wide = B.astype(np.clongdouble)
@@ -80,7 +83,7 @@ def prove_bound(B: Complexes, t: Floats, a: Floats, b: Floats) -> float:
 
 
 def _schur(B: Complexes, t: Floats, b: Floats) -> tuple[Complexes, Complexes, Complexes]:
-    """S, P^-1 D and P, (M, M)."""
+    """Return S, P^-1 D and P, each (M, M)."""
     P: Complexes = np.eye(len(t)) + (B / b) @ B.conj().T
     W: Complexes = np.linalg.solve(P, np.diag(t).astype(np.complex128))
     S: Complexes = t[:, None] * W
@@ -88,7 +91,7 @@ def _schur(B: Complexes, t: Floats, b: Floats) -> tuple[Complexes, Complexes, Co
 
 
 def _barrier(B: Complexes, t: Floats, a: Floats, b: Floats, tau: float) -> float:
-    """(sum a - sum b) / tau + log det K + sum log b; minus infinity where K is not above 0."""
+    """Return (sum a - sum b) / tau + log det K + sum log b; minus infinity if K is not positive definite."""
     S, _, P = _schur(B, t, b)
     try:
         inside, outside = (np.linalg.cholesky(A).diagonal().real for A in (S - np.diag(a), P))
@@ -101,10 +104,11 @@ def _barrier(B: Complexes, t: Floats, a: Floats, b: Floats, tau: float) -> float
 def _step(
     B: Complexes, t: Floats, a: Floats, b: Floats, tau: float
 ) -> tuple[Floats, Floats, float]:
-    """Newton's step for `_barrier` in a and log b, and its length in the norm of the Hessian.
+    """Return the Newton step for `_barrier` in a and log b, and its length in the norm of the Hessian.
 
-    K^-1 = [X, .; ., diag(1/b) - A R A^H], A = diag(1/b) B^H. The Hessian of log det K is, negative, the squared sizes
-    of its elements: for b a diagonal and M^2 columns F, so that no N x N system is solved.
+    K^-1 = [X, .; ., diag(1/b) - A R A^H] with A = diag(1/b) B^H. The negative Hessian of log det K consists of the
+    squared magnitudes of the elements of K^-1. For b, this is a diagonal plus M^2 columns F, so that no N x N system
+    needs to be solved.
     """
     M = len(t)
     S, W, P = _schur(B, t, b)
@@ -120,7 +124,7 @@ def _step(
     C = np.concatenate([C, C[apart]])[:, None]
     own = 1.0 - (np.abs(Z) ** 2) @ weight  # b_n (K^-1)_nn
     along, rise = 1.0 / tau - X.diagonal().real, own + 1.0 - b / tau
-    d = (2.0 * own + np.maximum(-rise, 0.0))[:, None]  # what log b adds, where that is not below 0
+    d = (2.0 * own + np.maximum(-rise, 0.0))[:, None]  # log b adds -rise, if positive
     E = np.abs(A @ (W @ X)) ** 2  # (N, M)
     right = np.concatenate([rise[:, None], E], axis=1) / d
     inner = np.eye(len(C)) + C * (F.T @ (F / d))

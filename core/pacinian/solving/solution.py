@@ -1,4 +1,4 @@
-"""What comes back: gains, and the evidence of how good they are."""
+"""The solution: gains, and evidence of how good they are."""
 
 from __future__ import annotations
 
@@ -19,64 +19,65 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains
 
 
-AT_LIMIT = 1.0 - 1e-5  # of the gain limit: from here a transducer is at it
+AT_LIMIT = 1.0 - 1e-5  # fraction of the gain limit from which a transducer is at its limit
 
 
 class Status(Enum):
-    """How a solve ended; the value is advice."""
+    """How a solve ended. The value explains the status and says what to do."""
 
     ok = "the targets are met"
-    silent = "nothing is asked: all gains are zero"
+    silent = "all targets are zero, so all gains are zero"
     approximate = (
         "not all targets are met, with no limit reached: "
         "the points are closer than the array can resolve, or the solver is approximate; "
-        "or as strong as possible was asked, and it may be weaker"
+        'or scale="max" was given and stronger gains may exist'
     )
     limited = (
-        "transducers are at their limit: these are the nearest pressures that it allows; "
+        "transducers are at their limit: these are the nearest pressures within it; "
         "lower the amplitudes, or add units"
     )
     scaled = (
-        "over the limits, so scaled down as a whole: proportions are kept, strength is not; "
+        "the gains exceeded the limits and were all scaled down: proportions are kept, strength is not; "
         "lower the amplitudes, or use solver 'lagrange'"
     )
     unreachable = (
-        "some points cannot be reached: no sound of any transducer gets there "
+        "some points cannot be reached by the sound of any transducer "
         "(are they behind the array, or does the skin face away from it?)"
     )
     infeasible = (
-        "the limits cannot be kept all at once, see `violations`: the best compromise; "
+        "the limits cannot all be kept (see `violations`), so this is the best compromise; "
         "lower the amplitudes, move the quiet points, or ask for fewer exact samples"
     )
-    deadline = "the time was up: the best answer so far"
-    failed = "no usable answer: the gains are zero; try solver 'pseudo-inverse'"
+    deadline = "the deadline passed: this is the best result so far"
+    failed = "no usable result, so the gains are zero; try solver 'pseudo-inverse'"
 
     @property
     def advice(self) -> str:
-        """What it means and what to do."""
+        """Meaning of the status, and what to do."""
         return self.value
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Gains, and what they achieve.
+    """Gains, and the pressures that they achieve.
 
-    gains: (N,), complex64, or complex128 in double precision. targets: what was asked.
-    sound_pressure: achieved [Pa], complex, (M,).
-    status: how it ended. solver: which. iterations: how many.
-    bound: a lower bound of the objective 1/2 ||p - B g||^2 + mu/2 ||g||^2 for the phases found [Pa^2]
-    and objective: its value at these gains; NaN where the solver proves none.
-    multipliers: y, (M,) [Pa], and mu [Pa^2], from which the bound follows: `Session.certify`.
-    violations: of limits that are not kept: "quiet", the loudest point over its limit, less 1 (a limit below
-    1 % of full drive counts as that); "exact", the relative error of the samples to be met exactly;
-    "gain" and "power", which only `Session.certify` can find broken, over their limits, less 1.
-    felt: of each region, what is felt between its samples; where there are regions, from `pacinian.solve` and
-    `Session.certify`. gain_limit: of |g_n|; infinity for none. seconds: how long it took [s].
-    late: whether the time was up before the solver was done. asked_phases: what the solver was given [rad], (M,),
-    where there are regions: to go on from. quiet_weight: of the points beside regions (`Targets.beside`), where others
-    have 1, in bound and objective. least_error: no gains within the gain limit have a lower `error`, whatever the
-    phases; from `Session.certify`, where that is asked for, else NaN.
-    note: what the solver has to say, such as why `auto` chose it.
+    gains: (N,), complex64, or complex128 in double precision. targets: the targets of the solve.
+    sound_pressure: achieved, complex, (M,) [Pa].
+    status: how the solve ended. solver: its name. iterations: their number.
+    objective: 1/2 ||p - B g||^2 + mu/2 ||g||^2 [Pa^2] for these gains g and the chosen phases of the targets p.
+    bound: a lower bound of the objective [Pa^2]. Both are NaN if the solver proves no bound.
+    multipliers, mu: y, (M,) [Pa], and mu [Pa^2], which prove the bound; see `Session.certify`.
+    violations: broken limits by name. "quiet": the highest ratio of pressure to limit at a quiet point, minus 1; limits
+    below 1 % of full drive count as 1 %. "exact": relative error of the samples to be met exactly. "zones": as "quiet",
+    for zones. "gain" and "power": the ratio of value to limit, minus 1; only `Session.certify` can find these broken.
+    felt: what is felt between the samples of each region; `pacinian.solve` and `Session.certify` compute it.
+    gain_limit: limit of |g_n|, infinity for none. seconds: duration of the solve [s].
+    late: whether the deadline passed before the solver was done.
+    asked_phases: the phases given to the solver [rad], (M,), if there are regions; the next solve starts from them.
+    quiet_weight: weight of the points beside regions (`Targets.beside`) in bound and objective; other points have 1.
+    least_error: lower bound of `error` over all phases and all gains within the gain limit; NaN unless requested from
+    `Session.certify`.
+    note: a remark by the solver, for example why `auto` chose it.
     """
 
     gains: Gains
@@ -101,37 +102,37 @@ class Solution:
 
     @property
     def asked(self) -> Complexes:
-        """The targets [Pa], complex, (M,), with the achieved phase where the phase was free."""
+        """Complex targets, (M,) [Pa], with the achieved phase where the phase was free."""
         return self.targets.complex(np.angle(self.sound_pressure))
 
     @property
     def weights(self) -> Floats:
-        """What the squared error at each point counts in objective and bound, (M,)."""
+        """Weight of each point's squared error in objective and bound, (M,)."""
         return np.where(self.targets.beside, self.quiet_weight, 1.0)
 
     @property
     def saturation(self) -> float:
-        """The share of transducers at the gain limit, 0..1."""
+        """Fraction of transducers at the gain limit, 0..1."""
         return float((np.abs(self.gains) >= AT_LIMIT * self.gain_limit).mean())
 
     @property
     def phases(self) -> Floats:
-        """The phases achieved [rad], (M,)."""
+        """Achieved phases, (M,) [rad]."""
         return np.asarray(np.angle(self.sound_pressure), np.float64)
 
     @property
     def residual(self) -> Complexes:
-        """Asked less achieved [Pa], complex, (M,); where the phase was free, with the achieved phase."""
+        """Targets minus achieved pressures, complex, (M,) [Pa]; free phases are the achieved ones."""
         return self.asked - self.sound_pressure
 
     @property
     def error(self) -> float:
-        """||residual|| / ||amplitudes|| at the points; 0 where nothing was asked. Between them: `felt`."""
+        """||residual|| / ||amplitudes|| at the points; 0 if all targets are 0. For the space between, see `felt`."""
         return self.targets.relative_error(self.sound_pressure)
 
     @property
     def shape_error(self) -> float:
-        """As `error`, against the best multiple of the targets: whether the proportions are right."""
+        """Like `error`, but relative to the best multiple of the targets: the error of the proportions."""
         p, t = np.where(self.targets.beside, 0.0, self.sound_pressure), self.asked
         if not p.any() or not t.any():
             return self.error
@@ -140,7 +141,7 @@ class Solution:
 
     @property
     def gap(self) -> float:
-        """Objective - bound [Pa^2]: at most this far from the optimum; NaN where nothing is proven."""
+        """Objective minus bound [Pa^2], the largest possible distance from the optimum; NaN if there is no bound."""
         return self.objective - self.bound
 
     def __repr__(self) -> str:
@@ -173,7 +174,7 @@ class Solution:
         return Card(f"Solution by {self.solver}", rows, draw=draw)
 
     def _draw(self, panel: Any) -> None:
-        """What was asked, and what is achieved."""
+        """Plot target and achieved amplitudes."""
         panel.plot(self.targets.amplitudes, "o", mfc="none", ms=5, label="asked")
         panel.plot(np.abs(self.sound_pressure), ".", ms=4, label="achieved")
         panel.set(xlabel="point", ylabel="sound pressure [Pa]")

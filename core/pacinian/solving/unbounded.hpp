@@ -1,4 +1,4 @@
-// Kernels that are asked whether numbers are finite: compiled without the assumption that they are.
+// Kernels that detect numbers that are not finite. They are compiled without the assumption that numbers are finite.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-"""For the tests of programs and plug-ins: a clock that is told, a server of one's own, USB in memory, conformance."""
+"""Tools for testing programs and plug-ins: a manual clock, a private server, simulated USB, conformance checks."""
 
 from pacinian.testing.clock import ManualClock
 from pacinian.testing.conformance import NotConforming

@@ -1,4 +1,4 @@
-"""What the conformance kits share: rules that are tried one by one, calls that must come back, what was broken."""
+"""Shared parts of the conformance kits: trying rules one by one, calls with a time limit, and the report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class NotConforming(AssertionError):
-    """A plug-in that breaks rules. broken: rule to what was seen."""
+    """A plug-in breaks rules. broken: name of each broken rule to the observation."""
 
     def __init__(self, what: str, broken: Mapping[str, str]) -> None:
         told = "".join(f"\n  {rule}: {seen}" for rule, seen in broken.items())
@@ -23,47 +23,47 @@ class NotConforming(AssertionError):
 
 
 class Broken(AssertionError):
-    """One rule is broken."""
+    """A rule is broken."""
 
 
 class Hangs(Broken):
-    """A call that does not come back: nothing more can be tried."""
+    """A call does not return, so no further rule can be tried."""
 
 
 def require(true: bool, seen: str) -> None:
-    """Raise Broken with what was seen, unless it is true."""
+    """Raise Broken with the observation `seen`, unless `true`."""
     if not true:
         raise Broken(seen)
 
 
 def a(kind: type, value: object, what: str) -> None:
-    """Raise Broken unless the value is of that kind."""
+    """Raise Broken unless `value` is an instance of `kind`."""
     require(isinstance(value, kind), f"{what} is {value!r}, not a pacinian.{kind.__name__}")
 
 
 def called(what: str, action: Callable[[], T], limit: float) -> T:
-    """Do it in a thread of its own. Raises what it raises; Hangs if that takes more than `limit` seconds."""
+    """Run `action` in a thread of its own and return its result. Re-raises its error; Hangs after `limit` [s]."""
     made: list[T] = []
     raised: list[BaseException] = []
 
     def work() -> None:
         try:
             made.append(action())
-        except BaseException as error:  # it is raised again below
+        except BaseException as error:  # raised again below
             raised.append(error)
 
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     thread.join(limit)
     if thread.is_alive():
-        raise Hangs(f"{what} has not come back after {limit:g} s")
+        raise Hangs(f"{what} has not returned after {limit:g} s")
     if raised:
         raise raised[0]
     return made[0]
 
 
 def tried(what: str, rules: Mapping[str, Rule]) -> None:
-    """Try each rule. Raises NotConforming with all that were broken."""
+    """Try each rule. Raises NotConforming with all broken rules."""
     broken: dict[str, str] = {}
     for name, rule in rules.items():
         try:

@@ -1,4 +1,4 @@
-"""`check_backend`: whether a backend keeps what `pacinian.Backend` promises."""
+"""`check_backend`: checks that a backend fulfils the contract of `pacinian.Backend`."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike
 
-LIMIT = 10.0  # [s] that a call may take
-LOOK = 0.01  # [s] between two looks at what is heard
-QUIET = 0.1  # of full drive: what a device is tried with
-OFF = 0.02  # of full drive, that may be heard beside a level
+LIMIT = 10.0  # duration of a call [s]
+LOOK = 0.01  # period of polling `heard` [s]
+QUIET = 0.1  # drive of the trials, relative to full drive
+OFF = 0.02  # deviation of the emitted gains, relative to full drive
 
 
 def check_backend(
@@ -35,12 +35,12 @@ def check_backend(
     lose: Callable[[Any], None] | None = None,
     limit: float = LIMIT,
 ) -> None:
-    """Try every rule of the backend seam; a device is opened and closed a few times, and driven at a tenth.
+    """Check a backend against every rule of its interface. Opens the device several times and drives it at a tenth.
 
-    make: makes the backend, as users do. array: what it is opened with; an AUTD unit unless given.
-    heard: what sounds now, gains (N,), asked of the backend or of a device's model; without it nothing can be
-    said of what sounds. lose: unplugs the device, which is not plugged in again. limit: of each call [s].
-    Raises NotConforming, which says what was broken.
+    make: constructs the backend, as users do. array: array with which it is opened; by default an AUTD unit. heard:
+    returns the gains (N,) that the backend or a model of its device emits now; without it, no emission is checked.
+    lose: unplugs the device, which is not plugged in again. limit: time limit of each call [s]. Raises NotConforming,
+    which lists the broken rules.
     """
     kit = _Kit(make, array or autd(), heard, limit)
     rules = {
@@ -68,7 +68,7 @@ def check_backend(
 
 
 class _Kit:
-    """One backend's trial; every rule has a new backend, and every call a thread of its own."""
+    """The trial of a backend. Every rule gets a new backend, and every call its own thread."""
 
     def __init__(
         self,
@@ -80,19 +80,19 @@ class _Kit:
         self.array, self._make, self._heard, self._limit = array, make, heard, limit
         self._sequence = 0
 
-    # ------------------------------------------------------------------ what rules are made of
+    # ------------------------------------------------------------------ building blocks of the rules
 
     def make(self) -> Backend:
-        """A new backend."""
+        """Construct a new backend."""
         return called("make()", self._make, self._limit)
 
     def call(self, method: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a method of the backend."""
+        """Call a method of the backend, with the time limit."""
         return called(f"{method.__name__}()", lambda: method(*arguments), self._limit)
 
     @contextmanager
     def opened(self) -> Generator[Backend]:
-        """A new backend, open; closed afterwards."""
+        """Open a new backend, and close it afterwards."""
         backend = self.make()
         self.call(backend.open, self.array)
         try:
@@ -102,7 +102,7 @@ class _Kit:
                 self.call(backend.close)
 
     def frame(self, can: Capability, share: float = QUIET, rows: int = 1) -> Frame:
-        """A frame of so much drive, with phases that differ."""
+        """Make a frame with different phases. share: its drive, relative to full drive."""
         self._sequence += 1
         N = len(self.array)
         phase = (np.arange(rows * N) % can.phases).astype(np.uint16).reshape(rows, N)
@@ -110,7 +110,7 @@ class _Kit:
         return Frame(self._sequence, self._sequence / can.rate, phase, np.full_like(phase, level))
 
     def refuses(self, what: str, method: Callable[..., Any], *arguments: Any) -> None:
-        """Require a BackendError."""
+        """Require that a call raises BackendError."""
         try:
             self.call(method, *arguments)
         except BackendError:
@@ -123,7 +123,7 @@ class _Kit:
         raise Broken(f"{what} is accepted: it must raise BackendError")
 
     def sounding(self, backend: Backend, asked: Frame | None, when: str) -> None:
-        """Require that a frame's last row, or nothing, is heard, soon."""
+        """Require that the last row of a frame, or silence if it is None, is heard within the time limit."""
         if self._heard is None:
             return
         can, N = backend.capability, len(self.array)
@@ -143,7 +143,7 @@ class _Kit:
     # ------------------------------------------------------------------ the rules
 
     def its_class(self) -> None:
-        """It is a backend with a name and a line of explanation."""
+        """It is a backend with a name and a docstring."""
         backend = self.make()
         a(Backend, backend, "what is made")
         name = getattr(type(backend), "name", None)
@@ -151,7 +151,7 @@ class _Kit:
         require(bool((type(backend).__doc__ or "").strip()), "it has no docstring")
 
     def found(self) -> None:
-        """Looking for devices raises nothing and tells `Found`s of its own name."""
+        """The search for devices raises nothing and returns `Found`s with the backend's name."""
         cls = type(self.make())
         for one in self.call(cls.found):
             a(Found, one, "what found() tells")
@@ -179,17 +179,17 @@ class _Kit:
         self.call(self.make().close)
 
     def send_before_open(self) -> None:
-        """A frame before `open` is refused."""
+        """It refuses a frame before `open`."""
         backend = self.make()
         self.refuses("send() before open()", backend.send, self.frame(backend.capability))
 
     def open_silent(self) -> None:
-        """`open` leaves it silent."""
+        """It is silent after `open`."""
         with self.opened() as backend:
             self.sounding(backend, None, "after open()")
 
     def sounds(self) -> None:
-        """What is sent is what sounds; frames without amplitude are silent."""
+        """It emits what is sent, and frames of amplitude 0 are silent."""
         with self.opened() as backend:
             for share in (QUIET, 0.0, QUIET):
                 frame = self.frame(backend.capability, share)
@@ -197,7 +197,7 @@ class _Kit:
                 self.sounding(backend, frame, "after send()")
 
     def leaves_frames(self) -> None:
-        """A frame is not written to: the loop may send it again."""
+        """It does not write to a frame, because the loop may send it again."""
         with self.opened() as backend:
             frame = self.frame(backend.capability)
             phase, amplitude = frame.phase.copy(), frame.amplitude.copy()
@@ -207,7 +207,7 @@ class _Kit:
             require(bool(same), "send() writes to the frame's arrays")
 
     def keeps_no_arrays(self) -> None:
-        """A frame's arrays are reused as soon as `send` is back, so none may be kept."""
+        """It does not keep a frame's arrays, because the loop reuses them as soon as `send` returns."""
         with self.opened() as backend:
             frame = self.frame(backend.capability)
             kept = [weakref.ref(frame.phase), weakref.ref(frame.amplitude)]
@@ -218,14 +218,14 @@ class _Kit:
             require(not alive, "send() keeps the frame's arrays, which are reused: copy them")
 
     def read_only(self) -> None:
-        """Frames of a recording cannot be written to, and are sent all the same."""
+        """It sends read-only frames, such as those of a recording."""
         with self.opened() as backend:
             frame = self.frame(backend.capability)
             frame.phase.flags.writeable = frame.amplitude.flags.writeable = False
             self.call(backend.send, frame)
 
     def rows(self) -> None:
-        """A frame has as many rows as a tick has frames; sequence and time may jump."""
+        """It accepts frames of several rows, and jumps of sequence and time."""
         with self.opened() as backend:
             for rows in (1, 2, 5, 1):
                 frame = self.frame(backend.capability, rows=rows)
@@ -234,7 +234,7 @@ class _Kit:
                 self.sounding(backend, frame, f"after {rows} rows")
 
     def silence(self) -> None:
-        """Silence is silent, at any time after `open`, any number of times."""
+        """`silence` silences at any time after `open`, any number of times."""
         with self.opened() as backend:
             self.call(backend.silence)
             self.call(backend.send, self.frame(backend.capability))
@@ -243,7 +243,7 @@ class _Kit:
                 self.sounding(backend, None, "after silence()")
 
     def sounds_again(self) -> None:
-        """What is sent after a silence sounds."""
+        """It emits what is sent after `silence`."""
         with self.opened() as backend:
             for _ in range(2):
                 frame = self.frame(backend.capability)
@@ -265,14 +265,14 @@ class _Kit:
             self.call(backend.close)
 
     def send_after_close(self) -> None:
-        """A frame after `close` is refused, and makes no sound."""
+        """It refuses a frame after `close`, and emits nothing."""
         with self.opened() as backend:
             self.call(backend.close)
             self.refuses("send() after close()", backend.send, self.frame(backend.capability))
             self.sounding(backend, None, "after close() and send()")
 
     def gives_back(self) -> None:
-        """After `close` another one can open the device."""
+        """After `close`, another backend can open the device."""
         with self.opened() as backend:
             self.call(backend.send, self.frame(backend.capability))
             self.call(backend.close)
@@ -280,7 +280,7 @@ class _Kit:
                 self.call(other.send, self.frame(other.capability))
 
     def loss(self, lose: Callable[[Any], None]) -> None:
-        """A device that is gone is a BackendError to `send`, at once and from then on; closing it is quiet."""
+        """`send` to a device that is gone raises BackendError, at once and from then on; `close` raises nothing."""
         with self.opened() as backend:
             self.call(backend.send, self.frame(backend.capability))
             lose(backend)

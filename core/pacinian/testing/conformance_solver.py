@@ -1,4 +1,4 @@
-"""`check_solver`: whether a solver keeps what `pacinian.Solver` promises."""
+"""`check_solver`: checks that a solver fulfils the contract of `pacinian.Solver`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
 from pacinian.solving.solution import Solution, Status
 from pacinian.testing.conformance import a, called, require, tried
-from pacinian.testing.problems import Problem, find_problem, make_ordinary, make_regions
+from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,22 +27,22 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Complexes, Floats, Gains
 
-LIMIT = 120.0  # [s] that a call may take
-SINGLE = 1e-4  # of the strongest pressure, that single precision may be off
-KEPT = 2e-3  # relative, by which a limit may be missed
-ALIKE = 0.99  # of |sum p exp(-j phi)| / sum |p|: a region's phases are those of one wave
-ASIDE = np.array([4e-4, 0.0, 0.0])  # [m]: what a hand moves in a tick
-NEAR = 1e-3  # relative, by which a bound may be off
+LIMIT = 120.0  # duration of a call [s]
+SINGLE = 1e-4  # error from single precision, relative to the strongest pressure
+KEPT = 2e-3  # relative violation of a limit
+ALIKE = 0.99  # least |sum p exp(-j phi)| / sum |p| of a region whose phases are those of one wave
+ASIDE = np.array([4e-4, 0.0, 0.0])  # motion of a hand in a tick [m]
+NEAR = 1e-3  # relative error of a bound
 
 
 def check_solver(
     make: Callable[[], Solver], array: Array | None = None, *, limit: float = LIMIT
 ) -> None:
-    """Try every rule of the solver seam on small problems; answers are compared in double precision.
+    """Check a solver against every rule of its interface, on small problems and in double precision.
 
-    make: makes the solver, as users do. array: 100 ideal transducers unless given; 10 x 10 cm or more, that points to
-    +z. limit: of each call [s]. How good its answers are, and on harder problems: `pacinian stress --solver NAME`.
-    Raises NotConforming, which says what was broken.
+    make: constructs the solver, as users do. array: array of at least 10 x 10 cm that faces +z; by default 100 ideal
+    transducers. limit: time limit of each call [s]. Raises NotConforming, which lists the broken rules. To measure the
+    quality of the answers, also on harder problems, use `pacinian stress --solvers NAME`.
     """
     kit = _Kit(make, array or lattice(0.09, 0.09), limit)
     tried(
@@ -67,27 +67,27 @@ def check_solver(
 
 
 class _Kit:
-    """One solver's trial."""
+    """The trial of a solver."""
 
     def __init__(self, make: Callable[[], Solver], array: Array, limit: float) -> None:
         self.array, self._make, self._limit = array, make, limit
 
-    # ------------------------------------------------------------------ what rules are made of
+    # ------------------------------------------------------------------ building blocks of the rules
 
     def make(self) -> Solver:
-        """A new solver."""
+        """Construct a new solver."""
         return called("make()", self._make, self._limit)
 
     def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
-        """As `pacinian.testing.problems.ordinary`, for its array."""
+        """Make an ordinary problem for the kit's array."""
         return make_ordinary(self.array, count, level, seed, fixed)
 
     def problems(self) -> list[tuple[str, Problem]]:
-        """Ordinary and awkward ones."""
-        return find_problem(self.array)
+        """Make all test problems."""
+        return make_problems(self.array)
 
     def reference(self, q: Floats) -> Complexes:
-        """B in double precision."""
+        """Return B in double precision."""
         return matrix(self.array, q, AIR)
 
     def solve(
@@ -99,7 +99,7 @@ class _Kit:
         budget: Budget | None = None,
         precision: Precision = "single",
     ) -> tuple[Complexes, Result]:
-        """Ask the solver itself: its gains, (N,), and what it says of them."""
+        """Call the solver directly. Return its gains, (N,), and its result."""
         propagator = propagator or self.propagator(problem, precision)
         out = np.zeros(len(self.array), propagator.dtype)
         targets, limits, time, gains = (
@@ -114,13 +114,13 @@ class _Kit:
         return out, result
 
     def propagator(self, problem: Problem, precision: Precision = "single") -> Propagator:
-        """One whose points are the problem's."""
+        """Return a propagator to the points of a problem."""
         made = Propagator(self.array, AIR, precision)
         made.set_points(problem.q)
         return made
 
     def session(self, problem: Problem) -> Solution:
-        """Ask through a session, as users do."""
+        """Solve through a session, as users do."""
         session = Session(self.array, solver=self.make())
         return called(
             "Session.solve()",
@@ -137,23 +137,23 @@ class _Kit:
     # ------------------------------------------------------------------ the rules
 
     def its_class(self) -> None:
-        """It is a solver with a name and a line of explanation."""
+        """It is a solver with a name and a docstring."""
         solver = self.make()
         a(Solver, solver, "what is made")
         name = getattr(type(solver), "name", None)
         require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
         require(bool((type(solver).__doc__ or "").strip()), "it has no docstring")
         unknown = set(solver.keeps) - {"quiet", "exact"}
-        require(not unknown, f"keeps names {unknown}, which are no limits that a solver may keep")
+        require(not unknown, f"`keeps` holds {unknown}, but a solver may keep only quiet and exact")
 
     def finite(self) -> None:
-        """Gains are finite, whatever is asked."""
+        """Gains are finite for every problem."""
         for name, problem in self.problems():
             g, _ = self.solve(self.make(), problem)
             require(bool(np.isfinite(g).all()), f"gains are not finite for {name}")
 
     def gain_limit(self) -> None:
-        """Where the least gains are far within the limit, or it says that it kept it, gains are within it."""
+        """Gains are within the limit if small gains suffice, or if the solver reports `limited`."""
         for name, problem in self.problems():
             g, result = self.solve(self.make(), problem)
             limit, most = problem.limits.gain or np.inf, float(np.abs(g).max())
@@ -164,13 +164,13 @@ class _Kit:
             require(within, f"gains reach {most:.3g} {told}: {name}")
 
     def deterministic(self) -> None:
-        """The same problem has the same answer, bit for bit: recordings are rendered anew."""
+        """The same problem has the same answer, bit for bit, because recordings are rendered again."""
         for name, problem in self.problems()[:8]:
             first, second = (self.solve(self.make(), problem)[0] for _ in range(2))
             require(np.array_equal(first, second), f"answers differ for {name}")
 
     def holds_nothing(self) -> None:
-        """One object serves all sessions: what it was asked before does not matter."""
+        """Earlier problems do not matter, because one object serves all sessions."""
         solver, one, other = self.make(), self.problem(4, 0.5), self.problem(7, 0.9, seed=1)
         first, _ = self.solve(solver, one)
         self.solve(solver, other)
@@ -178,7 +178,7 @@ class _Kit:
         require(np.array_equal(first, again), "another problem in between changes the answer")
 
     def leaves_input(self) -> None:
-        """What it is given is shared: it is not written to."""
+        """It does not write to its inputs, which are shared."""
         problem = replace(self.problem(4, 0.5), limits=Limits(power=1e3))
         warm = self.session(problem)
         propagator, targets = self.propagator(problem), problem.targets
@@ -205,14 +205,14 @@ class _Kit:
         require(propagator.version == version, "it moves the propagator's points")
 
     def budget(self) -> None:
-        """With no time left it is back with the best so far, which is finite."""
+        """With no time left it returns its best gains so far, which are finite."""
         for name, problem in self.problems()[:8]:
             spent = Budget(due=0.0, clock=lambda: 1.0)
             g, _ = self.solve(self.make(), problem, budget=spent)
             require(bool(np.isfinite(g).all()), f"gains are not finite without time: {name}")
 
     def double(self) -> None:
-        """It works in double precision, too, and comes to the same."""
+        """It also works in double precision, with nearly the same result."""
         problem = self.problem(4, 0.1, fixed=True)
         single, _ = self.solve(self.make(), problem)
         double, _ = self.solve(self.make(), problem, precision="double")
@@ -222,7 +222,7 @@ class _Kit:
         require(off < 0.05, f"pressures differ by {off:.2%} between single and double precision")
 
     def true_pressures(self) -> None:
-        """What a session tells of the answer is what the gains make, in double precision."""
+        """The pressures that a session reports are those of the gains, in double precision."""
         for name, problem in self.problems()[:8]:
             solution = self.session(problem)
             p = self.reference(problem.q) @ solution.gains.astype(np.complex128)
@@ -239,7 +239,7 @@ class _Kit:
             )
 
     def bound(self) -> None:
-        """A bound that is told is below the optimum, and follows from its multipliers."""
+        """A reported bound is below the optimum, and has multipliers as its proof."""
         for fixed in (False, True):
             problem = self.problem(4, 0.1, fixed=fixed)
             g, result = self.solve(self.make(), problem)
@@ -258,7 +258,7 @@ class _Kit:
             )
 
     def linear(self) -> None:
-        """If it says that it is linear, targets twice as strong are met twice as strongly."""
+        """If it is `linear`, targets twice as strong give pressures twice as strong."""
         solver, problem = self.make(), self.problem(4, 0.1, fixed=True)
         if solver.linear:
             g, _ = self.solve(solver, problem)
@@ -268,7 +268,7 @@ class _Kit:
             require(off < 2e-3, f"it is `linear`, but pressures are {off:.2%} off")
 
     def quiet(self) -> None:
-        """If it keeps quiet points, it does where that is possible, and `ok` is true."""
+        """If it keeps quiet points, they are quiet where that is possible."""
         if "quiet" not in self.make().keeps:
             return
         problem = self.problem(3, 0.2)
@@ -276,7 +276,7 @@ class _Kit:
         angle = np.linspace(0.0, 2.0 * np.pi, 36)
         ring = problem.q.mean(axis=0) + 0.08 * np.c_[np.cos(angle), np.sin(angle), 0.0 * angle]
         made = np.abs(self.reference(ring) @ (np.linalg.pinv(B) @ problem.t))
-        ears = ring[made.argmax()][None]  # where it is loud unless that is looked after
+        ears = ring[made.argmax()][None]  # where it is loud without the limit
         E, loud = self.reference(ears), 0.1 * float(made.max())
         g = np.linalg.pinv(np.vstack([B, E])) @ np.r_[problem.t, 0.0]
         require(float(np.abs(g).max()) < 0.9, "the array is too small for this check")
@@ -289,7 +289,7 @@ class _Kit:
         require(bool(solution.gains.any()), "it keeps a point quiet by silence")
 
     def exact(self) -> None:
-        """If it keeps exact samples, it does where that is possible."""
+        """If it keeps exact samples, they are exact where that is possible."""
         if "exact" not in self.make().keeps:
             return
         problem = replace(self.problem(3, 0.2), limits=Limits(exact=[1]))
@@ -299,9 +299,10 @@ class _Kit:
         require(off <= KEPT, f"an exact sample is {off:.2%} off (status {solution.status.name})")
 
     def regions(self) -> None:
-        """Of regions, `ok` is true: as strong as asked at the samples, in the phases of the one wave that was given.
+        """If a region has status `ok`, its samples meet their targets, in the phases of the one wave that was given.
 
-        Solved one after another, each a little aside too, so that what is left of the last does not matter.
+        The problems are solved one after another, each also with its points moved a little, to show that leftovers of
+        the last problem do not matter.
         """
         session = Session(self.array, solver=self.make())
         for name, problem in make_regions(self.array):
@@ -313,7 +314,7 @@ class _Kit:
                     self._is_one_wave(name, replace(problem, q=q), p)
 
     def _is_one_wave(self, name: str, problem: Problem, p: Complexes) -> None:
-        """Whether pressures p, (M,) [Pa], are what is asked, each region in the phases of one wave."""
+        """Require that pressures p, (M,) [Pa], meet the targets, each region in the phases of one wave."""
         t, number = problem.t, problem.regions
         assert number is not None
         off = float(np.linalg.norm((np.abs(p) - t)[t > 0.0])) / float(np.linalg.norm(t))

@@ -1,4 +1,4 @@
-"""The problems that `check_solver` asks."""
+"""Test problems for `check_solver`."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats, Longs
 
-ABOVE = 0.15  # [m] above the array
+ABOVE = 0.15  # height of regions above the array [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Points q (M, 3) [m], amplitudes t (M,) [Pa], phases [rad] or None, limits, regions (M,) or None."""
+    """A problem: points q (M, 3) [m], amplitudes t (M,) [Pa], phases [rad] or None, limits, regions (M,) or None."""
 
     q: Floats
     t: Floats
@@ -39,16 +39,16 @@ class Problem:
 
     @property
     def targets(self) -> Targets:
-        """As a solver is given them."""
+        """The targets, as a solver receives them."""
         return Targets.checked(len(self.q), self.t, self.phases, "exact", self.regions)
 
 
 def make_ordinary(
     array: Array, count: int, level: float, seed: int = 0, fixed: bool = False
 ) -> Problem:
-    """Points above the array, with phases that are `fixed` or free.
+    """Make a problem of random points above the array, with phases that are `fixed` or free.
 
-    level: of what one focus could reach, shared by the points.
+    level: norm of the amplitudes, relative to the pressure of a single focus at full drive.
     """
     rng = np.random.default_rng(seed)
     q = array.centre + np.c_[rng.uniform(-0.05, 0.05, (count, 2)), rng.uniform(0.12, 0.2, count)]
@@ -58,9 +58,9 @@ def make_ordinary(
 
 
 def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
-    """Samples of a shape above the array, each region with the phases of one wave, as solvers are given them.
+    """Make a problem of a shape above the array. Each region has the phases of one wave, as solvers receive them.
 
-    level: of what one focus could reach. Nothing is asked beside.
+    level: norm of the amplitudes, relative to the pressure of a single focus at full drive. Targets beside are 0.
     """
     q = shape.points + array.centre + [0.0, 0.0, ABOVE - HEIGHT]
     t = np.where(shape.regions == BESIDE, 0.0, 1.0)
@@ -73,7 +73,7 @@ def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
 
 
 def make_regions(array: Array) -> list[tuple[str, Problem]]:
-    """One for each kind of region, and one too strong."""
+    """Make one problem for each kind of region, and one that is too strong."""
     disc, four, right = make_ring(0.0, 0.006), make_square(4), np.array([1.0, 0.0, 0.0])
     around = make_ring(0.012, 0.016)
     shapes = {
@@ -95,8 +95,8 @@ def make_regions(array: Array) -> list[tuple[str, Problem]]:
     return [*made, ("a region: too strong", make_region(array, of(four), 3.0))]
 
 
-def find_problem(array: Array) -> list[tuple[str, Problem]]:
-    """Ordinary ones, of which there are 12, then awkward ones, and regions; with what is to be said of each."""
+def make_problems(array: Array) -> list[tuple[str, Problem]]:
+    """Make 12 ordinary problems, then awkward ones, then regions, each with a name."""
     made = [
         (f"{count} points at level {level:g}", make_ordinary(array, count, level, fixed=fixed))
         for count, level in ((1, 0.5), (1, 3.0), (4, 0.1), (16, 0.8), (16, 1e3), (150, 0.5))

@@ -1,4 +1,4 @@
-"""A real server in processes of its own, for as long as it is needed."""
+"""A real server in its own processes, for the duration of a test."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
     from pacinian.serving.settings import Settings
 
-START = 300.0  # [s] for all of its processes to be ready, and to compile what there is to compile
-END = 10.0  # [s] to end by itself when it is told to
-LOOK = 0.02  # [s] between two looks
-TOLD = 2000  # characters of the log that an error tells
+START = 300.0  # time until all processes are ready, including compilation [s]
+END = 10.0  # time for the server to end after SIGTERM [s]
+LOOK = 0.02  # polling period [s]
+TOLD = 2000  # length of the log excerpt in an error [characters]
 COMMAND = sys.executable, "-m", "pacinian", "serve"
 CONTROL = "control"
 CHILDREN = "bus", "render", "guard"
 
 
 class Usage(NamedTuple):
-    """What a process takes. memory: resident [bytes]. cpu: time since it started [s]. files: open ones."""
+    """Resources of a process. memory: resident memory [bytes]. cpu: CPU time [s]. files: number of open files."""
 
     memory: int
     cpu: float
@@ -40,7 +40,7 @@ class Usage(NamedTuple):
 
 @dataclass(frozen=True)
 class Running:
-    """A running server. connection: its connection file. process: its first one. log: what it logs to."""
+    """A running server. process: its first process. connection: its connection file. log: its log file."""
 
     process: subprocess.Popen[bytes]
     connection: Path
@@ -48,7 +48,7 @@ class Running:
 
     @property
     def pids(self) -> dict[str, int]:
-        """Its processes now: `control`, `bus`, `render`, `guard`; those that run."""
+        """Process ids of the running processes by name: `control`, `bus`, `render`, `guard`."""
         import psutil
 
         found = {CONTROL: self.process.pid}
@@ -63,7 +63,7 @@ class Running:
         return {name: found[name] for name in (CONTROL, *CHILDREN) if name in found}
 
     def usage(self) -> dict[str, Usage]:
-        """What each of its processes takes."""
+        """Return the resources of each process."""
         import psutil
 
         found = dict[str, Usage]()
@@ -77,16 +77,16 @@ class Running:
         return found
 
     def said(self) -> str:
-        """What it has logged."""
+        """Return the log."""
         return self.log.read_text(encoding="utf-8", errors="replace")
 
 
 @contextmanager
 def serving(settings: Settings | None = None, *, limit: float = START) -> Generator[Running]:
-    """Start `pacinian serve` and wait until it is ready; end it, with all of its processes.
+    """Start `pacinian serve`, wait until it is ready, and finally end it with all of its processes.
 
-    settings: the server's own unless given; its connection file is always a private one. Raises ServerError if it
-    is not ready after `limit` seconds.
+    settings: settings of the server; its defaults if None. The connection file is always a private one. Raises
+    ServerError if the server is not ready after `limit` seconds.
     """
     import msgspec
     import psutil
@@ -107,7 +107,7 @@ def serving(settings: Settings | None = None, *, limit: float = START) -> Genera
         running, children = Running(process, connection, log), set[psutil.Process]()
         try:
             _ready(running, limit)
-            children = _children(running)  # who is left if the first one is killed
+            children = _children(running)  # to end them even if the first process is killed
             yield running
         finally:
             _end(running, children)

@@ -1,6 +1,6 @@
-"""USB in memory: a backend of pyusb whose devices are models, and which fails as real ones were seen to."""
+"""Simulated USB: a pyusb backend with model devices, which reproduces failures that were observed on real buses."""
 
-# ruff: noqa: D102  the methods are those of `usb.backend.IBackend`
+# ruff: noqa: D102  `usb.backend.IBackend` documents the methods
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 
 class UsbBus:
-    """Devices on a bus, for pyusb, which calls all methods but `plug`: `usb.core.find(backend=bus)`."""
+    """A bus with devices: `usb.core.find(backend=bus)`. Tests call `plug`, and pyusb calls all other methods."""
 
-    intr_write = iso_write = None  # pyusb looks for them, too
+    intr_write = iso_write = None  # pyusb requires these attributes
 
     def __init__(self, *plugged: UsbDevice) -> None:
         self.devices: list[UsbDevice] = []
         self.stale = False
-        """Gone devices stay listed."""
+        """Whether devices that are gone stay listed."""
         self.open = 0
-        """How many handles are."""
+        """Number of open handles."""
         self.calls: list[str] = []
-        """Of what changes a device, in their order."""
+        """Calls that change a device, in order."""
         self._addresses = 1
         for one in plugged:
             self.plug(one)
 
     def plug(self, one: UsbDevice) -> None:
-        """Plug in, or in again: at another address."""
+        """Plug in a device, or plug it in again. It gets a new address."""
         self._addresses += 1
         one.address, one.gone, one.halted, one.configured = self._addresses, False, False, False
         one.holder, one.fault = None, None
@@ -148,7 +148,7 @@ class UsbBus:
         if fault in ("timeout", "hang"):
             raise error(errno.ETIMEDOUT)
         dev.fault = None
-        if fault == "unplug":  # after some of it has arrived
+        if fault == "unplug":  # after a third of the data has arrived
             dev.take(given[: len(given) // 3], 1e-3 * timeout)
             dev.unplug()
             raise error(errno.ENODEV)
@@ -171,7 +171,7 @@ class UsbBus:
 
 
 def _there(handle: Any) -> UsbDevice:
-    """The device, unless it was unplugged, or plugged in again since."""
+    """Return the device of a handle. Raises USBError if it was unplugged, or plugged in again since."""
     dev: UsbDevice = handle.dev
     if dev.gone or handle.address != dev.address:
         raise error(errno.ENODEV)

@@ -1,10 +1,10 @@
-"""A USB device in memory, for `UsbBus`; and errors as pyusb raises them."""
+"""A simulated USB device for `UsbBus`, and errors as pyusb raises them."""
 
 from __future__ import annotations
 
 import errno
 
-ERRORS = {  # errno: libusb's number, text
+ERRORS = {  # errno: libusb's error code and text
     errno.ENODEV: (-4, "No such device (it may have been disconnected)"),
     errno.EIO: (-1, "Input/Output Error"),
     errno.EPIPE: (-9, "Pipe error"),
@@ -15,7 +15,7 @@ ERRORS = {  # errno: libusb's number, text
 
 
 def error(number: int) -> Exception:
-    """As pyusb raises it. number: an errno."""
+    """Return the error that pyusb raises for `number`, an errno."""
     import usb.core
 
     code, text = ERRORS[number]
@@ -25,13 +25,13 @@ def error(number: int) -> Exception:
 
 
 class UsbDevice:
-    """A device that is plugged in. What it does with what it gets is a derived class's: `take` and `control`.
+    """A simulated device. Derived classes override `take` and `control`.
 
-    serial: None for one that has none. fault: of the next bulk write: "unplug", "stall", "timeout", "hang" (time-outs
-    of control requests too), or a number of bytes after which it ends: with an exception nowhere, as pyusb reports
-    neither a short write nor a time-out after some bytes. denied: nobody may open it. driverless: no driver lets
-    programs use it (Windows). driver: one of the system has it. mute: it answers no control request. writes: bytes
-    and time-out [ms] of each.
+    serial: serial number; None if it has none. fault: fault of the next bulk write: "unplug", "stall", "timeout",
+    "hang" (control requests also time out), or a number of bytes after which the write ends. The last raises nothing,
+    because pyusb reports neither a short write nor a timeout after some bytes. denied: whether users may not open it.
+    driverless: whether no driver lets programs use it (Windows). driver: whether a kernel driver holds it. mute:
+    whether it answers no control request. writes: size [bytes] and timeout [ms] of each bulk write.
     """
 
     vendor, product = 0x1209, 0x0001
@@ -42,24 +42,24 @@ class UsbDevice:
 
     def __init__(self, serial: str | None = "A1") -> None:
         self.serial = serial
-        self.address = 0  # given by the bus
+        self.address = 0  # assigned by the bus
         self.fault: str | int | None = None
         self.halted = self.gone = self.configured = False
         self.denied = self.driverless = self.driver = self.mute = False
-        self.holder: object = None  # who has claimed it
+        self.holder: object = None  # the handle that has claimed it
         self.writes: list[tuple[int, int]] = []
 
     def take(self, data: bytes, timeout: float) -> int:
-        """Bytes of a bulk write; returns how many it takes within `timeout` [s]."""
+        """Receive a bulk write. Return the number of bytes that the device takes within `timeout` [s]."""
         return len(data)
 
     def control(self, setup: tuple[int, int, int, int], data: bytes) -> bytes | None:
-        """A control request: bmRequestType, bRequest, wValue, wIndex; returns the answer, or None to refuse."""
+        """Answer a control request, or return None to refuse. setup: bmRequestType, bRequest, wValue, wIndex."""
         return None
 
     def reset(self) -> None:
-        """It is told its configuration."""
+        """React to a new configuration, which resets the device."""
 
     def unplug(self) -> None:
-        """Pull it out."""
+        """Unplug the device."""
         self.gone = True

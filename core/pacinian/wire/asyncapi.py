@@ -1,4 +1,4 @@
-"""The wire as an AsyncAPI 3 document, whose schemas are JSON Schema (draft 7, as AsyncAPI's own)."""
+"""The wire protocol as an AsyncAPI 3 document with JSON Schemas (draft 7, like AsyncAPI's own)."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 SCHEMAS = "#/components/schemas/"
 CHANNELS: dict[str, tuple[str, tuple[type[Struct], ...], tuple[type[Struct], ...]]] = {
     "command": (
-        "What is to be felt. ROUTER; a message is one part.",
+        "Objects, hands and queries. ROUTER; a message is one part.",
         commands.COMMANDS,
         (replies.Ok, replies.Error, replies.Pressures, replies.Shown),
     ),
     "control": (
-        "Who may, and whether at all. ROUTER; a message is one part.",
+        "Sessions, the output and settings. ROUTER; a message is one part.",
         control.CONTROLS,
         (*replies.REPLIES, state.State),
     ),
-    "state": ("What is emitted. PUB; two parts: topic, message.", (), state.STATES),
+    "state": ("The emitted output. PUB; two parts: topic, message.", (), state.STATES),
 }
 
 
 def make_asyncapi() -> dict[str, Any]:
-    """The document."""
+    """Return the document."""
     kinds = list(dict.fromkeys(kind for _, to, back in CHANNELS.values() for kind in (*to, *back)))
     channels, operations = {}, {}
     for name, (text, to, back) in CHANNELS.items():
@@ -51,7 +51,7 @@ def make_asyncapi() -> dict[str, Any]:
             "title": "Pacinian",
             "version": f"{MAJOR}.{MINOR}.0",
             "description": "MessagePack over ZeroMQ, as the server sees it. An address is the name of a field "
-            "of the connection file. `x-msgpack: bin` marks what is a `bin` in MessagePack; its bounds are bytes.",
+            "of the connection file. `x-msgpack: bin` marks a `bin` of MessagePack; its bounds are in bytes.",
         },
         "defaultContentType": "application/msgpack",
         "channels": channels,
@@ -74,7 +74,7 @@ def _message(kind: type[Struct]) -> dict[str, Any]:
 
 
 def _schemas(kinds: Iterable[type[Struct]]) -> dict[str, Any]:
-    """The schemas of all messages and of all that they hold, by the name of the class."""
+    """Return the schemas of all messages and of their parts, by class name."""
     _, found = msgspec.json.schema_components(kinds, ref_template=SCHEMAS + "{name}")
     made = {name: _plain(schema) for name, schema in sorted(found.items())}
     waiting = [msgspec.inspect.type_info(kind) for kind in kinds]
@@ -95,13 +95,13 @@ def _schemas(kinds: Iterable[type[Struct]]) -> dict[str, Any]:
 
 
 def _bin(t: BytesType) -> dict[str, Any]:
-    """The bounds of a `bin` in bytes."""
-    bounds = {"minLength": t.min_length, "maxLength": t.max_length}  # as base64 they were others
+    """Return the bounds of a `bin` in bytes."""
+    bounds = {"minLength": t.min_length, "maxLength": t.max_length}  # msgspec's are of base64
     return {"x-msgpack": "bin"} | {name: n for name, n in bounds.items() if n is not None}
 
 
 def _plain(schema: Any) -> Any:
-    """A schema without what draft 7 and AsyncAPI do not have: tuples as arrays of one kind."""
+    """Reduce a schema to the keywords of draft 7 and AsyncAPI. Tuples become arrays of one type."""
     if isinstance(schema, list):
         return [_plain(item) for item in schema]
     if not isinstance(schema, dict):

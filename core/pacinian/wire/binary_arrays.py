@@ -1,4 +1,4 @@
-"""Bulk numbers: little-endian float32 or uint32 in a `bin`, checked without a copy."""
+"""Bulk numbers: little-endian float32 or uint32 in a `bin`, checked without copying."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Singles
 
 
-MIN_VECTORISED = 14  # numbers: so many are sooner checked one by one than all at once
+MIN_VECTORISED = 14  # numbers; a plain loop checks up to this many faster than NumPy
 
 
 class Rows(NamedTuple):
-    """That a field is rows of `width` float32 in low..high.
+    """Rule that a field holds rows of `width` float32 in low..high.
 
-    counts: of rows: one of these, any unless given. each: a field for each of whose items there is a row. empty: no
-    data will do, too. low: None for any numbers, NaN too.
+    counts: allowed numbers of rows; by default any. each: name of a field that has one item per row. empty: whether
+    the field may be empty. low: None if any number is allowed, also NaN.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Rows(NamedTuple):
     high: float = 10.0
 
     def check(self, message: Any) -> None:
-        """Refuse a message whose field is anything else. Raises ValueError, as msgspec wants it."""
+        """Check the field of a message. Raises ValueError, as msgspec requires."""
         data: bytes = getattr(message, self.name)
         counts = (len(getattr(message, self.each)),) if self.each else self.counts
         if data or not self.empty:
@@ -42,14 +42,14 @@ class Rows(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """That a field is float32 in low..high, as many as the message's `grid` says; its last side is of a row."""
+    """Rule that a field holds float32 in low..high, as many as the message's `grid` gives; its last side is a row."""
 
     name: str
     low: float
     high: float
 
     def check(self, message: Any) -> None:
-        """Refuse a message whose field is anything else. Raises ValueError."""
+        """Check the field of a message. Raises ValueError."""
         data: bytes = getattr(message, self.name)
         *sides, width = message.grid
         _check_rows(self.name, data, width, (math.prod(sides),))
@@ -57,13 +57,13 @@ class Grid(NamedTuple):
 
 
 class Indices(NamedTuple):
-    """That a field is rows of three uint32 that count the (V, 3) float32 of the field `into`."""
+    """Rule that a field holds rows of three uint32, which are indices into the (V, 3) float32 of the field `into`."""
 
     name: str
     into: str
 
     def check(self, message: Any) -> None:
-        """Refuse a message whose field is anything else. Raises ValueError."""
+        """Check the field of a message. Raises ValueError."""
         data: bytes = getattr(message, self.name)
         below = len(getattr(message, self.into)) // 12
         if len(data) % 12:
@@ -73,7 +73,7 @@ class Indices(NamedTuple):
 
 
 def check_arrays(message: Any) -> None:
-    """Refuse a message that breaks one of these rules, which its class has as `BULK`. Raises ValueError."""
+    """Check a message against the rules in `BULK` of its class. Raises ValueError."""
     for rule in message.BULK:
         rule.check(message)
 
@@ -97,21 +97,21 @@ def _check_range(name: str, data: bytes, low: float | None, high: float) -> None
 
 
 def unpack(data: bytes, width: int) -> Singles:
-    """The rows, (K, width), read-only."""
+    """Return float32 bytes as rows, shape (K, width), read-only."""
     return np.frombuffer(data, "<f4").reshape(-1, width)
 
 
 def pack(values: ArrayLike) -> bytes:
-    """Numbers as float32 bytes; those that are too large for it become infinite."""
+    """Return numbers as float32 bytes. Numbers too large for float32 become infinite."""
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(values, dtype="<f4").tobytes()
 
 
 def unpack_indices(data: bytes, width: int) -> NDArray[np.uint32]:
-    """The rows, (K, width), read-only."""
+    """Return uint32 bytes as rows, shape (K, width), read-only."""
     return np.frombuffer(data, "<u4").reshape(-1, width)
 
 
 def pack_indices(values: ArrayLike) -> bytes:
-    """Whole numbers as uint32 bytes."""
+    """Return integers as uint32 bytes."""
     return np.ascontiguousarray(values, dtype="<u4").tobytes()

@@ -1,8 +1,7 @@
-"""Bytes to messages, and back. Whatever the bytes are, they either make a valid message or a WireError.
+"""Codec: bytes to messages and back. Any bytes give either a valid message or a WireError.
 
-Nothing is allocated that the bytes do not hold: msgspec checks lengths and types while it reads, skips what it
-does not know, and refuses what is nested deeper than Python's recursion limit. Of a key that comes twice the last
-one counts.
+Memory use is bounded by the bytes received: msgspec checks lengths and types while it reads, skips unknown fields, and
+refuses messages that are nested deeper than Python's recursion limit. If a key occurs twice, the last one counts.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-PROBLEM, PATH = 300, 200  # characters that are told
-FIELD = re.compile(r"(?:Object missing required field )?`(\w+)`")  # named by a problem
+PROBLEM, PATH = 300, 200  # length of a problem and of a path in an error [characters]
+FIELD = re.compile(r"(?:Object missing required field )?`(\w+)`")  # the field that a problem names
 WRONG = (
     msgspec.MsgspecError,
     ValueError,
@@ -39,7 +38,7 @@ WRONG = (
 
 
 class _Known(Struct):
-    """What is looked for in a message that is not valid."""
+    """The only field that is read from an invalid message."""
 
     id: Id = 0
 
@@ -53,7 +52,7 @@ _known = Decoder(_Known)
 
 
 def encode(message: Struct) -> bytes:
-    """A message as bytes: fields in their order, defaults too. Raises WireError if it is too long."""
+    """Encode a message, with its fields in order and with defaults. Raises WireError if it is too long."""
     try:
         data = _encoder.encode(message)
     except WRONG as error:
@@ -65,27 +64,27 @@ def encode(message: Struct) -> bytes:
 
 
 def decode_command(data: Bytes) -> AnyCommand:
-    """A message of the command socket. Raises WireError."""
+    """Decode a message from the command socket. Raises WireError."""
     return _decode(_commands, data, MAX_COMMAND_BYTES)
 
 
 def decode_control(data: Bytes) -> AnyControl:
-    """A message of the control socket. Raises WireError."""
+    """Decode a message from the control socket. Raises WireError."""
     return _decode(_controls, data, MAX_CONTROL_BYTES)
 
 
 def decode_reply(data: Bytes) -> AnyReply | State:
-    """A message of the server. Raises WireError."""
+    """Decode a reply of the server. Raises WireError."""
     return _decode(_replies, data, MAX_REPLY_BYTES)
 
 
 def decode_state(data: Bytes) -> AnyState:
-    """What the server publishes, without its topic. Raises WireError."""
+    """Decode a published message, without its topic. Raises WireError."""
     return _decode(_states, data, MAX_REPLY_BYTES)
 
 
 def checked(decoder: Decoder[T], value: Any, path: str = "$") -> T:
-    """A part of a message that is at `path`, if it is valid. Raises WireError."""
+    """Validate the part of a message at `path` and return it. Raises WireError."""
     try:
         return decoder.decode(_encoder.encode(value))
     except WRONG as error:
@@ -94,7 +93,7 @@ def checked(decoder: Decoder[T], value: Any, path: str = "$") -> T:
 
 
 def id_of(data: Bytes) -> int:
-    """The `id` of a message that is not valid, so that the error can be told; 0 if it has none."""
+    """Return the `id` of an invalid message, so that the error can be answered; 0 if it has none."""
     try:
         return _decode(_known, data, MAX_COMMAND_BYTES).id
     except WireError:

@@ -1,8 +1,9 @@
-"""Commands: what a client sends to the command socket.
+"""Commands: the messages from a client to the command socket.
 
-Each has its session's key, a sequence number that counts up, the client's time, and how long it may live: one
-that would be applied later than `ttl` after `time` is dropped and counted. Of several for one object, the newest
-wins. With an `id` it is answered, by `ok` or `error`; without, only errors are told, and not all of them.
+Each command has a session key, an increasing sequence number, the client's time and a time to live. The server drops
+and counts a command that it would apply later than `ttl` after `time`. If several commands for one object wait, the
+newest wins. The server answers a command that has an `id` with `ok` or `error`. For a command without one it reports
+only errors, and not all of them.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ Names = Annotated[tuple[Name, ...], Meta(max_length=MAX_OBJECTS)]
 
 
 class Command(Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What all commands have. time: of the client's own steady clock. ttl: for how long the command may live."""
+    """Fields of all commands. time: reading of the client's own steady clock. ttl: time to live of the command."""
 
     session: Session
     sequence: Sequence
@@ -43,16 +44,16 @@ class Command(Struct, frozen=True, kw_only=True, tag_field="type"):
 
 
 class Put(Command, frozen=True, kw_only=True, tag="put"):
-    """Objects: each is new, or takes the place of the one of that name. objects: by name."""
+    """Add objects, or replace those that have the same name. objects: the objects by name."""
 
     objects: Annotated[dict[Name, Object], Meta(max_length=MAX_OBJECTS)]
 
 
 class Move(Command, frozen=True, kw_only=True, tag="move"):
-    """New poses of objects that are there. names: of these objects.
+    """Move existing objects. names: names of the objects.
 
-    poses: x, y, z [m], quaternion x, y, z, w of each, (K, 7) float32. velocities: [m/s] and [rad/s],
-    (K, 6) float32, or empty: not known.
+    poses: x, y, z [m] and quaternion x, y, z, w of each object, (K, 7) float32. velocities: linear [m/s] and
+    angular [rad/s] velocity of each, (K, 6) float32; empty if they are not known.
     """
 
     names: Names
@@ -69,27 +70,28 @@ class Move(Command, frozen=True, kw_only=True, tag="move"):
 
 
 class Remove(Command, frozen=True, kw_only=True, tag="remove"):
-    """Objects are taken away. names: of these; such as nothing has are no error."""
+    """Remove objects. names: names of the objects; unknown names are no error."""
 
     names: Names
 
 
 class Clear(Command, frozen=True, kw_only=True, tag="clear"):
-    """All of this client's objects, hands and quiet zones are taken away."""
+    """Remove all objects, hands and quiet zones of this client."""
 
 
 class Envelopes(Command, frozen=True, kw_only=True, tag="envelope"):
-    """How strong objects that are there are over time, from now on. names: of these. envelope: for all of them."""
+    """Change the envelope of existing objects. names: names of the objects. envelope: new envelope of all of them."""
 
     names: Names
     envelope: Envelope
 
 
 class HandFrame(Struct, frozen=True, kw_only=True):
-    """A hand at the command's time. side: which it is. name: to tell hands of one side apart.
+    """A hand at the command's time. side: left or right. name: distinguishes several hands of one side.
 
-    joints: (26, 3) float32 [m] in OpenXR's order, or empty or NaN: the tracker has lost it. radii: (26,) float32 [m],
-    or empty: an adult's. velocities: (26, 3) or (1, 3) float32 [m/s], or empty: not known.
+    joints: joint positions in OpenXR's order, (26, 3) float32 [m]; empty or NaN if the tracker has lost the hand.
+    radii: joint radii, (26,) float32 [m]; empty for those of an adult. velocities: joint velocities, (26, 3), or one
+    for all joints, (1, 3), float32 [m/s]; empty if they are not known.
     """
 
     side: Literal["left", "right"] = "right"
@@ -109,17 +111,17 @@ class HandFrame(Struct, frozen=True, kw_only=True):
 
 
 class Hands(Command, frozen=True, kw_only=True, tag="hands"):
-    """All hands that this client tracks, in place of those before.
+    """Replace the hands that this client tracks.
 
-    From the first such command on its scene is felt by hands only: with none there, nothing sounds. hands: empty
-    where there are none.
+    From the first such command on, only hands feel the scene: without a hand, the output is silent. hands: all hands
+    that are tracked now; empty if there are none.
     """
 
     hands: Annotated[tuple[HandFrame, ...], Meta(max_length=MAX_HANDS)]
 
 
 class Zone(Struct, frozen=True, kw_only=True):
-    """A ball that is to stay quiet. position: its centre. pressure: the most sound pressure. radius: of the ball."""
+    """A ball that must stay quiet. position: centre. pressure: largest sound pressure. radius: radius of the ball."""
 
     position: Position
     pressure: Pressure
@@ -127,16 +129,16 @@ class Zone(Struct, frozen=True, kw_only=True):
 
 
 class Quiet(Command, frozen=True, kw_only=True, tag="quiet"):
-    """All quiet zones of this client, in place of those before; those of the configuration stay.
+    """Replace the quiet zones of this client. The zones of the server's configuration stay.
 
-    zones: where.
+    zones: all quiet zones.
     """
 
     zones: Annotated[tuple[Zone, ...], Meta(max_length=MAX_ZONES)]
 
 
 class Field(Command, frozen=True, kw_only=True, tag="field"):
-    """Asks for the sound pressure at points, of what is emitted now. points: (K, 3) float32 [m]."""
+    """Request the sound pressure that is emitted now at given points. points: positions, (K, 3) float32 [m]."""
 
     points: Annotated[bytes, Meta(max_length=12 * MAX_POINTS)]
 
@@ -147,9 +149,10 @@ class Field(Command, frozen=True, kw_only=True, tag="field"):
 
 
 class Show(Command, frozen=True, kw_only=True, tag="show"):
-    """Asks for the objects of the scene that is felt, or was felt last, whoever put them; since protocol 1.1.
+    """Request the objects of the active or last active scene, whichever client put them; since protocol 1.1.
 
-    scene: that the asker knows. since: its `version`, as of the last answer: what was told then is not told again.
+    scene: name of the scene from the last answer. since: `version` from the last answer; the server leaves out
+    objects that it has sent already.
     """
 
     scene: Annotated[str, Meta(max_length=64)] = ""

@@ -1,4 +1,4 @@
-"""The connection file: how a program on this machine finds the server, and shows that it may connect."""
+"""The connection file, by which a program on this machine finds the server and authenticates itself."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from pacinian.errors import ServerError
 
 VARIABLE = "PACINIAN_CONNECTION"
 FIX = "is `pacinian serve` running?"
-MAX_BYTES = 1 << 16  # [bytes]
+MAX_BYTES = 1 << 16  # size of the file [bytes]
 
 
 class Connection(Struct, frozen=True, kw_only=True):
-    """What the file holds.
+    """The contents of the file.
 
-    pid: of the server; 0 for one on another machine. token: on loopback. server_key, public_key, secret_key: CURVE
-    keys (Z85), elsewhere. stop: where the server on this machine takes an emergency stop that needs no connection.
+    pid: process of the server; 0 if it runs on another machine. control, command, state: addresses of the sockets.
+    token: password on loopback. server_key, public_key, secret_key: CURVE keys (Z85) for other machines. stop: address
+    on this machine for an emergency stop that needs no connection.
     """
 
     format: Literal["pacinian connection"] = "pacinian connection"
@@ -41,14 +42,14 @@ class Connection(Struct, frozen=True, kw_only=True):
 
     @property
     def secret(self) -> str:
-        """What proves that one has read the file."""
+        """Secret that proves that a program has read the file."""
         return self.token or self.secret_key
 
     def __repr__(self) -> str:
         return f"Connection(pid={self.pid}, control={self.control!r})"  # no secrets in logs
 
     def write(self, path: str | Path = "") -> Path:
-        """Write it at once and whole, for this user only; return where. Raises ServerError."""
+        """Write the file atomically, readable by this user only. Returns its path. Raises ServerError."""
         path = locate_connection(path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -65,7 +66,7 @@ class Connection(Struct, frozen=True, kw_only=True):
         return path
 
     def remove(self, path: str | Path = "") -> None:
-        """Remove the file, if it is still this one."""
+        """Remove the file, unless its contents have changed."""
         path = locate_connection(path)
         with suppress(ServerError, OSError):
             if _decoded(path) == self:
@@ -73,7 +74,7 @@ class Connection(Struct, frozen=True, kw_only=True):
 
     @classmethod
     def read(cls, path: str | Path = "") -> Connection:
-        """Read the file of a running server. Raises ServerError, with the fix."""
+        """Read the file of a running server. Raises ServerError, which names the remedy."""
         path = locate_connection(path)
         made = _decoded(path)
         if made.pid and not _runs(made.pid):
@@ -84,26 +85,26 @@ class Connection(Struct, frozen=True, kw_only=True):
 
 
 def locate_connection(path: str | Path = "") -> Path:
-    """The connection file: `path`, or as the environment variable PACINIAN_CONNECTION says, or the default."""
+    """Return the path of the file: `path`, else the environment variable PACINIAN_CONNECTION, else the default."""
     if given := path or os.environ.get(VARIABLE):
         return Path(given)
     import platformdirs
 
     with (
         warnings.catch_warnings()
-    ):  # where the system has no such folder, one in /tmp does: the file itself is safe
+    ):  # without a runtime folder, one in /tmp is safe enough: only this user can read the file
         warnings.simplefilter("ignore")
         return platformdirs.user_runtime_path("pacinian") / "connection.json"
 
 
 def check_replaceable(path: Path) -> None:
-    """Refuse to write over what no server on this machine has written. Raises ServerError."""
+    """Refuse to overwrite a file that no server on this machine has written. Raises ServerError."""
     try:
         text = _opened(path)[1]
     except FileNotFoundError:
         return
     if text and not _parsed(path, text).pid:
-        raise ServerError(f"{path}: is of a server on another machine: choose another file")
+        raise ServerError(f"{path}: belongs to a server on another machine: choose another file")
 
 
 def _decoded(path: Path) -> Connection:
@@ -113,16 +114,16 @@ def _decoded(path: Path) -> Connection:
         raise ServerError(f"{path}: no connection file; {FIX}") from None
     if os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise ServerError(
-            f"{path}: others can read or change it, so its secrets are none: "
+            f"{path}: others can read or change it, so its keys are not secret: "
             f"`chmod 600 {path}`, then start the server again"
         )
     if os.name == "posix" and status.st_uid not in (os.getuid(), 0):
-        raise ServerError(f"{path}: belongs to another user, whose server it may be")
+        raise ServerError(f"{path}: belongs to another user, whose server may not be yours")
     return _parsed(path, text)
 
 
 def _opened(path: Path) -> tuple[os.stat_result, bytes]:
-    """How the file is, and what is in it. Raises FileNotFoundError, ServerError."""
+    """Return the file's status and contents. Raises FileNotFoundError, ServerError."""
     try:
         with path.open("rb") as file:
             return os.fstat(file.fileno()), file.read(MAX_BYTES)

@@ -1,6 +1,6 @@
-"""Control: what a client sends to the control socket, which answers whatever the loop does.
+"""Control requests: the messages from a client to the control socket, which answers whatever the loop is doing.
 
-Each but `hello` and `stop` has its session's key; each is answered, with its `id`.
+All but `hello` and `stop` carry the session's key. Each is answered with its `id`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ Option = bool | int | Annotated[float, Meta(ge=-1e300, le=1e300)] | Text
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag_field="type", tag="hello"):
-    """The first message: who is there, and which protocol it speaks; answered by `welcome`, or by `error`.
+    """Open a session. The first message; answered by `welcome`, or by `error`.
 
-    protocol: major, minor. client: who, for people. version: of the client, for people.
-    scene: clients of one name share a scene; one of its own
-    unless given. lease: within which the game must renew [s]; the server's own unless given, and at most that.
+    protocol: protocol version of the client, major and minor. client: name of the client, for people. version: version
+    of the client, for people. scene: name of the scene, which clients that give the same name share; by default the
+    client has a scene of its own. lease: time within which the client must renew [s]; by default the server's, which
+    is also the maximum.
     """
 
     id: Id = 0
@@ -41,16 +42,16 @@ class Hello(Struct, frozen=True, kw_only=True, tag_field="type", tag="hello"):
 
 
 class Request(Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What all the others have."""
+    """Fields of all other requests."""
 
     session: Session
     id: Id = 0
 
 
 class Renew(Request, frozen=True, kw_only=True, tag="renew"):
-    """The lease goes on: to be sent from the game's own tick. Answered by `renewed`.
+    """Renew the lease. Send this from the game's own tick. Answered by `renewed`.
 
-    sequence: counts up with each renewal. time: of the client's steady clock; the lease counts from then.
+    sequence: increases with each renewal. time: reading of the client's steady clock, from which the lease counts.
     """
 
     sequence: Sequence
@@ -58,37 +59,38 @@ class Renew(Request, frozen=True, kw_only=True, tag="renew"):
 
 
 class Arm(Request, frozen=True, kw_only=True, tag="arm"):
-    """This client's scene is to be felt. take: from its owner, if there is another and the server allows it."""
+    """Own the output and make this client's scene active. take: take the output from another owner, if allowed."""
 
     take: bool = False
 
 
 class Disarm(Request, frozen=True, kw_only=True, tag="disarm"):
-    """Silence, softly. The owner lets go of the output."""
+    """Fade to silence and release the output. For the owner."""
 
 
 class Stop(Struct, frozen=True, kw_only=True, tag_field="type", tag="stop"):
-    """Emergency stop: silence at once, whoever owns the output, until `reset`. Needs no session."""
+    """Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session."""
 
     id: Id = 0
 
 
 class Reset(Request, frozen=True, kw_only=True, tag="reset"):
-    """After an emergency stop or a fault: the output may be armed again."""
+    """Allow the output to be armed again after an emergency stop or a fault."""
 
 
 class Choice(Struct, frozen=True, kw_only=True):
-    """A solver or a backend. name: by which it is. options: of those that it lets clients set."""
+    """A solver or a backend. name: name of the plug-in. options: values of options that clients may set."""
 
     name: Name
     options: Annotated[dict[Name, Option], Meta(max_length=MAX_OPTIONS)] = {}
 
 
 class Select(Request, frozen=True, kw_only=True, tag="select"):
-    """Another solver, backend, technique (of objects that have none of their own) or strength, while running.
+    """Change the solver, the backend, the technique or the intensity while the server runs.
 
-    What is not given stays. For the owner, or anyone while nobody is. Answered when it is done, or could not be.
-    solver, backend: by name. technique: of all objects without one. intensity: factor on all radiation pressures.
+    Settings that are not given stay. Only the owner may change them, or any client while there is no owner. The answer
+    comes after the change was made or has failed. solver, backend: new plug-in. technique: new technique of all objects
+    that have none of their own. intensity: factor on all radiation pressures.
     """
 
     solver: Choice | None = None
@@ -98,15 +100,15 @@ class Select(Request, frozen=True, kw_only=True, tag="select"):
 
 
 class Capabilities(Request, frozen=True, kw_only=True, tag="capabilities"):
-    """Asks what there is: the array, solvers, backends, limits."""
+    """Request the properties of the server: its array, solvers, backends and limits."""
 
 
 class Status(Request, frozen=True, kw_only=True, tag="status"):
-    """Asks for the state as it is published."""
+    """Request the state, as it is published."""
 
 
 class Bye(Request, frozen=True, kw_only=True, tag="bye"):
-    """The client goes: its objects with it; silence, if it owns the output."""
+    """End the session and remove its objects. The output falls silent if this client owns it."""
 
 
 CONTROLS = Hello, Renew, Arm, Disarm, Stop, Reset, Select, Capabilities, Status, Bye

@@ -1,4 +1,4 @@
-"""Wire objects to objects of `pacinian.scene`, and back: equal to the precision of float32."""
+"""Conversion of wire objects to objects of `pacinian.scene` and back, exact to the precision of float32."""
 
 from __future__ import annotations
 
@@ -49,7 +49,10 @@ _objects: Decoder[objects.Object] = Decoder(objects.Object)
 def to_scene(
     name: str, item: objects.Object, default: Technique = SIMULTANEOUS, time: float = 0.0
 ) -> scene.Object:
-    """An object of that name, seen at `time` [s]. default: technique, where it has none. Raises WireError."""
+    """Convert a wire object to a scene object. Raises WireError.
+
+    name: name of the object. default: its technique if it has none. time: time from which its motion counts [s].
+    """
     try:
         return _to_scene(name, item, default, time)
     except BROKEN as error:
@@ -57,10 +60,10 @@ def to_scene(
 
 
 def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object:
-    """An object without its name; its files are read. duration: after which it is removed [s].
+    """Convert a scene object, without its name, to a wire object. Reads its files.
 
-    The technique that objects have unless told otherwise becomes the server's own choice. Raises WireError for
-    what cannot be sent, or is beyond the bounds of the wire, ArgumentError for what is no object.
+    duration: time after which the server removes it [s]. The default technique becomes the choice of the server. Raises
+    WireError if the object cannot be sent or exceeds the bounds of the wire, and ArgumentError if it is no object.
     """
     check_kind("item", item, scene.Point, scene.Path, scene.Particles, scene.Surface, scene.Volume)
     return checked(_objects, locate_errors("$", lambda i: _to_wire(i, duration), item))

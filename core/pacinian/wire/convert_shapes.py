@@ -1,4 +1,4 @@
-"""Wire shapes to shapes of `pacinian.scene`, and back."""
+"""Conversion of wire shapes to shapes of `pacinian.scene` and back."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Singles
 
-ALIKE: dict[type, type] = {  # kinds with the same fields in the same order
+ALIKE: dict[type, type] = {  # classes with the same fields in the same order
     shapes.Rectangle: planar.Rectangle,
     shapes.Disc: planar.Disc,
     shapes.Box: planar.Box,
@@ -37,13 +37,13 @@ ALIKE_BACK: dict[type, type] = {theirs: ours for ours, theirs in ALIKE.items()}
 
 
 def shape_to_scene(shape: Any) -> Any:
-    """A wire shape or curve as one of `pacinian.scene`. Raises ArgumentError, WireError."""
+    """Convert a wire shape or curve to one of `pacinian.scene`. Raises ArgumentError, WireError."""
     kind = ALIKE.get(type(shape))
     return kind(*astuple(shape)) if kind else TO_SCENE[type(shape)](shape)
 
 
 def shape_to_wire(shape: Any) -> Any:
-    """A shape or curve of `pacinian.scene` as a wire one; its file is read. Raises ArgumentError, WireError."""
+    """Convert a shape or curve of `pacinian.scene` to a wire one. Reads its file. Raises ArgumentError, WireError."""
     kind = ALIKE_BACK.get(type(shape))
     if kind:
         return kind(*astuple(shape))
@@ -53,22 +53,22 @@ def shape_to_wire(shape: Any) -> Any:
 
 
 def pose_to_scene(pose: shapes.Pose) -> scene_pose.Pose:
-    """A pose. Raises ArgumentError."""
+    """Convert a wire pose to a scene pose. Raises ArgumentError."""
     return scene_pose.Pose(pose.position, pose.rotation)
 
 
 def pose_to_wire(pose: scene_pose.Pose) -> shapes.Pose:
-    """A pose."""
+    """Convert a scene pose to a wire pose."""
     return shapes.Pose(pose.position, pose.rotation)
 
 
 def texture_to_scene(item: Texture) -> texture.Texture:
-    """A texture. Raises ArgumentError."""
+    """Convert a wire texture to a scene texture. Raises ArgumentError."""
     return texture.Texture(values=_grid(item.values, item.grid), size=item.size, repeat=item.repeat)
 
 
 def texture_to_wire(item: texture.Texture) -> Texture:
-    """A texture; its file is read. Raises ArgumentError."""
+    """Convert a scene texture to a wire texture. Reads its file. Raises ArgumentError."""
     R, C = item.factors.shape
     values = pack(item.factors[::-1])
     return Texture(values=values, grid=(R, C), size=item.size, repeat=item.repeat)

@@ -1,4 +1,4 @@
-"""Wire envelopes and techniques to those of `pacinian.scene`, and back."""
+"""Conversion of wire envelopes and techniques to those of `pacinian.scene` and back."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
 from pacinian.wire.error_path import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
 
-ENVELOPES: dict[type, type] = {  # kinds with the same fields in the same order
+ENVELOPES: dict[type, type] = {  # classes with the same fields in the same order
     time.Constant: scene_envelope.Constant,
     time.Sine: scene_envelope.Sine,
     time.Square: scene_envelope.Square,
@@ -45,27 +45,27 @@ if TYPE_CHECKING:
 
 
 def envelope_to_scene(envelope: time.Envelope, path: str = "$.envelope") -> scene_envelope.Envelope:
-    """An envelope. Raises WireError."""
-    if envelope == time.STEADY:  # most are: so it is known again as the very same
+    """Convert a wire envelope to a scene envelope. Raises WireError."""
+    if envelope == time.STEADY:  # the common case: share one object, so that it is recognised
         return scene_envelope.STEADY
     return locate_errors(path, _envelope_to_scene, envelope)
 
 
 def envelope_to_wire(envelope: scene_envelope.Envelope, path: str = "$.envelope") -> time.Envelope:
-    """An envelope; its file is read. Raises WireError, also for what the wire does not allow."""
+    """Convert a scene envelope to a wire envelope. Reads its file. Raises WireError, also beyond the wire's bounds."""
     if envelope is scene_envelope.STEADY:
         return time.STEADY
     return checked(_envelopes, locate_errors(path, _envelope_to_wire, envelope), path)
 
 
 def technique_to_scene(technique: time.Technique, path: str = "$.technique") -> Technique:
-    """A technique. Raises WireError."""
+    """Convert a wire technique to a scene technique. Raises WireError."""
     made: Technique = locate_errors(path, _technique_to_scene, technique)
     return made
 
 
 def technique_to_wire(technique: Technique, path: str = "$.technique") -> time.Technique:
-    """A technique. Raises WireError, also for what the wire does not allow."""
+    """Convert a scene technique to a wire technique. Raises WireError, also beyond the wire's bounds."""
     return checked(_techniques, locate_errors(path, _technique_to_wire, technique), path)
 
 

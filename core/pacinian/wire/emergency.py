@@ -1,7 +1,7 @@
-"""The emergency stop's own way in, for programs on the server's machine: a datagram, and one that confirms it.
+"""A separate channel for the emergency stop, for programs on the server's machine: a datagram and its confirmation.
 
-It needs no connection, so nobody can take its place. Both datagrams prove that their sender has the secret of the
-connection file (RFC 2104), without telling it.
+It needs no connection, so other clients cannot block it. An HMAC (RFC 2104) in both datagrams proves that the sender
+has the secret of the connection file, without revealing it.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from types import TracebackType
 
-NONCE_BYTES = 16  # [bytes], new for each stop
-DATAGRAM_BYTES = NONCE_BYTES + hashlib.sha256().digest_size  # [bytes] of a datagram
-RESEND_PERIOD = 0.1  # [s] after which one that is not confirmed is sent again
+NONCE_BYTES = 16  # size of a nonce, which is new for each stop [bytes]
+DATAGRAM_BYTES = NONCE_BYTES + hashlib.sha256().digest_size  # size of a datagram [bytes]
+RESEND_PERIOD = 0.1  # time after which an unconfirmed datagram is sent again [s]
 LOOPBACK = "127.0.0.1"
 
 
 def sign(secret: str, what: bytes, nonce: bytes) -> bytes:
-    """A datagram: the nonce, and the HMAC of `what` and the nonce with the secret."""
+    """Return a datagram: the nonce, and the HMAC of `what` and the nonce with the secret."""
     return nonce + hmac.digest(secret.encode(), what + nonce, "sha256")
 
 
 def verify(secret: str, what: bytes, data: bytes) -> bytes:
-    """The nonce of a datagram; empty if its HMAC is wrong."""
+    """Return the nonce of a datagram; empty if its HMAC is wrong."""
     return (
         data[:NONCE_BYTES]
         if hmac.compare_digest(data, sign(secret, what, data[:NONCE_BYTES]))
@@ -40,7 +40,7 @@ def verify(secret: str, what: bytes, data: bytes) -> bytes:
 
 
 class StopSocket:
-    """The server's side. A context manager. address: for clients. file: of the socket, where the system has such."""
+    """The server's socket; a context manager. address: for the connection file. file: path of the socket (Unix)."""
 
     def __init__(self, file: Path, secret: str) -> None:
         self._secret = secret
@@ -50,14 +50,14 @@ class StopSocket:
             self.address = f"udp:{self.socket.getsockname()[1]}"
         else:
             self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-            self.socket.bind(str(file))  # in a private folder: nobody else can fill its queue
+            self.socket.bind(str(file))  # in a private folder, so others cannot fill its queue
             self.address = f"unix:{file}"
         self.socket.setblocking(False)
 
     def receive(self) -> list[tuple[bytes, Any]]:
-        """The requests that came since the last call, (nonce, sender): `confirm` them once all is silent."""
+        """Return the requests since the last call, (nonce, sender). Call `confirm` once the output is silent."""
         found: list[tuple[bytes, Any]] = []
-        with suppress(OSError):  # nothing more, or one who asked has gone (on Windows)
+        with suppress(OSError):  # the queue is empty, or (on Windows) a sender has gone
             while True:
                 data, peer = self.socket.recvfrom(DATAGRAM_BYTES + 1)
                 if nonce := verify(self._secret, b"stop", data):
@@ -65,7 +65,7 @@ class StopSocket:
         return found
 
     def confirm(self, requests: list[tuple[bytes, Any]]) -> None:
-        """Answer requests."""
+        """Confirm requests to their senders."""
         for nonce, peer in requests:
             with suppress(OSError):
                 self.socket.sendto(sign(self._secret, b"stopped", nonce), peer)
@@ -83,7 +83,7 @@ class StopSocket:
 
 
 def request_stop(address: str, secret: str, timeout: float) -> bool:
-    """Ask a server on this machine to stop; whether it has confirmed it within `timeout` [s]."""
+    """Ask a server on this machine to stop. Returns whether it has confirmed the stop within `timeout` [s]."""
     nonce, due = secrets.token_bytes(NONCE_BYTES), time.perf_counter() + timeout
     with ExitStack() as stack:
         try:
@@ -100,7 +100,7 @@ def request_stop(address: str, secret: str, timeout: float) -> bool:
 
 
 def _connect(address: str, stack: ExitStack, name: str) -> socket.socket:
-    """A socket that can be answered. Raises AttributeError, OSError, ValueError."""
+    """Return a connected socket that can receive an answer. Raises AttributeError, OSError, ValueError."""
     kind, _, at = address.partition(":")
     made = socket.socket(socket.AF_INET if kind == "udp" else socket.AF_UNIX, socket.SOCK_DGRAM)
     stack.callback(made.close)
@@ -108,7 +108,7 @@ def _connect(address: str, stack: ExitStack, name: str) -> socket.socket:
         made.connect((LOOPBACK, int(at)))
         return made
     if sys.platform == "linux":
-        made.bind("")  # a name that is nobody's file: unix(7), autobind
+        made.bind("")  # an abstract address without a file: unix(7), autobind
     else:
         ours = Path(f"{at}-{name}")
         stack.callback(ours.unlink, missing_ok=True)

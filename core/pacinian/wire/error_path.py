@@ -1,4 +1,4 @@
-"""Where in a message an argument is that cannot be meant."""
+"""Error paths: where in a message a value is invalid."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BROKEN = ValueError, ArithmeticError, MemoryError
 
 
 def locate_errors(path: str, convert: Callable[[A], B], value: A) -> B:
-    """What `convert` makes of a value that is at `path`. Raises WireError, which has the whole path."""
+    """Return `convert(value)` of a value at `path`. Raises WireError, which carries the whole path."""
     try:
         return convert(value)
     except BROKEN as error:
@@ -24,7 +24,7 @@ def locate_errors(path: str, convert: Callable[[A], B], value: A) -> B:
 
 
 def locate(path: str, value: object, error: Exception) -> WireError:
-    """An error about a value that is at `path`, with the path of the field that is wrong."""
+    """Convert an error about the value at `path` to a WireError with the path of the wrong field."""
     if isinstance(error, WireError):
         return WireError(error.problem, path + error.path)
     if isinstance(error, ArgumentError):
@@ -33,7 +33,7 @@ def locate(path: str, value: object, error: Exception) -> WireError:
 
 
 def _field(value: object, argument: str) -> str:
-    """Which field of a value an argument is: the one of that name, or the one that holds such a thing."""
+    """Return the path of the field for an argument: the field of that name, or one whose value has that tag."""
     names = getattr(value, "__struct_fields__", ())
     if argument.partition("[")[0] in names:
         return f".{argument}"

@@ -1,4 +1,4 @@
-"""The wire as a page to read: prose from page.md, tables from the message classes."""
+"""The wire protocol as a Markdown page: prose from page.md, tables from the message classes."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
     Kinds = Iterable[type[Struct]]
 
-LEASE = 0.25  # [s], unless configured otherwise
+LEASE = 0.25  # default lease [s]
 
 
 def make_page() -> str:
-    """The page, in Markdown."""
+    """Return the page in Markdown."""
     text = (files("pacinian.wire") / "page.md").read_text(encoding="utf-8")
     parts = _parts()
     return re.sub(r"\{\{(.+?)\}\}", lambda match: parts[match[1]], text)
@@ -64,7 +64,7 @@ def _parts() -> dict[str, str]:
 
 
 def _kinds(group: Any) -> list[type[Struct]]:
-    """The classes of a union."""
+    """Return the classes of a union."""
     return [kind for kind in get_args(group) if isinstance(kind, type)]
 
 

@@ -1,4 +1,4 @@
-"""What the message classes say of themselves: fields, types, bounds, meanings."""
+"""Documentation of the message classes from their docstrings and annotations: fields, types, bounds, meanings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from pacinian.wire import objects, shapes, time
 if TYPE_CHECKING:
     from msgspec import Struct
 
-GROUPS: dict[str, Any] = {  # unions with a section of their own
+GROUPS: dict[str, Any] = {  # unions that have their own section
     "objects": objects.Object,
     "shells": shapes.Shell,
     "solids": shapes.Solid,
@@ -51,7 +51,7 @@ UNITS: dict[type[Type], str] = {StrType: " characters", BytesType: " bytes"}
 
 
 class FieldSaid(NamedTuple):
-    """A field, in words: name, type in Markdown, bounds with unit, default or "", and what it means."""
+    """Texts on a field: name, type in Markdown, bounds with unit, default or "", and meaning."""
 
     name: str
     type: str
@@ -61,17 +61,17 @@ class FieldSaid(NamedTuple):
 
 
 def name_class(kind: type[Struct]) -> str:
-    """What a class is called on the wire: its `type`, or for a part that has none, its name."""
+    """Return the name of a class on the wire: its `type`, or the class name of a part that has none."""
     return str(kind.__struct_config__.tag or kind.__name__)
 
 
 def summarise(kind: type[Struct]) -> str:
-    """What a class is, without its fields."""
+    """Return the description of a class, without its fields."""
     return _split(kind)[0]
 
 
 def describe_fields(kind: type[Struct], *, but: type[Struct] | None = None) -> list[FieldSaid]:
-    """All fields of a class, but those of its base `but`."""
+    """Describe all fields of a class, except those of its base `but`."""
     left = set(but.__struct_fields__) if but else set()
     info: Any = msgspec.inspect.type_info(kind)
     return [_field(kind, field) for field in info.fields if field.name not in left]
@@ -88,7 +88,7 @@ def _field(kind: type[Struct], field: Any) -> FieldSaid:
 
 
 def _split(kind: type[Struct]) -> tuple[str, dict[str, str]]:
-    """The summary of a docstring, and what it says of each field."""
+    """Split a docstring into its summary and the meaning of each field."""
     text = " ".join(inspect.cleandoc(vars(kind).get("__doc__") or "").split())
     names = kind.__struct_fields__
     parts = re.split(r"(?:^|(?<=[.;] ))((?:\w+, )*\w+): ", text)
@@ -156,7 +156,7 @@ def _union(t: UnionType) -> str:
 
 
 def _bounds(t: Type) -> tuple[str, str]:
-    """Bounds with unit, and what else is noted on a type."""
+    """Return the bounds of a type with their unit, and any other note on it."""
     if isinstance(t, Metadata):
         note = (t.extra_json_schema or {}).get("description", "")
         bounds, more = _bounds(t.type)

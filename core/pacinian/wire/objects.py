@@ -1,4 +1,4 @@
-"""Objects on the wire: what is to be felt. Their names are the keys of the map that they come in."""
+"""Haptic objects on the wire. The keys of the map that holds them are their names."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from pacinian.wire.shapes import Curve, Pose, Shell, Solid, Values
 from pacinian.wire.time import STEADY, Envelope, Technique
 
 WAVELENGTH = 0.0085  # [m]
-SPOT = math.pi * 0.00425**2  # [m^2], a disc one wavelength across
+SPOT = math.pi * 0.00425**2  # area of a disc one wavelength across [m^2]
 STILL = 0.0, 0.0, 0.0
 
 
 class Material(Struct, frozen=True):
-    """A bed of springs: pressure in proportion to depth, up to the object's own.
+    """A bed of springs: the pressure grows in proportion to depth, up to the pressure of the object.
 
-    stiffness: pressure for each metre; unless given, the whole pressure is felt 2 mm deep. reach: how far outside
-    of the object it is felt already.
+    stiffness: pressure per depth; by default the full pressure is reached at a depth of 2 mm. reach: distance outside
+    of the object at which it begins to press.
     """
 
     stiffness: Annotated[float, Meta(gt=0.0, le=1e12, description="[Pa/m]")] | None = None
@@ -39,17 +39,20 @@ class Material(Struct, frozen=True):
 
 
 class Motion(Struct, frozen=True):
-    """How an object moves after the command's time. velocity: straight on. angular_velocity: about the world's axes."""
+    """Motion of an object from the command's time on.
+
+    velocity: linear velocity. angular_velocity: angular velocity about the world's axes.
+    """
 
     velocity: Velocity = STILL
     angular_velocity: Velocity = STILL
 
 
 class Texture(Struct, frozen=True, kw_only=True):
-    """A factor on pressure over x and y of an object's own frame.
+    """A factor on the pressure, over x and y of the object's own frame.
 
-    values: 0..1, (R, C) float32, in rows as in a picture that is looked at from +z. grid: R, C. size: of the whole
-    in x and y. repeat: beyond that it is repeated; or else as on its rim.
+    values: factors 0..1, (R, C) float32, in rows like those of a picture seen from +z. grid: R, C. size: extent of the
+    texture in x and y. repeat: whether the texture repeats beyond its extent; otherwise its edge values continue.
     """
 
     values: Values
@@ -64,12 +67,13 @@ class Texture(Struct, frozen=True, kw_only=True):
 
 
 class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What all objects have.
+    """Fields of all objects.
 
-    radiation_pressure: how strong it is; either this or force. force: over the whole of it; either this or
-    radiation_pressure. envelope: over time. technique: how its samples are presented in time; the server's unless
-    given. material: from depth to pressure. motion: still unless given. priority: higher ones get samples first.
-    duration: it is removed after so long; it stays unless given.
+    radiation_pressure: radiation pressure of the object; give either this or `force`. force: total force of the object;
+    give either this or `radiation_pressure`. envelope: strength over time. technique: presentation of the samples in
+    time; by default the server's. material: relation of depth and pressure. motion: motion of the object; by default
+    it is at rest. priority: objects of higher priority get samples first. duration: time until the server removes the
+    object; by default it stays.
     """
 
     radiation_pressure: Pressure | None = None
@@ -83,14 +87,18 @@ class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
 
 
 class Point(Felt, frozen=True, kw_only=True, tag="point"):
-    """A point that presses: a focus. position: where. area: what it presses on, a disc 8.5 mm across unless given."""
+    """A single focus. position: position of the focus. area: area on which it presses; by default a disc of 8.5 mm."""
 
     position: Position
     area: Annotated[float, Meta(ge=1e-12, le=100.0, description="[m^2]")] = SPOT
 
 
 class Path(Felt, frozen=True, kw_only=True, tag="path"):
-    """A line that presses. shape: in its own frame. pose: where that is. width: within half of it the skin must be."""
+    """A curve that presses on the skin along it.
+
+    shape: curve in its own frame. pose: pose of that frame. width: width of the curve; it presses on skin within half
+    of this distance.
+    """
 
     shape: Curve
     pose: Pose = Pose()
@@ -98,9 +106,9 @@ class Path(Felt, frozen=True, kw_only=True, tag="path"):
 
 
 class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
-    """Many points that press, each by itself. positions: in their own frame, (K, 3) float32 [m].
+    """Many points, each of which presses by itself. positions: points in their own frame, (K, 3) float32 [m].
 
-    pose: where that is. radius: how near the skin must be.
+    pose: pose of that frame. radius: distance within which a point presses on the skin.
     """
 
     positions: Annotated[bytes, Meta(max_length=12 * MAX_PARTICLES)]
@@ -114,10 +122,10 @@ class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
 
 
 class Surface(Felt, frozen=True, kw_only=True, tag="surface"):
-    """A surface that presses evenly, or by its texture. shape: in its own frame.
+    """A surface that presses evenly, or according to its texture. shape: surface in its own frame.
 
-    pose: where that is. texture: a factor on its pressure; 1 unless given. thickness: how far below it a hand still
-    feels it.
+    pose: pose of that frame. texture: factor on the pressure; by default 1. thickness: depth below the surface down to
+    which a hand feels it.
     """
 
     shape: Shell
@@ -127,10 +135,10 @@ class Surface(Felt, frozen=True, kw_only=True, tag="surface"):
 
 
 class Volume(Felt, frozen=True, kw_only=True, tag="volume"):
-    """A volume that presses evenly, or by its texture. shape: in its own frame.
+    """A volume that presses evenly, or according to its texture. shape: solid in its own frame.
 
-    pose: where that is. texture: a factor on its pressure; 1 unless given. thickness: how far inside a hand still
-    feels it. felt: its shell, or its interior too.
+    pose: pose of that frame. texture: factor on the pressure; by default 1. thickness: depth inside the volume down to
+    which a hand feels it. felt: whether only the shell can be felt, or also the interior.
     """
 
     shape: Solid

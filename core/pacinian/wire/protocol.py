@@ -1,8 +1,8 @@
 """The protocol's version, its limits, and the types of its fields.
 
 A message is one MessagePack map with a key `type`. Newer minor versions only add optional fields, which older
-readers ignore; anything else is a new major version. Lengths are in metres, time in seconds, all in the
-world's right-handed frame. Bulk numbers are little-endian float32 in a `bin`.
+readers ignore. Any other change makes a new major version. Lengths are in metres and times in seconds; the world's
+frame is right-handed. Bulk numbers are little-endian float32 in a `bin`.
 """
 
 from __future__ import annotations
@@ -12,28 +12,28 @@ from typing import Annotated
 from msgspec import Meta
 
 MAJOR, MINOR = 1, 1
-MAX_COMMAND_BYTES = 1 << 20  # [bytes] of a message on the command socket
-MAX_CONTROL_BYTES = 1 << 16  # [bytes] of a message on the control socket
-MAX_REPLY_BYTES = 1 << 20  # [bytes] of a reply or state
-SESSION = 16  # [bytes] of a session's key
+MAX_COMMAND_BYTES = 1 << 20  # size of a message on the command socket [bytes]
+MAX_CONTROL_BYTES = 1 << 16  # size of a message on the control socket [bytes]
+MAX_REPLY_BYTES = 1 << 20  # size of a reply or state [bytes]
+SESSION = 16  # size of a session key [bytes]
 
-MAX_OBJECTS = 256  # in one message
-MAX_HANDS = 8
-MAX_ZONES = 16
-MAX_SHOWN = 1024  # objects of a scene that is looked at
-MAX_POINTS = 65_536  # of a query for the field
-MAX_VERTICES = 50_000  # of a mesh
-MAX_FACES = 50_000
-MAX_VALUES = 200_000  # of a texture, height map, voxel grid or wave
-MAX_PARTICLES = 10_000
-MAX_PARTS = 16  # of a union, intersection or difference
-MAX_OPTIONS = 32  # of a solver or backend
-MAX_TIME_TO_LIVE = 60.0  # [s] that a command may live
+MAX_OBJECTS = 256  # objects in one message
+MAX_HANDS = 8  # hands in one message
+MAX_ZONES = 16  # quiet zones of one client
+MAX_SHOWN = 1024  # objects in the answer to `show`
+MAX_POINTS = 65_536  # points in one field query
+MAX_VERTICES = 50_000  # vertices of a mesh or polyline
+MAX_FACES = 50_000  # faces of a mesh
+MAX_VALUES = 200_000  # values of a texture, height map, voxel grid or wave
+MAX_PARTICLES = 10_000  # points of one `particles` object
+MAX_PARTS = 16  # parts of a union, intersection or difference
+MAX_OPTIONS = 32  # options of a solver or backend
+MAX_TIME_TO_LIVE = 60.0  # time to live of a command [s]
 
 Name = Annotated[str, Meta(min_length=1, max_length=64, description="a name")]
 Text = Annotated[str, Meta(max_length=200, description="a text")]
-Id = Annotated[int, Meta(ge=0, le=2**32 - 1, description="given back in the reply; 0: no reply")]
-Sequence = Annotated[int, Meta(ge=1, le=2**53, description="counts up with each message")]
+Id = Annotated[int, Meta(ge=0, le=2**32 - 1, description="repeated in the reply; 0: no reply")]
+Sequence = Annotated[int, Meta(ge=1, le=2**53, description="increases with each message")]
 Session = Annotated[
     bytes, Meta(min_length=SESSION, max_length=SESSION, description="key from `welcome`")
 ]

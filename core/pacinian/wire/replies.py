@@ -1,4 +1,4 @@
-"""Replies: what the server sends back, each with the `id` of what it answers; 0 where nothing was asked."""
+"""Replies: the server's answers, each with the `id` of the message that it answers; 0 if it answers none."""
 
 from __future__ import annotations
 
@@ -28,36 +28,35 @@ Code = Literal[
 ]
 
 CODES: dict[Code, str] = {
-    "malformed": "no message of this protocol; `path` says where",
+    "malformed": "not a message of this protocol; `path` names the wrong field",
     "version": "another major version; `advice` says which side to update",
-    "session": "no session of that key on this connection: say hello",
-    "sequence": "not above the last: seen already",
+    "session": "this connection has no session with that key: send `hello`",
+    "sequence": "the sequence number is not above the last one",
     "stale": "older than its time to live",
-    "argument": "understood, and cannot be meant; `path` says where",
-    "unknown": "no object, solver or backend of that name",
+    "argument": "a valid message with an invalid value; `path` names the field",
+    "unknown": "no object, solver or backend has that name",
     "limit": "more than the server allows",
     "owner": "another client owns the output",
-    "armed": "cannot be while the output is armed, or while it is not",
-    "stopped": "after an emergency stop or a fault: reset first",
-    "expired": "the lease was not renewed in time: silence; arm again",
+    "armed": "not possible while the output is armed, or while it is not armed",
+    "stopped": "not possible after an emergency stop or a fault: reset first",
+    "expired": "the lease was not renewed in time, so the output is silent: arm again",
     "fault": "a plug-in or device failed",
     "busy": "too many messages: slow down",
 }
 
 
 class Reply(Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What all replies have. id: of what it answers; 0 where nothing was asked."""
+    """Fields of all replies. id: `id` of the message that it answers; 0 if it answers none."""
 
     id: Id = 0
 
 
 class Welcome(Reply, frozen=True, kw_only=True, tag="welcome"):
-    """To `hello`. session: key for all that follows. protocol: the server's major, minor.
+    """Answer to `hello`. session: key for all further messages. protocol: the server's version, major and minor.
 
-    server: name and version, for people. time: of the server's clock. scene: the one that this client is in.
-    lease: from the last renewal to silence, at most [s]. link: from when the connection is closed or cut off
-    to silence, at most [s].
-    rate: ticks per second [Hz].
+    server: name and version of the server, for people. time: reading of the server's clock. scene: name of this
+    client's scene. lease: longest time from the last renewal to silence [s]. link: longest time from the loss of the
+    connection to silence [s]. rate: ticks per second [Hz].
     """
 
     session: Session
@@ -71,13 +70,13 @@ class Welcome(Reply, frozen=True, kw_only=True, tag="welcome"):
 
 
 class Ok(Reply, frozen=True, kw_only=True, tag="ok"):
-    """Done."""
+    """The request was carried out."""
 
 
 class Error(Reply, frozen=True, kw_only=True, tag="error"):
-    """Not done. code: as in the table of errors. message: what is wrong, for people.
+    """The request was refused or has failed. code: one of the table of errors. message: explanation, for people.
 
-    path: of the field that is wrong, as `$.objects[...].shape`. advice: what to do.
+    path: path of the field that is wrong, such as `$.objects[...].shape`. advice: remedy, for people.
     """
 
     code: Code
@@ -87,10 +86,10 @@ class Error(Reply, frozen=True, kw_only=True, tag="error"):
 
 
 class Renewed(Reply, frozen=True, kw_only=True, tag="renewed"):
-    """To `renew`, with its id; with id 0 only to see whether the client is there.
+    """Answer to `renew`, with its `id`. With `id` 0 it only probes whether the client is still connected.
 
-    sequence, time: as they were sent. server_time: of the server's clock [s]. until: when the lease ends, by that
-    clock [s]. owner: whether this client owns the output. armed: whether it may sound.
+    sequence, time: the values of the renewal. server_time: reading of the server's clock [s]. until: end of the lease
+    by that clock [s]. owner: whether this client owns the output. armed: whether the output may sound.
     """
 
     sequence: int
@@ -104,8 +103,8 @@ class Renewed(Reply, frozen=True, kw_only=True, tag="renewed"):
 class Plugin(Struct, frozen=True, kw_only=True):
     """A solver or backend that can be selected.
 
-    name: by which it is. summary: what it is good for. options: that clients may set, and their defaults,
-    where simple.
+    name: name of the plug-in. summary: one line on its use. options: options that clients may set, with their defaults
+    if these are plain values.
     """
 
     name: Name
@@ -114,13 +113,14 @@ class Plugin(Struct, frozen=True, kw_only=True):
 
 
 class Sound(Struct, frozen=True, kw_only=True):
-    """What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).
+    """Parameters of the field: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).
 
-    pressure: P0, of one transducer at full drive, 1 m before it [Pa]. directivity: D, "omni" or "t4010a1"; empty: not
-    known. response: s, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty: none
-    does. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. speed_of_sound: [m/s].
-    density: [kg/m^3]. power: n. absorption: of the amplitude [1/m]. temperature: of the air, as the server
-    was told or else assumes [degC]; nil where it was told only a speed of sound.
+    pressure: P0, sound pressure of one transducer at full drive, on its axis at 1 m [Pa]. directivity: D, "omni" or
+    "t4010a1"; empty if it is not known. response: s, factor by which each transducer differs from its kind, real and
+    imaginary part, (N, 2) float32; empty if none differs. sizes: amplitude of each level, 0..1, float32; empty if they
+    are evenly spaced. speed_of_sound: speed of sound [m/s]. density: density of the air [kg/m^3]. power: n, exponent of
+    the distance. absorption: absorption of the amplitude [1/m]. temperature: temperature of the air, configured or
+    assumed [degC]; nil if only a speed of sound is configured.
     """
 
     pressure: float
@@ -135,11 +135,13 @@ class Sound(Struct, frozen=True, kw_only=True):
 
 
 class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
-    """To `capabilities`. solvers, backends: that can be selected. techniques, presets: that there are.
+    """Answer to `capabilities`. solvers, backends: plug-ins that can be selected. techniques, presets: available names.
 
-    positions, normals: of the transducers, (N, 3) float32 [m]. frequency: of the ultrasound [Hz]. wavelength: [m].
-    phases, amplitudes: levels of the device. device_rate: frames per second that it takes [Hz]. rate: ticks per
-    second [Hz]. limits: what no client can exceed, by name. sound: how it sounds; since protocol 1.1.
+    positions: positions of the transducers, (N, 3) float32 [m]. normals: unit normals of the transducers, (N, 3)
+    float32. frequency: frequency of the ultrasound [Hz]. wavelength: wavelength of the ultrasound [m]. phases,
+    amplitudes: number of levels of the device. device_rate: frames per second that the device plays [Hz]. rate: ticks
+    per second [Hz]. limits: limits that no client can exceed, by name. sound: parameters of the field; since protocol
+    1.1.
     """
 
     solvers: tuple[Plugin, ...]
@@ -159,9 +161,9 @@ class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
 
 
 class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
-    """To `field`. pressures: complex sound pressure, (K, 2) float32: real and imaginary part [Pa].
+    """Answer to `field`. pressures: complex sound pressure, real and imaginary part, (K, 2) float32 [Pa].
 
-    time: of the frame that was emitted, by the server's clock [s].
+    time: time of the emitted frame, by the server's clock [s].
     """
 
     pressures: bytes
@@ -169,11 +171,12 @@ class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
 
 
 class Shown(Reply, frozen=True, kw_only=True, tag="shown"):
-    """To `show`. scene: that is felt, or was felt last; empty before the first.
+    """Answer to `show`. scene: name of the active or last active scene; empty before the first.
 
-    version: of what was told. names: of the objects that are there, 1024 at most. poses: of these, as they were told
-    last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32. objects: as they were put, by name, of those that are new
-    since; not all, if that would be much: ask again. An object of nearly 1 MiB is left out.
+    version: version of the scene up to which objects were sent. names: names of the objects in the scene, at most
+    1024. poses: newest pose of each of these, x, y, z [m] and quaternion x, y, z, w, (K, 7) float32. objects: objects
+    that are new since the version asked for, by name, as they were put. If there are many, the answer holds only some:
+    ask again. Objects of nearly 1 MiB are left out.
     """
 
     scene: Annotated[str, Meta(max_length=64)]

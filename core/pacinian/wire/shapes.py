@@ -1,4 +1,4 @@
-"""Shapes and curves on the wire: as in scene files, but with bulk numbers in a `bin`, and without files."""
+"""Shapes and curves on the wire: as in scene files, but with bulk numbers in a `bin` and without files."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Values = Annotated[bytes, Meta(min_length=4, max_length=4 * MAX_VALUES)]
 
 
 class Pose(Struct, frozen=True):
-    """Where something is: a rotation about its own origin, then a translation.
+    """Position and orientation: a rotation about the origin of a frame, then a translation.
 
-    position: of its origin. rotation: unit quaternion x, y, z, w.
+    position: position of the origin. rotation: unit quaternion x, y, z, w.
     """
 
     position: Position = (0.0, 0.0, 0.0)
@@ -35,20 +35,20 @@ class Pose(Struct, frozen=True):
 
 
 class Rectangle(Struct, frozen=True, tag_field="type", tag="rectangle"):
-    """A rectangle in the xy-plane about the origin, facing +z. width: in x. height: in y."""
+    """A rectangle in the xy-plane about the origin, facing +z. width: extent in x. height: extent in y."""
 
     width: Length
     height: Length
 
 
 class Disc(Struct, frozen=True, tag_field="type", tag="disc"):
-    """A disc in the xy-plane about the origin, facing +z. radius: of it."""
+    """A disc in the xy-plane about the origin, facing +z. radius: radius of the disc."""
 
     radius: Length
 
 
 class Sphere(Struct, frozen=True, tag_field="type", tag="sphere"):
-    """A sphere about the origin, as a surface or as a volume. radius: of it."""
+    """A sphere about the origin, as a surface or as a volume. radius: radius of the sphere."""
 
     radius: Length
 
@@ -56,8 +56,8 @@ class Sphere(Struct, frozen=True, tag_field="type", tag="sphere"):
 class HeightMap(Struct, frozen=True, kw_only=True, tag_field="type", tag="height-map"):
     """A surface over a rectangle in the xy-plane about the origin, facing +z.
 
-    heights: (R, C) float32, in rows as in a picture that is looked at from +z: the first row is at the far end of
-    y. grid: R, C, each 2 or more. width: in x. height: in y. depth: how high 1 is.
+    heights: values, (R, C) float32, in rows like those of a picture seen from +z, with the first row at the largest y.
+    grid: R, C, each 2 or more. width: extent in x. height: extent in y. depth: height of a value of 1.
     """
 
     heights: Values
@@ -73,10 +73,10 @@ class HeightMap(Struct, frozen=True, kw_only=True, tag_field="type", tag="height
 
 
 class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
-    """A triangle mesh. As a volume it must be closed; as a surface it faces where it is seen counter-clockwise.
+    """A triangle mesh. A volume must be closed. A surface faces the side from which triangles run counter-clockwise.
 
-    vertices: (V, 3) float32. faces: indices of vertices, (F, 3) little-endian uint32. scale: metres per unit of
-    the vertices.
+    vertices: positions, (V, 3) float32. faces: indices of vertices, (F, 3) little-endian uint32. scale: metres per unit
+    of the vertices.
     """
 
     vertices: Annotated[bytes, Meta(min_length=36, max_length=12 * MAX_VERTICES)]
@@ -90,23 +90,23 @@ class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
 
 
 class Box(Struct, frozen=True, tag_field="type", tag="box"):
-    """A box about the origin. size: its full extent in x, y and z."""
+    """A box about the origin. size: full extent in x, y and z."""
 
     size: Extent
 
 
 class Capsule(Struct, frozen=True, tag_field="type", tag="capsule"):
-    """A capsule about the origin along z. radius: of it and its caps. length: between the centres of its caps."""
+    """A capsule along z about the origin. radius: radius of the capsule. length: distance between cap centres."""
 
     radius: Length
     length: Length
 
 
 class Voxels(Struct, frozen=True, kw_only=True, tag_field="type", tag="voxels"):
-    """A volume given by how full each voxel of a grid about the origin is.
+    """A volume given by the fill level of each voxel of a grid about the origin.
 
-    values: 0..1, (X, Y, Z) float32, z the fastest. grid: X, Y, Z. pitch: side of a voxel. level: the shell is
-    where the values are so much.
+    values: fill levels 0..1, (X, Y, Z) float32, z fastest. grid: X, Y, Z. pitch: side of a voxel. level: fill level at
+    the shell.
     """
 
     values: Values
@@ -124,7 +124,7 @@ Primitive = Sphere | Box | Capsule | Mesh | Voxels
 
 
 class Placed(Struct, frozen=True, tag_field="type", tag="placed"):
-    """A solid elsewhere, or turned. shape: in its own frame. pose: where that is."""
+    """A solid that is moved or rotated. shape: solid in its own frame. pose: pose of that frame."""
 
     shape: Primitive
     pose: Pose = Pose()
@@ -134,32 +134,32 @@ Solids = Annotated[tuple[Primitive | Placed, ...], Meta(min_length=1, max_length
 
 
 class Union(Struct, frozen=True, tag_field="type", tag="union"):
-    """All that is in any of the parts. parts: solids, one level deep."""
+    """The union of the parts. parts: solids, one level deep."""
 
     parts: Solids
 
 
 class Intersection(Struct, frozen=True, tag_field="type", tag="intersection"):
-    """What is in all of the parts. parts: solids, one level deep."""
+    """The intersection of the parts. parts: solids, one level deep."""
 
     parts: Solids
 
 
 class Difference(Struct, frozen=True, tag_field="type", tag="difference"):
-    """What is in one solid and in none of others. of: the one. less: the others."""
+    """One solid without others. of: the solid. less: solids that are cut away."""
 
     of: Primitive | Placed
     less: Solids
 
 
 class Line(Struct, frozen=True, tag_field="type", tag="line"):
-    """A straight line along x, about the origin. length: of it."""
+    """A straight line along x, about the origin. length: length of the line."""
 
     length: Length
 
 
 class Circle(Struct, frozen=True, tag_field="type", tag="circle"):
-    """A circle in the xy-plane about the origin. radius: of it."""
+    """A circle in the xy-plane about the origin. radius: radius of the circle."""
 
     radius: Length
 
@@ -167,7 +167,8 @@ class Circle(Struct, frozen=True, tag_field="type", tag="circle"):
 class Lissajous(Struct, frozen=True, tag_field="type", tag="lissajous"):
     """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
 
-    width, height: of the whole. a: how often it swings in x. b: how often in y. phase: of x before y.
+    width: extent in x. height: extent in y. a: number of oscillations in x. b: number of oscillations in y. phase:
+    lead of x over y.
     """
 
     width: Length
@@ -178,7 +179,7 @@ class Lissajous(Struct, frozen=True, tag_field="type", tag="lissajous"):
 
 
 class Polyline(Struct, frozen=True, tag_field="type", tag="polyline"):
-    """Straight pieces from point to point. points: (K, 3) float32 [m]. closed: with one from last to first."""
+    """Straight segments between points. points: (K, 3) float32 [m]. closed: whether the last joins the first."""
 
     points: Annotated[bytes, Meta(min_length=24, max_length=12 * MAX_VERTICES)]
     closed: bool = False

@@ -1,4 +1,4 @@
-"""State: what the server publishes, on the topics `state` and `frame`; the topic is the first part of a message."""
+"""State: the messages that the server publishes on the topics `state` and `frame`, the first part of a message."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ Output = Literal[
     "faulted",
 ]
 OUTPUTS: dict[Output, str] = {
-    "silent": "nobody has armed it, or there is nothing to feel",
-    "stale": "the renderer is late: silent until it goes on",
-    "sounding": "something can be felt",
+    "silent": "no client has armed the output, or there is nothing to feel",
+    "stale": "the renderer is late, so the output is silent until it catches up",
+    "sounding": "the array emits something that can be felt",
     "stopped": "emergency stop, until `reset`",
-    "faulted": "a plug-in or device failed, until `reset` has mended it; or there is no device",
+    "faulted": "a plug-in or device failed, until `reset` has recovered it; or there is no device",
 }
-"""What is said of the output: the last of these that is true."""
+"""Meanings of the values of `output`, which is the last of these that applies."""
 
 
 class ClientState(Struct, frozen=True, kw_only=True):
-    """A client. name, scene: as in its `hello`. owner: whether the output is its own.
+    """A client. name, scene: names from its `hello`. owner: whether it owns the output.
 
-    objects: that it has. commands, errors, dropped: how many so far; dropped were too old, or replaced while they
-    waited. age: of its newest command when it was applied [s]. renewed: since its last renewal [s].
+    objects: number of its objects. commands: number of commands so far. errors: number of errors so far. dropped:
+    number of commands that were too old, or were replaced by newer ones while they waited. age: age of its newest
+    command when that was applied [s]. renewed: time since its last renewal [s].
     """
 
     name: Name
@@ -46,25 +47,29 @@ class ClientState(Struct, frozen=True, kw_only=True):
 
 
 class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
-    """What is emitted, and how the server is: published, and the answer to `status`.
+    """The emitted output and the health of the server. Published, and sent as the answer to `status`.
 
-    id: of the `status` that it answers; 0 where it is published. sequence: counts up. time: of the server's clock
-    [s]. output: as in the table below. armed: whether it may sound. owner: name of the client that owns the output,
-    or empty. scene: that is felt. solver, backend, technique: in use. intensity: factor on all radiation pressures.
-    points: where samples are, (M, 3) float32 [m]. normals: (M, 3) float32. asked, achieved: radiation pressure, (M,)
-    float32 [Pa]; achieved by the gains as emitted. index: which of `objects` each sample is of, (M,) little-endian
-    int32. objects: names. hands: joints of the hands as they are rendered, (hands, 26, 3) float32 [m]. error: of the
-    sound pressures at the samples, as emitted. felt: of each of `objects` between its samples, (objects, 4)
-    little-endian float32: force over what was asked, rms of the difference over that of what was asked, share with
-    less than half, highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last looks;
-    NaN without a region; since protocol 1.1. status: of the last tick. ticks: so far. late: of these. rate: ticks per
-    second [Hz]. tick_ms: median, 99 % and maximum of the last second [ms]. frames: that the device took. longest_gap:
-    between two frames while armed [s]. skipped: samples by reason. faults: the last ones, newest last. fault_count: of
-    all. restarts: of the server's processes, by name. inputs: of each hand update that reached the device since the
-    last state, (K, 4) little-endian float64: sequence, the client's time, when it was received and when it was
-    emitted, by the server's clock [s]. clients: that are there.
-    tick_counts: how many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-endian
-    uint32; the first and last count what is beyond, too; since protocol 1.1.
+    id: `id` of the `status` that it answers; 0 if it is published. sequence: increases with each message. time: reading
+    of the server's clock [s]. output: one of the values below. armed: whether the output may sound. owner: name of the
+    client that owns the output; empty if there is none. scene: name of the active scene. solver, backend: name of the
+    plug-in in use. technique: technique in use. intensity: factor on all radiation pressures. points: positions of the
+    samples, (M, 3) float32 [m]. normals: normals of the samples, (M, 3) float32. asked: target radiation pressure of
+    each sample, (M,) float32 [Pa]. achieved: radiation pressure of each sample from the gains as emitted, (M,) float32
+    [Pa]. index: index into `objects` of each sample, (M,) little-endian int32. objects: names of the rendered objects.
+    hands: joints of the rendered hands, (hands, 26, 3) float32 [m]. error: relative error of the sound
+    pressures at the samples, as emitted. felt: quality of each of `objects` between its samples, (objects, 4)
+    little-endian float32: force over target force; rms error over rms target; share of the region with less than half
+    of its target; highest radiation pressure 3 to 5 mm beside the region over the mean target. Computed from the gains
+    as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1. status: status of the
+    last tick. ticks: number of ticks so far. late: number of late ticks. rate: ticks per second [Hz]. tick_ms: median,
+    99th percentile and maximum of the tick times of the last second [ms]. frames: number of frames that the device has
+    accepted. longest_gap: longest time between two frames while armed [s]. skipped: number of skipped samples by
+    reason. faults: texts of the last faults, newest last. fault_count: number of all faults. restarts: number of
+    restarts of each process of the server, by name. inputs: each hand update that reached the device since the last
+    state, (K, 4) little-endian float64: sequence, client's time, and times of receipt and emission by the server's
+    clock [s]. clients: clients that are connected. tick_counts: histogram of the tick times of the last second, (64,)
+    little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also
+    those beyond; since protocol 1.1.
     """
 
     id: Id = 0
@@ -104,10 +109,10 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):
-    """The levels that are emitted: of the last row of a frame; empty in silence.
+    """The emitted levels, from the last row of a frame; empty in silence.
 
-    sequence: counts up. time: of the server's clock [s]. phases, amplitudes: levels that the device has. phase,
-    amplitude: of each transducer, (N,) little-endian uint16.
+    sequence: increases with each message. time: reading of the server's clock [s]. phases, amplitudes: number of levels
+    of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16.
     """
 
     sequence: int

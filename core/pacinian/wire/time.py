@@ -1,4 +1,4 @@
-"""Envelopes and techniques on the wire: as in scene files, but with waves as numbers, not as files."""
+"""Envelopes and techniques on the wire: as in scene files, but with waves as numbers instead of files."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Passages = Annotated[float, Meta(gt=0.0, le=20_000.0, description="[Hz]")]
 
 
 class Constant(Struct, frozen=True, tag_field="type", tag="constant"):
-    """The same at all times. level: how strong."""
+    """A constant envelope. level: strength."""
 
     level: Share = 1.0
 
 
 class Sine(Struct, frozen=True, tag_field="type", tag="sine"):
-    """Up and down, starting at its lowest. frequency: how often. low: at its lowest. high: at its highest."""
+    """A sine that starts at its minimum. frequency: frequency of the sine. low: minimum. high: maximum."""
 
     frequency: Frequency
     low: Share = 0.0
@@ -30,7 +30,7 @@ class Sine(Struct, frozen=True, tag_field="type", tag="sine"):
 
 
 class Square(Struct, frozen=True, tag_field="type", tag="square"):
-    """High, then low. frequency: how often. low, high: how strong then. duty: share of a period that is high."""
+    """A square wave that starts high. frequency: frequency of the wave. low, high: its levels. duty: share of high."""
 
     frequency: Frequency
     low: Share = 0.0
@@ -39,10 +39,11 @@ class Square(Struct, frozen=True, tag_field="type", tag="square"):
 
 
 class Pulse(Struct, frozen=True, tag_field="type", tag="pulse"):
-    """High for a while, else low.
+    """A pulse.
 
-    width: for how long. period: after which it comes again; only once unless given. start: when it is first high.
-    rise: how long it takes up, and again down, within the width. low, high: how strong then.
+    width: duration of the pulse. period: time between the starts of pulses; by default there is only one pulse. start:
+    start of the first pulse. rise: duration of the rise and of the fall, which are part of the width. low: level
+    outside of pulses. high: level of pulses.
     """
 
     width: Period
@@ -54,10 +55,10 @@ class Pulse(Struct, frozen=True, tag_field="type", tag="pulse"):
 
 
 class Noise(Struct, frozen=True, tag_field="type", tag="noise"):
-    """Random about the middle of low and high, with an even spectrum.
+    """Random noise about the mean of low and high, with a flat spectrum.
 
-    low_frequency, high_frequency: ends of its band. low, high: 2.5 standard deviations below and above its middle;
-    what goes beyond is clipped. seed: the same is the same noise.
+    low_frequency, high_frequency: limits of the band. low, high: 2.5 standard deviations below and above the mean;
+    values beyond are clipped. seed: equal seeds give equal noise.
     """
 
     low_frequency: Frequency
@@ -68,15 +69,15 @@ class Noise(Struct, frozen=True, tag_field="type", tag="noise"):
 
 
 class Preset(Struct, frozen=True, tag_field="type", tag="preset"):
-    """One of the four textures of Hasegawa and Shinoda. name: of it, which alone will do, too."""
+    """One of the four textures of Hasegawa and Shinoda. name: its name, which may stand alone as the envelope."""
 
     name: PresetName
 
 
 class Wave(Struct, frozen=True, kw_only=True, tag_field="type", tag="wave"):
-    """A recorded wave. samples: x in -1..1, (L,) float32. rate: of these. loop: again and again, else once.
+    """A recorded wave. samples: x in -1..1, (L,) float32. rate: sampling rate. loop: whether it repeats or plays once.
 
-    mode: "waveform": the radiation pressure follows (1 + x) / 2; "loudness": it follows how loud x is.
+    mode: "waveform" if the radiation pressure follows (1 + x) / 2, "loudness" if it follows the loudness of x.
     """
 
     samples: Annotated[bytes, Meta(min_length=4, max_length=4 * MAX_VALUES)]
@@ -95,22 +96,21 @@ Envelope = PresetName | Constant | Sine | Square | Pulse | Noise | Preset | Wave
 
 
 class Simultaneous(Struct, frozen=True, tag_field="type", tag="simultaneous"):
-    """All samples at once, always."""
+    """All samples at once, at all times."""
 
 
 class AM(Struct, frozen=True, tag_field="type", tag="am"):
-    """Amplitude modulation: pressure up and down as a sine. frequency: of it. depth: 1 goes down to nothing."""
+    """Amplitude modulation by a sine. frequency: frequency of the sine. depth: 1 if the pressure falls to zero."""
 
     frequency: Frequency = 200.0
     depth: Share = 1.0
 
 
 class STM(Struct, frozen=True, tag_field="type", tag="stm"):
-    """Spatio-temporal modulation: a single focus that runs along a route.
+    """Spatio-temporal modulation: a single focus that runs along a path.
 
-    frequency: how often it passes the whole route. along: "samples": from
-    one to the next; "outline": around them all; or a curve in their tangent plane.
-    dwell: time at each place; a 720th of the period unless given.
+    frequency: passages of the whole path per second. along: "samples" to go from sample to sample, "outline" to go
+    around all of them, or a curve in their tangent plane. dwell: time at each position; by default 1/720 of the period.
     """
 
     frequency: Passages
@@ -119,9 +119,10 @@ class STM(Struct, frozen=True, tag_field="type", tag="stm"):
 
 
 class LM(Struct, frozen=True, tag_field="type", tag="lm"):
-    """Lateral modulation: every sample moves to and fro across its normal, as a sine.
+    """Lateral modulation: every sample oscillates as a sine, perpendicular to its normal.
 
-    frequency: how often. amplitude: to either side. angle: from the frame's x-axis, about the normal.
+    frequency: frequency of the sine. amplitude: displacement to either side. angle: direction of the motion, about the
+    normal from the frame's x-axis.
     """
 
     frequency: Frequency

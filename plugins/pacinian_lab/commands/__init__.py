@@ -1,1 +1,1 @@
-"""The laboratory's commands, one file a command."""
+"""The commands of the laboratory: one file for each command."""

@@ -1,4 +1,4 @@
-"""`pacinian bench`: run time against error."""
+"""`pacinian bench`: measure the run time and the error of solvers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ LARGE = ([9], [256, 1024], [0.5, 1.0], 1, 1.0)
 
 
 def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
-    """A callback that reads values with commas between them."""
+    """Return a click callback that reads comma-separated values."""
 
     def read(context: click.Context, parameter: click.Parameter, text: str | None) -> Any:
         try:
@@ -43,9 +43,11 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
 
 
 @click.group(invoke_without_command=True)
-@click.option("--quick", is_flag=True, help="Few problems and one thread: some seconds.")
-@click.option("--large", is_flag=True, help="256 and 1024 points before 9 units instead.")
-@click.option("--solvers", callback=several(str), help="Of ours only these.  [default: all]")
+@click.option("--quick", is_flag=True, help="Few problems, one thread; takes seconds.")
+@click.option("--large", is_flag=True, help="Use 256 and 1024 points with 9 units instead.")
+@click.option(
+    "--solvers", callback=several(str), help="Of Pacinian's solvers, only these.  [default: all]"
+)
 @click.option(
     "--units", callback=several(int), help="AUTD units, square numbers.  [default: 1,4,9]"
 )
@@ -55,28 +57,32 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
     callback=several(float),
     help="2-norm of the targets over what one focus could reach.  [default: 0.5,1.0]",
 )
-@click.option("--seeds", type=click.IntRange(1), help="Problems of each kind.  [default: 3]")
 @click.option(
-    "--threads", callback=several(int), help="Allowed, each in turn.  [default: 1 and all]"
+    "--seeds", type=click.IntRange(1), help="Number of problems of each kind.  [default: 3]"
+)
+@click.option(
+    "--threads",
+    callback=several(int),
+    help="Thread limits to measure in turn.  [default: 1 and all]",
 )
 @click.option(
     "--seconds",
     type=click.FloatRange(0.0, 600.0),
-    help="How long one solver is measured on one problem.  [default: 0.1]",
+    help="Time to measure each solver on each problem.  [default: 0.1]",
 )
 @click.option(
     "--limit",
     type=click.FloatRange(0.1),
     default=60.0,
     show_default=True,
-    help="Seconds after which it is given up there.",
+    help="Give up a solver on a problem after this many seconds.",
 )
 @click.option(
     "--peers",
     is_flag=False,
     flag_value="",
     metavar="[DIR]",
-    help="Also autd3, AcousTools and levitate, from the environments that `.ci/peers` builds in DIR.",
+    help="Also measure autd3, AcousTools and levitate in the environments that `.ci/peers` builds in DIR.",
 )
 @click.option(
     "--out",
@@ -100,10 +106,10 @@ def bench(
     as_json: bool,
     **chosen: Any,
 ) -> None:
-    """Measure run time against error: every installed solver, cold and warm, on random problems.
+    """Measure run time against error for every installed solver, cold and warm, on random problems.
 
-    Each contestant runs in a process of its own, with one thread and with all, and is evaluated by the
-    same plain NumPy code in double precision. Rows are written as they come: Ctrl-C keeps them.
+    Each contestant runs in its own process, with one thread and with all threads. The same plain NumPy code evaluates
+    all of them in double precision. Rows are written as they are measured, so Ctrl-C keeps them.
     """
     if context.invoked_subcommand is not None:
         _alone(context)
@@ -142,14 +148,14 @@ def bench(
 
 
 def _alone(context: click.Context) -> None:
-    """Refuse options of this command before a command of its own, which has others."""
+    """Refuse options that stand before a subcommand, because the subcommand has its own."""
     for name in context.params:
         if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
             raise click.UsageError(f"give options after `{context.invoked_subcommand}`, not before")
 
 
 def _root(given: str | None) -> Path | None:
-    """The folder of the peers' environments, None where none are asked for."""
+    """Return the folder of the peers' environments, or None if the user did not ask for peers."""
     from pacinian_lab.solvers import peers
 
     if given is None:
@@ -178,7 +184,7 @@ def _measure(
     limit: float,
     out: Path,
 ) -> tuple[list[Row], bool]:
-    """The rows, and whether Ctrl-C ended it."""
+    """Return the rows, and whether Ctrl-C interrupted the run."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""`pacinian bench devices`."""
+"""`pacinian bench devices`: measure frame timing at the device models."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ import click
     type=click.FloatRange(0.01, 600.0),
     default=10.0,
     show_default=True,
-    help="How long each rate is held.",
+    help="Time to hold each rate.",
 )
-@click.option("--markdown", "as_markdown", is_flag=True, help="Tables for a document.")
+@click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown tables.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
 def devices(seconds: float, as_markdown: bool, as_json: bool) -> None:
-    """Measure how evenly frames reach a device model, how long they take to pack, and what USB has to carry."""
+    """Measure how evenly frames reach a device model, how long packing takes, and how much data USB carries."""
     from rich.console import Console
 
     from pacinian_lab.devices import pacing as bench

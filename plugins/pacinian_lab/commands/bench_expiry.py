@@ -1,4 +1,4 @@
-"""`pacinian bench expiry`."""
+"""`pacinian bench expiry`: measure the time from the end of a permit to silence."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ import click
 
 
 @click.command()
-@click.option("--short", is_flag=True, help="A hundredth of it.")
+@click.option("--short", is_flag=True, help="Run a hundredth of the measurement.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON list instead of a table.")
 def expiry(short: bool, as_json: bool) -> None:
-    """Measure from the end of a permit to silence: 100,000 expiries told and real, stops, late frames, kills."""
+    """Measure the time from the end of a permit to silence.
+
+    Covers 100,000 expiries in simulated and real time, stops, late frames and kills.
+    """
     from rich.console import Console
 
     from pacinian_lab.server.expiry import FULL, SHORT, measure, table

@@ -1,4 +1,4 @@
-"""`pacinian bench faults` and `pacinian bench hostile`: the server, broken and flooded."""
+"""`pacinian bench faults` and `pacinian bench hostile`: break and flood a server."""
 
 from __future__ import annotations
 
@@ -14,18 +14,23 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.option(
-    "--repeats", type=click.IntRange(1), default=5, show_default=True, help="Of each fault."
+    "--repeats", type=click.IntRange(1), default=5, show_default=True, help="Repeats of each fault."
 )
-@click.option("--only", "words", multiple=True, help="Faults with this word, again for more.")
 @click.option(
-    "--busy", type=click.IntRange(0), default=0, help="Beside so many processes that never wait."
+    "--only", "words", multiple=True, help="Only faults whose name contains this word; repeatable."
+)
+@click.option(
+    "--busy",
+    type=click.IntRange(0),
+    default=0,
+    help="Number of processes that load the CPU meanwhile.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON list instead of a table.")
 def faults(repeats: int, words: tuple[str, ...], busy: int, as_json: bool) -> None:
-    """Break a real server in every known way: time to silence, time to sound again.
+    """Break a real server in every known way and measure the time to silence and to recovery.
 
-    Clients, the server's processes and devices are killed, stopped, frozen, cut off and unplugged while a game
-    sounds. A test device writes down what it is told, so that times are those of the last link of the chain.
+    Clients, the server's processes and devices are killed, stopped, frozen, cut off and unplugged while a game emits
+    sound. A test device logs what it receives, so the times include the last link of the chain.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -55,19 +60,23 @@ def faults(repeats: int, words: tuple[str, ...], busy: int, as_json: bool) -> No
 
 @click.command()
 @click.option(
-    "--messages", type=click.IntRange(1), default=1_000_000, show_default=True, help="In all."
+    "--messages",
+    type=click.IntRange(1),
+    default=1_000_000,
+    show_default=True,
+    help="Total number of messages.",
 )
 @click.option(
     "--seconds", type=click.FloatRange(1.0), default=300.0, show_default=True,
-    help="After which no more are sent.",
+    help="Stop sending after this time.",
 )  # fmt: skip
-@click.option("--seed", type=int, default=1, show_default=True, help="The same is spoiled alike.")
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the mutations.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
 def hostile(messages: int, seconds: float, seed: int, as_json: bool) -> None:
-    """Send a real server what nobody should: spoiled messages, raw bytes, other protocols.
+    """Flood a real server with mutated messages, raw bytes and other protocols.
 
-    A game sounds meanwhile. In turn with the flood there is as much work beside the server that it sees nothing
-    of: what gaps that makes are the machine's doing.
+    A game emits sound meanwhile. The flood alternates with an equal CPU load that sends nothing to the server: gaps
+    in that phase are due to the machine.
     """
     from rich.console import Console
     from rich.progress import Progress

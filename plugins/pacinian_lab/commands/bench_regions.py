@@ -1,4 +1,4 @@
-"""`pacinian bench regions`: how evenly surfaces and volumes press."""
+"""`pacinian bench regions`: measure how even the pressure of surfaces and volumes is."""
 
 from __future__ import annotations
 
@@ -20,30 +20,34 @@ if TYPE_CHECKING:
     "--units", type=int, default=9, show_default=True, help="AUTD units, a square number."
 )
 @click.option(
-    "--shape", "chosen", multiple=True, metavar="NAME", help="Only this one, again for more."
+    "--shape", "chosen", multiple=True, metavar="NAME", help="Only this shape; repeatable."
 )
 @click.option(
-    "--solver", "solvers", multiple=True, metavar="NAME", help="Also this one, again for more."
+    "--solver",
+    "solvers",
+    multiple=True,
+    metavar="NAME",
+    help="Also measure this solver; repeatable.",
 )
 @click.option(
     "--strength", "strengths", multiple=True, type=click.FloatRange(0.0, 10.0, min_open=True),
-    help="Of the strongest even field, again for more.  [default: 0.25, 0.5, 1]",
+    help="Fraction of the strongest even field; repeatable.  [default: 0.25, 0.5, 1]",
 )  # fmt: skip
 @click.option(
     "--peers", is_flag=False, flag_value="", metavar="[DIR]",
-    help="Also autd3's gspat and greedy, from the environment that `.ci/peers` builds in DIR.",
+    help="Also measure autd3's gspat and greedy in the environment that `.ci/peers` builds in DIR.",
 )  # fmt: skip
 @click.option(
     "--cost", is_flag=True,
-    help="Measure instead what a region of 60, 120 and 250 samples costs on 1 and 9 units.",
+    help="Measure only the cost of a region of 60, 120 and 250 samples on 1 and 9 units.",
 )  # fmt: skip
 @click.option(
     "--contacts", is_flag=True,
-    help="Measure instead what a hand feels of balls and an edge that it touches.",
+    help="Measure only what a hand feels when it touches balls and an edge.",
 )  # fmt: skip
 @click.option(
     "--pictures", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
-    help="Draw the shapes into this folder instead, at half of the strongest even field.",
+    help="Only draw the shapes into this folder, at half of the strongest even field.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON list instead of tables.")
 def regions(
@@ -57,10 +61,10 @@ def regions(
     pictures: Path | None,
     as_json: bool,
 ) -> None:
-    """Measure how evenly surfaces and volumes press, at places that no solver was given.
+    """Measure how even the pressure of surfaces and volumes is, at places that no solver was given.
 
-    Each shape is made by regions, by foci of free phase 8.5 and 4.25 mm apart, and by one focus that sweeps it, whose
-    mean counts. docs/regions.md explains the figures.
+    Each shape is made by regions, by free-phase foci 8.5 and 4.25 mm apart, and by one focus that sweeps the shape,
+    of which the mean over time counts. docs/regions.md explains the figures.
     """
     from pacinian.acoustics.array import autd
     from pacinian.plugins.registry import installed
@@ -72,7 +76,7 @@ def regions(
     for name in chosen:
         if name not in SHAPES:
             raise click.BadParameter(
-                f"{name!r} is none of {'; '.join(SHAPES)}", param_hint="--shape"
+                f"{name!r} is not one of {'; '.join(SHAPES)}", param_hint="--shape"
             )
     for name in solvers:
         installed().find("solver", name)
@@ -118,7 +122,7 @@ def _measure(
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:
-    """A row as JSON knows it: null for NaN."""
+    """Return a row for JSON, with null for NaN."""
     return {
         name: None if isinstance(value, float) and math.isnan(value) else value
         for name, value in row.items()
@@ -126,7 +130,10 @@ def _plain(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _start_peers(given: str, side: int) -> Peers:
-    """Start autd3's process. Raises UsageError, with the command that installs it, where it is missing."""
+    """Start autd3's process.
+
+    Raises UsageError, with the command that installs autd3, if it is not installed.
+    """
     from pacinian_lab.regions.peers import PEER, Peers
     from pacinian_lab.solvers import peers
     from pacinian_lab.solvers.worker_process import Worker

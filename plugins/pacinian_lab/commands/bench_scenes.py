@@ -1,4 +1,4 @@
-"""`pacinian bench scenes`: the built-in scenes at 1 kHz."""
+"""`pacinian bench scenes`: measure the built-in scenes at 1 kHz."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from pacinian_lab.scenes.run import Row
     from pacinian_lab.scenes.savings import Saving
 
-TICKS = 60  # of each side of a comparison, for each second of a scene
+TICKS = 60  # of each side of a comparison, for each second that a scene runs
 
 
 def names(
     context: click.Context, parameter: click.Parameter, given: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Names of scenes, all unless given."""
+    """Check names of scenes."""
     from pacinian.gallery import SCENES
 
     for name in given:
         if name not in SCENES:
-            raise click.BadParameter(f"{name!r} is none of {', '.join(SCENES)}")
+            raise click.BadParameter(f"{name!r} is not one of {', '.join(SCENES)}")
     return given
 
 
@@ -43,26 +43,26 @@ def names(
     type=click.FloatRange(0.02, 600.0),
     default=5.0,
     show_default=True,
-    help="How long each scene runs; as long again for the dummy loop.",
+    help="Time to run each scene; the dummy loop runs as long again.",
 )
 @click.option(
     "--scene", "chosen", multiple=True, callback=names, metavar="NAME",
-    help="Only this one, again for more; then no skips and no growth.  [default: all]",
+    help="Only this scene, without skips and growth; repeatable.  [default: all]",
 )  # fmt: skip
 @click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Also write all that was found to this file, as JSON.",
+    help="Also write all results to this file, as JSON.",
 )
 @click.option(
     "--pictures",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Draw the scenes into this folder instead; nothing is measured.",
+    help="Only draw the scenes into this folder; measure nothing.",
 )
 @click.option(
     "--json", "as_json", is_flag=True,
-    help="The scenes as one JSON list instead of tables; skips and growth only for --out.",
+    help="One JSON list of scenes instead of tables; skips and growth need --out.",
 )  # fmt: skip
 def scenes(
     units: int,
@@ -72,11 +72,11 @@ def scenes(
     pictures: Path | None,
     as_json: bool,
 ) -> None:
-    """Measure the built-in scenes at 1 kHz: time per tick by stage, late ticks, error.
+    """Measure the built-in scenes at 1 kHz: time per tick by stage, late ticks and error.
 
-    Each runs second by second in turn with a loop that burns as much time: what that is late by is the
-    machine's doing. Then what each skip saves, on against off in turn, growth with the number of objects, and
-    what can be heard with smooth output and without.
+    Each scene alternates, second by second, with a loop that burns the same CPU time: late ticks of that loop are due
+    to the machine. The command then measures what each skip saves (on and off in turn), the growth with the number of
+    objects, and the audible noise with and without smooth output.
     """
     from pacinian.acoustics.array import autd
     from pacinian.gallery import SCENES
@@ -104,7 +104,7 @@ def scenes(
 
 
 def _try(out: Path | None, pictures: Path | None) -> None:
-    """See, before anything runs, that what is found can be written."""
+    """Check, before anything runs, that the results can be written."""
     try:
         if out is not None:
             out.parent.mkdir(parents=True, exist_ok=True)
@@ -116,7 +116,7 @@ def _try(out: Path | None, pictures: Path | None) -> None:
 
 
 class Found(NamedTuple):
-    """What was measured."""
+    """The results of all measurements."""
 
     rows: list[Row]
     savings: list[Saving]
@@ -125,7 +125,7 @@ class Found(NamedTuple):
 
 
 def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> tuple[Found, bool]:
-    """What was found, and whether Ctrl-C ended it. more: skips and growth too."""
+    """Return the results, and whether Ctrl-C interrupted the run. more: also measure skips and growth."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -141,7 +141,7 @@ def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> t
 
         def step(what: str, done: int = 1) -> None:
             bar.update(task, description=what, advance=done)
-            bar.refresh()  # by this thread: another one would disturb the loop
+            bar.refresh()  # in this thread, because a refresh thread would disturb the loop
 
         try:
             for name in todo:

@@ -1,4 +1,4 @@
-"""`pacinian bench bus`: the server's latency and load, with real processes and real sockets."""
+"""`pacinian bench bus`: measure the server's latency and load, with real processes and sockets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ What = Literal["latency", "load", "all"]
 
 
 def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
-    """Of a square of so many units."""
+    """Return the side length [units] of a square of `units` units."""
     root = math.isqrt(max(units, 0))
     if root * root != units or not units:
         raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}")
@@ -30,7 +30,7 @@ def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
     type=click.FloatRange(1.0, 3600.0),
     default=60.0,
     show_default=True,
-    help="How long each rate is measured; a quarter for what is only there to compare with.",
+    help="Time to measure each rate; runs for comparison take a quarter.",
 )
 @click.option(
     "--units", "side", callback=side, type=int, default=9, show_default=True,
@@ -38,14 +38,14 @@ def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
 )  # fmt: skip
 @click.option(
     "--clients", type=int, multiple=True, default=(1, 8, 64), show_default=True,
-    help="How many load the server, again for more.",
+    help="Number of clients that load the server; repeatable.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
 def bus(what: What, seconds: float, side: int, clients: tuple[int, ...], as_json: bool) -> None:
-    """Measure a server in processes of its own: how old what is felt is, and what it bears.
+    """Measure a server that runs in its own processes: the latency of what the hand feels, and the load it sustains.
 
-    latency: from a hand's pose sent to the frame emitted, at 90 Hz and at 1 kHz, beside the round trip of a bare
-    ROUTER and DEALER. load: 1, 8 and 64 clients with 10,000 messages a second in all, and ten times that.
+    latency: from sending a hand pose to emitting the frame, at 90 Hz and at 1 kHz, compared with the round trip of a
+    bare ROUTER and DEALER. load: 1, 8 and 64 clients, with 10,000 and with 100,000 messages per second in total.
     """
     from pacinian_lab.server import report
 
@@ -60,7 +60,7 @@ def bus(what: What, seconds: float, side: int, clients: tuple[int, ...], as_json
 
 
 class Found(NamedTuple):
-    """What was measured."""
+    """The results of all measurements."""
 
     times: list[Times]
     rows: list[Row]
@@ -68,7 +68,7 @@ class Found(NamedTuple):
 
 
 def _measure(what: What, side: int, seconds: float, clients: tuple[int, ...]) -> tuple[Found, bool]:
-    """What was found, and whether Ctrl-C ended it."""
+    """Return the results, and whether Ctrl-C interrupted the run."""
     from pacinian_lab.server import latency, load
 
     found = Found([], [], [])

@@ -1,4 +1,4 @@
-"""`pacinian bench view`: what the live viewer costs the loop."""
+"""`pacinian bench view`: measure how the live viewer loads the loop."""
 
 from __future__ import annotations
 
@@ -15,35 +15,38 @@ if TYPE_CHECKING:
 
 
 def program(context: click.Context, parameter: click.Parameter, name: str) -> str:
-    """Of that name or path; "" stays."""
+    """Check that a program of this name or path exists; "" passes."""
     if name and shutil.which(name) is None:
-        raise click.BadParameter(f"{name!r} is no program: give the path of a Chromium")
+        raise click.BadParameter(f"{name!r} is not a program: give the path of a Chromium")
     return name
 
 
 @click.command()
 @click.option(
     "--seconds",
-    type=click.FloatRange(2.0, 600.0),  # quantiles come once a second
+    type=click.FloatRange(2.0, 600.0),  # the server sends quantiles once per second
     default=8.0,
     show_default=True,
-    help="Of each window.",
+    help="Length of each window.",
 )
-@click.option("--rounds", type=click.IntRange(1), default=3, show_default=True, help="Of windows.")
+@click.option(
+    "--rounds", type=click.IntRange(1), default=3, show_default=True, help="Rounds of windows."
+)
 @click.option(
     "--units", "side", callback=side, type=int, default=9, show_default=True,
     help="AUTD units, a square number.",
 )  # fmt: skip
 @click.option(
     "--browser", callback=program, default="", metavar="PATH",
-    help="A Chromium to open the page in, too.",
+    help="Also open the page in this Chromium.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) -> None:
-    """Measure the loop's ticks with the viewer closed, open, and open with a slice of 128 x 128, in turn.
+    """Measure the loop's ticks with the viewer closed, open, and open with a 128 x 128 slice, in turn.
 
-    A page that is no browser reads all that it is sent. With --browser a real one shows it, in windows of its own; and
-    then alone, without a server, a recording, drawing all that it can: how many frames a second that are.
+    A client that is not a browser reads all that the viewer sends. With --browser, a real browser shows the page in
+    further windows. It then plays a recording alone, without a server, as fast as it can draw, which gives the frame
+    rate.
     """
     import msgspec
 

@@ -52,7 +52,7 @@ def _compute() -> Report:
 
 
 def _drawing(folder: Path) -> Callable[[Report, Path], list[Path]]:
-    """What draws; it fails before the work if a library is missing or the folder cannot be made."""
+    """Return the drawing function. Fails before the work if a library is missing or the folder cannot be made."""
     from pacinian_lab.paper.figures import draw
 
     try:

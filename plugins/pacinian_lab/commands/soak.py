@@ -1,4 +1,4 @@
-"""`pacinian soak`: a server that is played with for a long time."""
+"""`pacinian soak`: play with a server for a long time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHORT = 10.0  # [s]
 @click.command()
 @click.option(
     "--minutes", type=click.FloatRange(0.05, 10_000.0), default=20.0, show_default=True,
-    help="How long.",
+    help="Length of the run.",
 )  # fmt: skip
 @click.option("--short", is_flag=True, help="About 10 seconds instead.")
 @click.option(
@@ -36,10 +36,10 @@ SHORT = 10.0  # [s]
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
 def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: bool) -> None:
-    """Play with a server for long: nothing may grow, drift or become late.
+    """Play with a server for a long time: nothing may grow, drift or become late.
 
-    A hand moves, objects come and go, solvers change, clients join, leave and are killed, bad messages come, the
-    output is disarmed, stopped and armed again. Exit code 1 if an aim is missed.
+    A hand moves, objects come and go, solvers change, clients join, leave and are killed, malformed messages arrive,
+    and the output is disarmed, stopped and armed again. Exit code 1 if the server misses a target.
     """
     from pacinian_lab.server import drift, report
 
@@ -66,7 +66,7 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
 
 
 def _measure(side: int, seconds: float) -> tuple[list[Row], bool]:
-    """What was found, and whether Ctrl-C ended it."""
+    """Return the rows, and whether Ctrl-C interrupted the run."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""`pacinian stress`: whether every solver keeps its promises on hard problems."""
+"""`pacinian stress`: check that every solver keeps its promises on hard problems."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ if TYPE_CHECKING:
     from pacinian_lab.stress.check import Evidence
     from pacinian_lab.stress.run import Row
 
-MOVES = (10_000, 100_000)  # of single points: in a quick run, in a whole one
-SHOWN = 10  # broken promises told one by one
+MOVES = (10_000, 100_000)  # moves of single points, in a quick and in a full run
+SHOWN = 10  # number of broken promises printed in full
 COLUMNS = {"family": 10, "solver": 14, "promises": 14, "excess": 8, "residual": 8}
 NOTE = (
-    "excess: the largest |g| less the limit. residual: over the best that any gains leave, as far as"
-    " the precision of B tells, the largest; where none is given, none is promised."
+    "excess: the largest |g| minus the limit. residual: largest ratio to the best possible residual,"
+    " within the precision of B; blank where none is promised."
 )
 
 
 @click.command()
-@click.option("--solvers", default="", help="Only these, separated by commas; all unless given.")
-@click.option("--quick", is_flag=True, help="One problem of five, none that takes long.")
+@click.option("--solvers", default="", help="Only these, separated by commas.  [default: all]")
+@click.option("--quick", is_flag=True, help="Every fifth problem, without the slow ones.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def stress(solvers: str, quick: bool, as_json: bool) -> None:
-    """Try every solver on hard problems: whether it keeps what is promised, and the worst evidence.
+    """Run every solver on hard problems, check its promises and show the worst evidence.
 
-    Coincident points, points on transducers and behind them, arrays of low rank, condition numbers to
-    1e16, targets of 1e-30 to 1e30 Pa, limits of every kind, moves without end. docs/stability.md has what
-    is promised; every solver is held to finite gains within the limits, also those of other plug-ins.
-    Exit code 1 if a promise is broken.
+    The problems have coincident points, points on and behind transducers, arrays of low rank, condition numbers up to
+    1e16, targets from 1e-30 to 1e30 Pa, limits of every kind, and endless moves. docs/stability.md lists the
+    promises. Every solver, also of other plug-ins, must return finite gains within the limits. Exit code 1 if a
+    promise is broken.
     """
     from pacinian_lab.stress.run import rows
 
@@ -107,7 +107,7 @@ def _figure(value: float) -> str:
 
 
 def _plain(table: Sequence[Row], broken: Sequence[Evidence], quick: bool) -> dict[str, Any]:
-    """The run for JSON; what is not a number is null."""
+    """Return the run for JSON, with null for values that are not finite."""
     from pacinian_lab.stress import promises
 
     summaries = [{**asdict(row), "broken": len(row.broken)} for row in table]

@@ -1,4 +1,4 @@
-"""`pacinian study`: layouts, planes, patterns and solvers, all with each other."""
+"""`pacinian study`: evaluate all combinations of layouts, planes, patterns and solvers."""
 
 from __future__ import annotations
 
@@ -24,14 +24,18 @@ if TYPE_CHECKING:
 @click.option(
     "--workers",
     type=click.IntRange(0),
-    help="Local processes; 0: none but this one.  [default: as many as cores]",
+    help="Number of local worker processes; 0: use only this one.  [default: one per core]",
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="A Dask scheduler instead, such as tcp://host:8786."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Use this Dask scheduler instead, such as tcp://host:8786.",
 )
-@click.option("--dashboard", is_flag=True, help="Dask's page of the local processes; needs bokeh.")
-@click.option("--retry", is_flag=True, help="Do what failed before again.")
-@click.option("--no-pictures", is_flag=True, help="Only the table.")
+@click.option(
+    "--dashboard", is_flag=True, help="Serve Dask's dashboard of the local workers; needs bokeh."
+)
+@click.option("--retry", is_flag=True, help="Run failed tasks again.")
+@click.option("--no-pictures", is_flag=True, help="Write only the table.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 @click.option("--schema", is_flag=True, help="Print the JSON Schema of study files.")
 def study(
@@ -46,10 +50,10 @@ def study(
     as_json: bool,
     schema: bool,
 ) -> None:
-    """Sweep layouts, planes, patterns, solvers and levels: how an arrangement shapes the image.
+    """Sweep layouts, planes, patterns, solvers and levels, to see how an arrangement shapes the image.
 
-    Results are kept as they come: after Ctrl-C, a crash or a change of FILE the same command does what is missing,
-    and nothing else. docs/studies.md has the format and what is measured. Exit code 1 if a task failed.
+    Results are kept as they are computed. After Ctrl-C, a crash or a change of FILE, the same command runs only the
+    missing tasks. docs/studies.md describes the format and the measures. Exit code 1 if a task failed.
     """
     if schema:
         from pacinian_lab.study.file import schema as schema_of
@@ -63,7 +67,7 @@ def study(
 
     if scheduler is not None and (workers is not None or dashboard):
         raise click.UsageError(
-            "--workers and --dashboard are of local processes: leave --scheduler out"
+            "--workers and --dashboard apply to local workers only: leave --scheduler out"
         )
     plan = planned(file)
     folder = Folder(out or Path(file.stem))
@@ -84,7 +88,7 @@ def study(
         told = {"tasks": len(table), "done_now": missing, "failures": failures}
         click.echo(json.dumps({**told, "files": [str(made) for made in files]}))
     else:
-        click.echo(f"{len(table)} tasks, {missing} of them done now, {failures} failed")
+        click.echo(f"{len(table)} tasks, {missing} of them run now, {failures} failed")
         for made in files:
             click.echo(f"wrote {made}")
     if failures:
@@ -106,14 +110,14 @@ def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
 
 
 def _changes(plan: Plan, folder: Folder, missing: int) -> None:
-    """Say what of the folder is still good."""
+    """Print which results in the folder are still valid."""
     before, keys = folder.asked()
     for problem in folder.unreadable:
-        click.echo(f"its tasks are done again: {problem}", err=True)
+        click.echo(f"cannot read results, so their tasks run again: {problem}", err=True)
     if before and before != plan.digest:
         now = {task.key for task in plan.tasks}
         click.echo(
-            f"the study has changed: {len(now - keys)} tasks are new, {len(keys - now)} no longer asked",
+            f"the study has changed: {len(now - keys)} tasks are new, {len(keys - now)} no longer needed",
             err=True,
         )
     if kept := len(plan.tasks) - missing:
@@ -133,7 +137,7 @@ def _run(plan: Plan, folder: Folder, missing: int, **how: Any) -> Table:
             return run(plan, folder.path, advance=lambda done: bar.advance(task, done), **how)
         except KeyboardInterrupt:
             bar.stop()
-            click.echo("what is done is kept: the same command goes on", err=True)
+            click.echo("finished tasks are kept: run the same command to continue", err=True)
             raise
 
 
@@ -156,4 +160,4 @@ def _report(plan: Plan, table: Table, folder: Folder) -> list[Path]:
 
 
 def _page(link: str) -> None:
-    click.echo(f"Dask's page: {link}", err=True)
+    click.echo(f"Dask's dashboard: {link}", err=True)

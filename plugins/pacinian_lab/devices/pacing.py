@@ -1,7 +1,7 @@
-"""Devices: how evenly frames reach one at its rate, how long they take to pack, and what the bus has to carry.
+"""Measure how evenly frames reach a device, how long packing takes, and how much data the bus carries.
 
-The device is the backend's own model, in this process: what is measured is the loop, the packing, and what a device
-makes of it, not USB.
+The device is the backend's own model, in this process. The benchmark therefore measures the loop, the packing and the
+model's response, but not USB.
 """
 
 from __future__ import annotations
@@ -32,16 +32,17 @@ BACKEND = "usb-autd"
 GRIDS = (1, 1), (2, 2), (3, 3)  # units in x and y
 FULL_SPEED = (
     19 * 64 * 1e3
-)  # [B/s] of bulk data that USB 2.0 can carry at most: packets a frame, its rate
+)  # [B/s] maximum of bulk data over USB 2.0: packets per frame, bytes per packet, frames per second
 HIGH_SPEED = 13 * 512 * 8e3
-TICK = 1e-3  # [s] of the usual loop
+TICK = 1e-3  # [s] of the default loop
 
 
 @dataclass(frozen=True)
 class Load:
-    """What frames ask of the bus.
+    """Load of frames on the bus.
 
-    rows: that are sent of each tick. size: [B] of one tick. rate: [B/s]. full, high: shares of what USB can carry.
+    rows: rows sent per tick. size: of one tick [B]. rate: [B/s]. full, high: fractions of the capacity of full-speed
+    and high-speed USB.
     """
 
     units: int
@@ -54,10 +55,10 @@ class Load:
 
 @dataclass(frozen=True)
 class Held:
-    """A rate held for a while. Times [s]: how late a frame was begun, and how long its `send` took.
+    """A rate held for a while. Times [s]: how late a frame was started, and how long its `send` took.
 
-    missed: ticks left out. accepted, starved, overrun: as the device counts its frames. pack: [s], and over the time
-    to copy its levels.
+    missed: ticks skipped. accepted, starved, overrun: the device's counts of frames. pack: time to pack a frame [s];
+    over_copy: the same, relative to the time to copy its levels.
     """
 
     rate: float
@@ -73,7 +74,7 @@ class Held:
 
 
 def loads() -> Iterator[Load]:
-    """For some arrays, where rows differ and where they are alike."""
+    """Yield the loads of some arrays, with rows that differ and with equal rows."""
     for grid in GRIDS:
         array = autd(*grid)
         for rows in (2, 1):
@@ -86,7 +87,7 @@ def loads() -> Iterator[Load]:
 
 
 def held(rate: float, rows: int, seconds: float) -> Held:
-    """Send frames of so many rows to nine units at a rate [Hz]."""
+    """Send frames of `rows` rows to nine units at a rate [Hz]."""
     array = autd(3, 3)
     backend, clock = _open(array), SystemClock()
     frames = [_frame(array, rows, seed=k) for k in range(8)]
@@ -132,18 +133,18 @@ def _quantiles(times: list[float]) -> tuple[float, float, float]:
     return quantile(times, 0.5), quantile(times, 0.99), times[-1]
 
 
-LOAD = "units", "rows sent", "bytes a tick", "MB/s", "% of full speed", "% of high speed"
+LOAD = "units", "rows sent", "bytes per tick", "MB/s", "% of full speed", "% of high speed"
 HELD = (
-    "ticks [Hz]", "frames sent", "ticks left out", "frames accepted", "that came too late", "too early",
-    "late by, p50 [ms]", "p99", "worst", "send took, p50 [ms]", "p99", "worst", "of it packing [µs]",
-    "packing over copying",
+    "ticks [Hz]", "frames sent", "ticks skipped", "frames accepted", "late frames", "early frames",
+    "late by, p50 [ms]", "p99", "worst", "send took, p50 [ms]", "p99", "worst", "packing [µs]",
+    "packing over copying levels",
 )  # fmt: skip
 
 Lines = list[list[str]]
 
 
 def _loads(rows: Sequence[Load]) -> Lines:
-    """A line for each."""
+    """Return a line for each load."""
     return [
         [
             str(row.units), str(row.rows), f"{row.size:,}", f"{1e-6 * row.rate:.2f}",
@@ -154,7 +155,7 @@ def _loads(rows: Sequence[Load]) -> Lines:
 
 
 def _helds(rows: Sequence[Held]) -> Lines:
-    """A column for each."""
+    """Return a column for each rate."""
     columns = [
         [
             f"{row.rate:g}",
@@ -170,18 +171,18 @@ def _helds(rows: Sequence[Held]) -> Lines:
 def _all(found: Sequence[Load], rates: Sequence[Held]) -> list[tuple[str, list[str], Lines]]:
     head, *lines = _helds(rates)
     return [
-        ("What the bus carries, in ticks of 1 ms", list(LOAD), _loads(found)),
-        ("Nine units, sent to their model", head, lines),
+        ("Data on the bus, in ticks of 1 ms", list(LOAD), _loads(found)),
+        ("Nine units, frames sent to their model", head, lines),
     ]
 
 
 def tables(found: Sequence[Load], rates: Sequence[Held]) -> list[Table]:
-    """For a terminal."""
+    """Return tables for a terminal."""
     return [plain_table(*table) for table in _all(found, rates)]
 
 
 def markdown(found: Sequence[Load], rates: Sequence[Held]) -> str:
-    """For a document."""
+    """Return Markdown tables."""
     made: list[str] = []
     for _, head, lines in _all(found, rates):
         rows = head, ["---"] * len(head), *lines

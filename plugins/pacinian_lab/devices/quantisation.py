@@ -1,4 +1,4 @@
-"""What rounding to a device's levels costs at the control points, and what dithering and error feedback win.
+"""Measure the error at the control points from quantising to a device's levels, with several kinds of dithering.
 
 Run: `python -m pacinian_lab.devices.quantisation`. All in double precision, with the reference propagator and the
 solver `auto`.
@@ -27,8 +27,8 @@ GOLDEN = (5.0**0.5 - 1.0) / 2.0
 SEEDS = 12
 LEVELS = 0.05, 0.3, 0.8
 HEIGHT, AWAY = 0.2, 0.025  # [m]
-ROWS = 2  # frames a tick, at 2 kHz
-WIDTHS = np.unique(np.rint(512.0 / np.pi * np.arcsin(np.arange(256) / 255.0)))  # of 512 a period
+ROWS = 2  # frames per tick, at 2 kHz
+WIDTHS = np.unique(np.rint(512.0 / np.pi * np.arcsin(np.arange(256) / 255.0)))  # of 512 per period
 AUTD3 = tuple(np.sin(np.pi * WIDTHS / 512.0).tolist())
 PULSES = tuple(np.sin(0.5 * np.pi * np.arange(65) / 64.0).tolist())
 DEVICES = {
@@ -48,30 +48,30 @@ ARRAYS: dict[str, Callable[[], Array]] = {
 
 
 def nearest(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """Each gain (N,) to its own nearest level, as (1, N) rows."""
+    """Round each gain (N,) to its nearest level; return rows (1, N)."""
     return _levels(g, np.full(len(g), 0.5), can)[None]
 
 
 def fixed(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """Amplitudes by thresholds that differ from transducer to transducer, and stay: what is done."""
+    """Dither amplitudes with fixed thresholds that differ between transducers, as Pacinian does."""
     return _levels(g, dither_thresholds(len(g)).astype(np.float64), can)[None]
 
 
 def golden(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """The same with thresholds of low discrepancy, which have a pattern."""
+    """Dither with fixed low-discrepancy thresholds, which have a pattern."""
     golden: Floats = np.arange(1, len(g) + 1, dtype=np.float64) * GOLDEN % 1.0
     return _levels(g, golden, can)[None]
 
 
 def random(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """Amplitudes by random thresholds, new in each row."""
+    """Dither amplitudes with random thresholds, new in each row."""
     rng = np.random.default_rng(1)
     rows = [_levels(g, rng.uniform(size=len(g)), can) for _ in range(ROWS)]
     return np.array(rows)
 
 
 def in_time(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """Each transducer's error is added to what it is asked in the next row."""
+    """Feed each transducer's error back into its next row."""
     rows: list[Complexes] = []
     rest = np.zeros_like(g)
     for _ in range(ROWS):
@@ -81,7 +81,7 @@ def in_time(g: Complexes, B: Complexes, can: Capability) -> Complexes:
 
 
 def in_space(g: Complexes, B: Complexes, can: Capability) -> Complexes:
-    """One transducer after another takes the level that leaves the least error at the control points."""
+    """Choose levels one transducer at a time, each to minimise the error at the control points."""
     made, error = np.zeros_like(g), np.zeros(len(B), np.complex128)
     steps = np.exp(2j * np.pi * np.arange(can.phases) / can.phases)
     sizes, below = can.sizes.astype(np.float64), _below(np.abs(g), can)
@@ -109,16 +109,16 @@ def _levels(g: Complexes, half: Floats, can: Capability) -> Complexes:
 
 
 def _below(size: Floats, can: Capability) -> Indices:
-    """The level below each amplitude, never the last one."""
+    """Return the level below each amplitude, at most the last but one."""
     found = np.searchsorted(can.sizes, size, "right") - 1
     return np.asarray(np.clip(found, 0, len(can.sizes) - 2), np.intp)
 
 
 def measured(array: Array, count: int, level: float, seed: int) -> dict[str, Floats]:
-    """Device and way to: relative errors of |p| at `count` points, of each row and of the rows' mean; the ghost.
+    """Return errors of |p| at `count` points, by device and way: of a row, of the rows' mean, and the ghost.
 
-    level: of the strongest that one focus could be, shared by the points. ghost: the loudest place `AWAY` from all
-    points, in their plane, over the loudest point.
+    level: relative to the strongest possible single focus, shared by the points. ghost: |p| at the loudest place that
+    is `AWAY` from all points, in their plane, relative to the loudest point. The errors are relative [%].
     """
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.05, 0.05, (count, 2)), np.full(count, HEIGHT)]
@@ -140,7 +140,7 @@ def measured(array: Array, count: int, level: float, seed: int) -> dict[str, Flo
 
 
 def _away(q: Floats) -> Floats:
-    """Places of the points' plane that are away from them all."""
+    """Return the places of the points' plane that are away from all points."""
     x = np.arange(-0.15, 0.15, 0.004)
     X, Y = np.meshgrid(x, x)
     plane = np.stack([X, Y, np.full_like(X, HEIGHT)], axis=-1).reshape(-1, 3)
@@ -149,14 +149,16 @@ def _away(q: Floats) -> Floats:
 
 
 def main() -> None:
-    """Print tables in Markdown: medians over problems."""
+    """Print Markdown tables of medians over problems."""
     cases = [(name, count) for name in ARRAYS for count in (1, 4, 16)]
     for level in LEVELS:
         table = {
             (name, count): [measured(ARRAYS[name](), count, level, s) for s in range(SEEDS)]
             for name, count in cases
         }
-        click.echo(f"\nlevel {level:g}: error of a row / of the mean of {ROWS} rows [%] / ghost\n")
+        click.echo(
+            f"\nlevel {level:g}: error of a row [%] / error of the mean of {ROWS} rows [%] / ghost\n"
+        )
         click.echo("| levels; way | " + " | ".join(f"{a}, {m}" for a, m in cases) + " |")
         click.echo("|---|" + "---|" * len(cases))
         for key in table[cases[0]][0]:

@@ -1,8 +1,8 @@
-"""What scatter of strengths and phases costs, what a scan finds, and the formulas.
+"""Compute the effect of scatter in strengths and phases by formula and on random arrays, and what a scan corrects.
 
 Run: `python -m pacinian_lab.devices.scatter [PICTURE.png]`. Double precision; solver `lagrange`.
 
-Responses s = (1 + e) exp(j f) are independent; e has mean 0 and standard deviation A, f is normal with standard
+Responses s = (1 + e) exp(j f) are independent; e has mean 0 and standard deviation A, and f is normal with standard
 deviation F [rad]. Then E s = exp(-F^2 / 2) and V = var s = 1 + A^2 - exp(-F^2), and at a point with p = sum_n b_n,
 b_n = B_n g_n,
 
@@ -27,27 +27,27 @@ from pacinian.session import solve
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-ARRAYS = {"one unit": (autd(), 0.2), "nine units": (autd(3, 3), 0.3)}  # with a height [m]
+ARRAYS = {"one unit": (autd(), 0.2), "nine units": (autd(3, 3), 0.3)}  # array, height [m]
 CASES = ((5, 5), (10, 5), (20, 10), (30, 10), (45, 20))  # [deg], [%]
 RUNS = 200
 SIDE, SPACING = 0.03, 0.005  # [m], of a square region
-BESIDE = 0.06  # [m] from the focus, where the ideal field is 0
+BESIDE = 0.06  # [m] from the focus to the point where the ideal field is 0
 SCANS = (
     *((6, 0.01, 0.0), (6, 0.03, 1e-3), (12, 0.03, 0.0), (12, 0.03, 1e-3), (12, 0.1, 1e-3)),
     *((24, 0.03, 1e-3), (24, 0.1, 1e-3), (12, 0.03, 2e-3)),
-)  # positions; noise, of the rms reading; error of each coordinate [m]
+)  # positions; noise, relative to the rms reading; error of each coordinate [m]
 
 
 def draw_responses(
     count: int, degrees: float, percent: float, rng: np.random.Generator
 ) -> Complexes:
-    """Responses of so many transducers, with a scatter of phases [deg] and of strengths [%]."""
+    """Draw responses of `count` transducers, with a scatter of phases [deg] and of strengths [%]."""
     strength = 1.0 + 0.01 * percent * rng.normal(size=count)
     return np.asarray(strength * np.exp(1j * np.radians(degrees) * rng.normal(size=count)))
 
 
 def predict_power(b: Complexes, degrees: float, percent: float) -> Floats:
-    """E|p'|^2 of the formula, (M,), for B g per transducer, (M, N)."""
+    """Return E|p'|^2 by the formula, (M,), for B g per transducer, (M, N)."""
     kept = float(np.exp(-(np.radians(degrees) ** 2)))
     V = 1.0 + (0.01 * percent) ** 2 - kept
     power = kept * np.abs(b.sum(axis=1)) ** 2 + V * (np.abs(b) ** 2).sum(axis=1)
@@ -55,9 +55,9 @@ def predict_power(b: Complexes, degrees: float, percent: float) -> Floats:
 
 
 def predict_unevenness(b: Complexes, degrees: float, percent: float) -> float:
-    """Relative rms error of |p'|^2 over points, scaled to the ideal's mean; b: (M, N).
+    """Return the relative rms error of |p'|^2 over points, scaled to the ideal's mean; b: (M, N).
 
-    The variance of |p'|^2 is (E|p'|^2)^2 - (exp(-F^2) |p|^2)^2 where sound scatters alike in all phases (Rician).
+    The variance of |p'|^2 is (E|p'|^2)^2 - (exp(-F^2) |p|^2)^2 if the scattered sound has uniform phase (Rician).
     """
     ideal, power = np.abs(b.sum(axis=1)) ** 2, predict_power(b, degrees, percent)
     variance = power**2 - (np.exp(-(np.radians(degrees) ** 2)) * ideal) ** 2
@@ -68,7 +68,7 @@ def predict_unevenness(b: Complexes, degrees: float, percent: float) -> float:
 
 
 def make_problems(array: Array, height: float) -> dict[str, Complexes]:
-    """B g per transducer at a focus, at a silent point beside it, and at the points of a square."""
+    """Return B g per transducer at a focus, at a silent point beside it, and at the points of a square."""
     q = np.array([[0.0, 0.0, height], [BESIDE, 0.0, height]])
     B = matrix(array, q)
     g = np.exp(-1j * np.angle(B[0]))
@@ -84,7 +84,7 @@ def make_problems(array: Array, height: float) -> dict[str, Complexes]:
 def measure_scatter(
     b: Complexes, degrees: float, percent: float, runs: int = RUNS
 ) -> tuple[Floats, float]:
-    """Mean of |p'|^2, (M,), and relative rms error over points when scaled to the ideal's mean, of random arrays."""
+    """Simulate random arrays: mean of |p'|^2, (M,), and relative rms error over points, scaled to the ideal's mean."""
     rng = np.random.default_rng(1)
     ideal = np.abs(b.sum(axis=1)) ** 2
     drawn = [draw_responses(b.shape[1], degrees, percent, rng) for _ in range(runs)]
@@ -97,7 +97,7 @@ def measure_scatter(
 def measure_scan(
     array: Array, height: float, scan: tuple[int, float, float], seed: int
 ) -> tuple[float, float, float]:
-    """Error of the corrections [deg], [%], and a focus's |p|^2 of what equal phases would make; NaN where refused."""
+    """Simulate a scan: errors of the corrections [deg], [%], and |p|^2 of a focus over the ideal; NaN if refused."""
     positions, noise, error = scan
     rng = np.random.default_rng(seed)
     N, width = len(array), np.ptp(array.positions, axis=0)[:2] / 2.0
@@ -120,7 +120,7 @@ def measure_scan(
 
 
 def draw(path: str, problems: dict[str, dict[str, Complexes]]) -> None:
-    """What scatter of phases costs, by the formula (lines) and of random arrays (dots)."""
+    """Draw the effect of phase scatter, by the formula (lines) and on random arrays (dots)."""
     from pacinian.plot.page import figure, save
     from pacinian.plot.style import BLUE, RED, dress
 
@@ -164,7 +164,7 @@ def draw(path: str, problems: dict[str, dict[str, Complexes]]) -> None:
 
 
 def main() -> None:
-    """Print tables in Markdown; draw the picture if a file is named."""
+    """Print Markdown tables; draw the picture if a file is named."""
     problems = {name: make_problems(*where) for name, where in ARRAYS.items()}
     click.echo(
         "| scatter | " + " | ".join(f"{n}: focus | square | silent point" for n in ARRAYS) + " |"

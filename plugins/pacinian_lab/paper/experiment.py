@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 HALF = 0.2  # half the side of a region [m]
 COUNT = 41  # samples along a side: every 10 mm
 DISTANCE = 0.2  # height of the regions' centre [m]
-CUT = 1e-10  # singular values below this share of the largest count as zero
+CUT = 1e-10  # singular values below this fraction of the largest count as zero
 MEDIUM = pc.Air(speed_of_sound=340.0, density=1.2, attenuation="none")
 CASES = ("1a", "1b", "2a", "2b")
 PATTERNS = ("ring", "disc", "cross", "square")
@@ -28,7 +28,7 @@ PATTERNS = ("ring", "disc", "cross", "square")
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Where the transducers and the samples are: one of the four rows of Figure 6.
+    """The transducers and the samples of one of the four rows of Figure 6.
 
     points: [m], shape (M, 3), row by row from the region's first corner.
     """
@@ -40,10 +40,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """What the singular values s_1 >= ... >= s_N of a case's B say.
+    """The singular values s_1 >= ... >= s_N of a case's B.
 
-    samples, transducers: M, N. rank: singular values above `CUT` s_1.
-    condition: s_1 / s_N, infinite where rank < N. kept: s_1 / s_rank, what the cut leaves.
+    samples, transducers: M, N. rank: number of singular values above `CUT` s_1. condition: s_1 / s_N, infinite if
+    rank < N. kept: s_1 / s_rank, the condition number after the cut.
     """
 
     case: str
@@ -58,8 +58,8 @@ class Spectrum:
 class Outcome:
     """One pattern, solved in one case.
 
-    target, amplitude: asked and achieved |p| [Pa], shape (41, 41).
-    correlation: of the two. error: ||p - target|| / ||target||. maximum: of |p| [Pa].
+    target, amplitude: target and achieved |p| [Pa], shape (41, 41). correlation: of the two. error: ||p - target|| /
+    ||target||. maximum: of |p| [Pa].
     """
 
     case: str
@@ -73,17 +73,17 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All of section 5: spectra by case, outcomes by (pattern, case)."""
+    """All results of section 5: spectra by case, outcomes by (pattern, case)."""
 
     spectra: dict[str, Spectrum]
     outcomes: dict[tuple[str, str], Outcome]
 
 
 def grid() -> tuple[Floats, Floats]:
-    """(u, v), each of shape (41, 41), in -1..1 over a region; v grows with the row.
+    """Return (u, v), each of shape (41, 41), in -1..1 over a region; v grows with the row.
 
-    The steps are rounded as `linspace` rounds them. That matters to the disc alone: of the four samples
-    at r = 0.3, which r < 0.3 leaves out in exact arithmetic, two are in.
+    The steps are rounded as `linspace` rounds them. This affects only the disc: exact arithmetic excludes all four
+    samples at r = 0.3, and rounding includes two of them.
     """
     u = np.linspace(-1.0, 1.0, COUNT)
     v, u = np.meshgrid(u, u, indexing="ij")
@@ -91,7 +91,7 @@ def grid() -> tuple[Floats, Floats]:
 
 
 def pattern(name: str) -> Floats:
-    """The target |p| [Pa] of Figure 5, 0 or 1, shape (41, 41). Raises ArgumentError."""
+    """Return the target |p| [Pa] of Figure 5, 0 or 1, shape (41, 41). Raises ArgumentError."""
     u, v = grid()
     r, side = np.hypot(u, v), np.maximum(np.abs(u), np.abs(v))
     shapes = {
@@ -106,11 +106,10 @@ def pattern(name: str) -> Floats:
 
 
 def case(name: str, distance: float = DISTANCE) -> Case:
-    """A case of Figure 6 by name, with its region's centre at height `distance` [m].
+    """Return a case of Figure 6 by name, with its region's centre at height `distance` [m].
 
-    Region 1 is parallel to the xy-plane, region 2 to the yz-plane. Arrangement a is 200 mm in x by
-    400 mm in y (the paper's text says 20 mm by 40 mm), b the same folded about the x axis.
-    Raises ArgumentError.
+    Region 1 is parallel to the xy-plane, region 2 to the yz-plane. Arrangement a is 200 mm in x by 400 mm in y (the
+    paper's text says 20 mm by 40 mm). Arrangement b is the same, folded about the x axis. Raises ArgumentError.
     """
     if name not in CASES:
         raise ArgumentError("name", f"must be one of {', '.join(CASES)}, not {name!r}")
@@ -122,7 +121,7 @@ def case(name: str, distance: float = DISTANCE) -> Case:
 
 
 def spectrum(case: Case) -> Spectrum:
-    """Rank and condition number of a case's B, by its singular values."""
+    """Return rank and condition number of a case's B, from its singular values."""
     B = pc.matrix(case.array, case.points, MEDIUM)
     s = linalg.svdvals(B)
     rank = int((s > CUT * s[0]).sum())
@@ -132,9 +131,9 @@ def spectrum(case: Case) -> Spectrum:
 
 
 def solve(case: Case, name: str, cut: float = CUT) -> Outcome:
-    """Make the pattern `name` in a case: least squares, target phase 0, no limit of the gains.
+    """Solve for the pattern `name` in a case: least squares, target phase 0, no limit on the gains.
 
-    cut: singular values below this share of the largest count as zero. Raises ArgumentError.
+    cut: singular values below this fraction of the largest count as zero. Raises ArgumentError.
     """
     target = pattern(name)
     solution = pc.solve(
@@ -160,12 +159,12 @@ def solve(case: Case, name: str, cut: float = CUT) -> Outcome:
 
 
 def correlation(a: Floats, b: Floats) -> float:
-    """Pearson's correlation of two maps of one shape."""
+    """Return Pearson's correlation of two maps of the same shape."""
     return float(np.corrcoef(a.ravel(), b.ravel())[0, 1])
 
 
 def run(advance: Callable[[], object] = lambda: None) -> Experiment:
-    """The whole experiment; `advance` is called after each of its `len(CASES) * (1 + len(PATTERNS))` steps."""
+    """Run the whole experiment. advance: called after each of the `len(CASES) * (1 + len(PATTERNS))` steps."""
     spectra: dict[str, Spectrum] = {}
     outcomes: dict[tuple[str, str], Outcome] = {}
     for place in map(case, CASES):

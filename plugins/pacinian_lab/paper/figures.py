@@ -28,7 +28,7 @@ require()  # before anything is computed
 
 
 def draw(report: Report, folder: Path) -> list[Path]:
-    """Draw all figures as PNG files in `folder`; return the files."""
+    """Draw all figures as PNG files in `folder` and return the files."""
     pages = {
         "experiment": of_experiment(report.experiment),
         "fourier": of_fourier(report.fourier),
@@ -40,7 +40,7 @@ def draw(report: Report, folder: Path) -> list[Path]:
 
 
 def of_experiment(results: Experiment) -> Figure:
-    """Figures 5 to 7: the four places, and |p| of every pattern in each, on one scale."""
+    """Draw figures 5 to 7: the four cases, and |p| of every pattern in each, on one scale."""
     rows, columns = len(experiment.PATTERNS), len(experiment.CASES)
     page = figure(10.8, 10.0)
     cells = page.add_gridspec(rows + 1, columns + 1, height_ratios=[1.3] + [1.0] * rows)
@@ -67,7 +67,7 @@ def of_experiment(results: Experiment) -> Figure:
 
 
 def of_fourier(comparisons: dict[tuple[str, str], Comparison]) -> Figure:
-    """The Fourier baseline beside the pseudo-inverse: 1a, the same further away, and 2a."""
+    """Draw the Fourier baseline next to the pseudo-inverse: case 1a, 1a at a larger distance, and 2a."""
     places = {"1a": "1a", "1a far": f"1a at {1e3 * fourier.FAR:.0f} mm", "2a": "2a"}
     page = figure(13.2, 7.4)
     panels: Panel = page.subplots(len(experiment.PATTERNS), 1 + 2 * len(places))
@@ -93,7 +93,7 @@ def of_fourier(comparisons: dict[tuple[str, str], Comparison]) -> Figure:
 
 
 def of_focus(spot: Focus, widths: list[Width]) -> Figure:
-    """Figure 3: radiation pressure around the focus, and its profiles with their widths."""
+    """Draw figure 3: radiation pressure around the focus, and its profiles with their widths."""
     page = figure(11.0, 4.4)
     plane: Panel
     plane, *profiles = page.subplots(1, 3, width_ratios=[1.25, 1.0, 1.0])

@@ -1,4 +1,4 @@
-"""The focus of the AUTD units and how wide it is (the paper's Figure 3)."""
+"""The focus of the AUTD units and its width (the paper's Figure 3)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 MEDIUM = pc.Air(speed_of_sound=340.0, density=1.2)
 KIND = pc.T4010A1
-FIRST_ZERO = 1.22  # of a circular aperture's pattern, in lambda z / diameter
-STEP = 1e-4  # [m], of a profile
+FIRST_ZERO = 1.22  # first zero of a circular aperture's pattern [lambda z / diameter]
+STEP = 1e-4  # [m] between samples of a profile
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +34,16 @@ class Focus:
     gains: pc.Gains
 
     def radiation_pressure(self, x: Floats, y: Floats) -> Floats:
-        """Radiation pressure on skin [Pa] in the focal plane, at x, y [m] of any one shape."""
+        """Return radiation pressure on skin [Pa] in the focal plane, at x, y [m] of the same shape."""
         return pc.radiation_pressure(self.sound_pressure(x, y), MEDIUM)
 
     def sound_pressure(self, x: Floats, y: Floats) -> pc.Complexes:
-        """Complex sound pressure [Pa] in the focal plane, at x, y [m] of any one shape."""
+        """Return complex sound pressure [Pa] in the focal plane, at x, y [m] of the same shape."""
         points = np.stack([x, y, np.full_like(x, self.distance)], axis=-1)
         return pc.field(self.array, self.gains, points, MEDIUM)
 
     def zero(self, axis: int) -> float:
-        """1.22 lambda z / aperture [m] along x (0) or y (1)."""
+        """Return 1.22 lambda z / aperture [m] along x (0) or y (1)."""
         wavelength = MEDIUM.wavelength(KIND.frequency)
         return FIRST_ZERO * wavelength * self.distance / self.aperture[axis]
 
@@ -52,8 +52,8 @@ class Focus:
 class Width:
     """The main lobe of radiation pressure along one axis [m].
 
-    minimum: from the peak to the first minimum. half: full width at half of the peak.
-    *_integral: the same of a uniform aperture, integrated directly. formula: 1.22 lambda z / aperture.
+    minimum: from the peak to the first minimum. half: full width at half of the peak. *_integral: the same for a
+    uniform aperture, integrated directly. formula: 1.22 lambda z / aperture.
     """
 
     axis: str
@@ -66,7 +66,7 @@ class Width:
 
 
 def focus(side: int, distance: float) -> Focus:
-    """The focus of `side` x `side` units at `distance` [m] on their axis."""
+    """Return the focus of `side` x `side` units at `distance` [m] on their axis."""
     array = pc.autd(side, side, KIND)
     solution = pc.solve(
         array, [[0.0, 0.0, distance]], [1.0], solver="single-focus", scale="max", medium=MEDIUM
@@ -75,7 +75,7 @@ def focus(side: int, distance: float) -> Focus:
 
 
 def widths(spot: Focus) -> list[Width]:
-    """The main lobe's widths along x and y."""
+    """Return the main lobe's widths along x and y."""
     return [_width(spot, axis) for axis in (0, 1)]
 
 
@@ -100,12 +100,12 @@ def _reach(spot: Focus) -> Floats:
 
 
 def aperture_integral(aperture: tuple[float, float], distance: float, points: Floats) -> Floats:
-    """|p| of a uniform rectangle focused on its axis, any scale, shape (M,): no transducers, no kernel.
+    """Return |p| of a uniform rectangle focused on its axis, in any scale, shape (M,).
 
         p(q) = int D(theta) exp(-j k (|q - r| - |f - r|)) / |q - r| dr,   f = (0, 0, z)
 
-    by the midpoint rule at half a wavelength. aperture: [m]. distance: z [m]. points: q in the focal
-    plane, x and y [m], shape (M, 2).
+    Computed without transducers or kernels, by the midpoint rule at half a wavelength. aperture: [m]. distance: z
+    [m]. points: q in the focal plane, x and y [m], shape (M, 2).
     """
     half = MEDIUM.wavelength(KIND.frequency) / 2.0
     k = MEDIUM.wavenumber(KIND.frequency)
@@ -123,13 +123,13 @@ def aperture_integral(aperture: tuple[float, float], distance: float, points: Fl
 
 
 def first_minimum(s: Floats, P: Floats) -> float:
-    """Where a profile P(s) that falls from s[0] first stops falling, in the unit of s."""
+    """Return where a profile P(s) that falls from s[0] first stops falling, in the unit of s."""
     rises = np.flatnonzero(np.diff(P) >= 0.0)
     return float(s[rises[0]]) if len(rises) else math.nan
 
 
 def half_width(s: Floats, P: Floats) -> float:
-    """Twice the s where a profile P(s) that falls from s[0] = 0 first is half of P[0]."""
+    """Return twice the s at which a profile P(s) that falls from s[0] = 0 first reaches half of P[0]."""
     half = 0.5 * float(P[0])
     below = int(np.argmax(half > P))
     part = slice(below - 1, below + 1)

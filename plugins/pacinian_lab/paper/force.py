@@ -1,4 +1,4 @@
-"""The force of a focus: the linear model beside what the paper measured."""
+"""The force of a focus: the linear model compared with the paper's measurements."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pacinian_lab.paper.focus import KIND, MEDIUM, focus
 GRAM_FORCE = 9.80665e-3  # [N]
 NONLINEARITY = 1.2  # 1 + B/2A of air
 MEASURED = (  # units along a side, distance [m], force [gf]
-    (1, 0.2, 1.6),  # the paper does not say this distance
+    (1, 0.2, 1.6),  # the paper does not state this distance
     (3, 0.6, 7.4),
 )
 
@@ -22,9 +22,9 @@ MEASURED = (  # units along a side, distance [m], force [gf]
 class Force:
     """The force of a focus, in the linear model and as measured.
 
-    radius: of the disc that is the main lobe, 1.22 lambda z / the aperture's shorter side [m].
-    peak: sound pressure amplitude [Pa]. level: [dB re 20 uPa RMS]. top: radiation pressure [Pa].
-    force, measured: [gf]. shock: how far a plane wave of the peak's strength goes to form a shock [m].
+    radius: of the disc that is the main lobe, 1.22 lambda z / the aperture's shorter side [m]. peak: sound pressure
+    amplitude [Pa]. level: [dB re 20 uPa RMS]. top: radiation pressure [Pa]. force, measured: [gf]. shock: distance at
+    which a plane wave of the peak's amplitude forms a shock [m].
     """
 
     units: int
@@ -39,7 +39,7 @@ class Force:
 
 
 def force(side: int, distance: float, measured: float) -> Force:
-    """The force of `side` x `side` units focused at `distance` [m]; measured: [gf]."""
+    """Return the force of `side` x `side` units focused at `distance` [m]; measured: [gf]."""
     spot = focus(side, distance)
     radius = max(spot.zero(0), spot.zero(1))
     step = radius / 50.0
@@ -61,11 +61,14 @@ def force(side: int, distance: float, measured: float) -> Force:
 
 
 def shock_distance(p: float) -> float:
-    """How far a plane wave of amplitude `p` [Pa] goes to form a shock, rho c^3 / ((1 + B/2A) omega p) [m]."""
+    """Return the distance at which a plane wave of amplitude `p` [Pa] forms a shock [m].
+
+    rho c^3 / ((1 + B/2A) omega p)
+    """
     omega = 2.0 * math.pi * KIND.frequency  # [rad/s]
     return MEDIUM.density * MEDIUM.speed_of_sound**3 / (NONLINEARITY * omega * p)
 
 
 def forces() -> list[Force]:
-    """The forces of the paper's two devices, beside the measured ones."""
+    """Return the forces of the paper's two devices, with the measured ones."""
     return [force(*row) for row in MEASURED]

@@ -1,4 +1,4 @@
-"""What the figures are made of: one map, one layout, a colour bar."""
+"""Parts of the figures: maps, layouts, a colour bar."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def layout(panel: Panel, name: str) -> None:
-    """Transducers and samples of a case, in 3-D (Figure 6)."""
+    """Draw the transducers and samples of a case, in 3-D (Figure 6)."""
     place = experiment.case(name)
     for points, colour, size in ((place.points, RED, 0.4), (place.array.positions, BLUE, 0.8)):
         panel.scatter(*(1e3 * points.T), s=size, color=colour, linewidths=0, rasterized=True)
@@ -30,14 +30,14 @@ def layout(panel: Panel, name: str) -> None:
 
 
 def legend(panel: Panel) -> None:
-    """What the layouts' colours mean, in a panel of its own."""
+    """Draw the legend of the layouts' colours in its own panel."""
     panel.set_axis_off()
     panel.text(0.0, 0.6, "transducers", color=BLUE)
     panel.text(0.0, 0.4, "samples", color=RED)
 
 
 def draw_map(panel: Panel, amplitude: Floats, region: str, top: float) -> None:
-    """|p| in region "1" (x, y) or "2" (y, z); the outer samples' squares reach 5 mm further."""
+    """Draw |p| in region "1" (x, y) or "2" (y, z). The squares of the outer samples reach 5 mm further."""
     low = (-205, -205) if region == "1" else (-205, -5)
     extent = (low[0], low[0] + 410, low[1], low[1] + 410)
     panel.imshow(amplitude, origin="lower", extent=extent, cmap=MAP, vmin=0.0, vmax=top)
@@ -49,18 +49,18 @@ def draw_map(panel: Panel, amplitude: Floats, region: str, top: float) -> None:
 
 
 def inner(panels: Iterable[Panel]) -> None:
-    """Leave the horizontal axis to the last row."""
+    """Remove the horizontal axis of all panels but the last row."""
     for panel in panels:
         panel.set_xlabel("")
         panel.tick_params(labelbottom=False)
 
 
 def score(correlation: float, maximum: float) -> str:
-    """A map's title."""
+    """Return a map's title."""
     return f"corr. {correlation:.2f}, max {maximum:.2f}"
 
 
 def colour_bar(figure: Any, panels: list[Panel]) -> None:
-    """One colour bar for all panels."""
+    """Draw one colour bar for all panels."""
     label = "|p| / target amplitude"
     figure.colorbar(panels[0].images[0], ax=panels, label=label, shrink=0.6, aspect=35, pad=0.01)

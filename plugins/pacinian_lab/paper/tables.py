@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def outcomes(results: Experiment) -> Table:
-    """Pattern by case: correlation, error, maximum."""
+    """Return a table of pattern by case: correlation, error, maximum."""
     rows: list[list[str]] = []
     for name in experiment.PATTERNS:
         found = [results.outcomes[name, case] for case in experiment.CASES]
@@ -32,7 +32,7 @@ def outcomes(results: Experiment) -> Table:
 
 
 def spectra(results: Experiment) -> Table:
-    """Case by case: size, rank and condition number of B."""
+    """Return a table of the cases: size, rank and condition number of B."""
     rows = [
         [
             s.case,
@@ -48,7 +48,7 @@ def spectra(results: Experiment) -> Table:
 
 
 def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
-    """Pattern by place: correlation and maximum of the Fourier method, and of the pseudo-inverse."""
+    """Return a table of pattern by place: correlation and maximum of the Fourier method and of the pseudo-inverse."""
     titles = {"1a far": f"{1e3 * fourier.FAR:.0f} mm"}
     head = [
         f"{titles.get(place, place)}\n{method}"
@@ -62,12 +62,12 @@ def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
             c = comparisons[name, place]
             row += [f"{o.correlation:.2f} {o.maximum:.2f}" for o in (c, c.pseudo_inverse)]
         rows.append(row)
-    title = "Fourier baseline beside the pseudo-inverse: correlation, maximum"
+    title = "Fourier baseline and pseudo-inverse: correlation, maximum"
     return _table(title, ["pattern", *head], rows)
 
 
 def widths(found: Iterable[Width]) -> Table:
-    """The focus's widths in millimetres."""
+    """Return a table of the focus's widths in millimetres."""
     rows = [
         [w.axis, f"{1e3 * w.aperture:.0f}"]
         + [
@@ -81,7 +81,7 @@ def widths(found: Iterable[Width]) -> Table:
 
 
 def forces(found: Iterable[Force]) -> Table:
-    """The focus's force, modelled and measured."""
+    """Return a table of the focus's force, modelled and measured."""
     rows = [
         [
             str(f.units),
@@ -103,7 +103,7 @@ def _condition(value: float) -> str:
 
 
 def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
-    """A table whose texts are taken as they are: a unit in brackets is no markup."""
+    """Return a table that takes its texts literally, so that a unit in brackets is not markup."""
     table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, collapse_padding=True)
     for n, name in enumerate(head):
         table.add_column(Text(name), justify="right" if n else "left")

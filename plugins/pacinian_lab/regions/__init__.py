@@ -1,1 +1,1 @@
-"""How evenly regions press, measured at places that no solver was given."""
+"""Benchmark how even the pressure of regions is, at places that no solver was given."""

@@ -1,4 +1,4 @@
-"""Contacts: what a hand feels where it touches, made by the rendering loop and by foci."""
+"""Contacts: what a hand feels where it touches objects, made by the rendering loop and by foci."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ PRESSURE = 6.0  # [Pa]
 TICKS, PERIOD = (
     16,
     1e-3,
-)  # of a loop whose clock stands still, so that it has all the time it needs, [s]
-BUDGET = 2000  # foci at most
-PALM, FINGERTIP = (0.0, 0.0, 0.195), (0.001, 0.0845, 0.2045)  # [m] skin below an open hand
+)  # of a loop whose clock is set by hand, so that it has all the time it needs; [s]
+BUDGET = 2000  # maximum number of foci
+PALM, FINGERTIP = (0.0, 0.0, 0.195), (0.001, 0.0845, 0.2045)  # [m] skin under an open hand
 
 
 class Contact(NamedTuple):
     """One contact, made in one way.
 
-    pressure: asked [Pa] where it is full. samples: how many the solver was given. force, rms, holes, beside: over the
-    whole touched skin, and the skin 3 to 10 mm beside it (`regions.skin`). saturation: share of the transducers at
-    their limit.
+    pressure: requested where it is full [Pa]. samples: number of points that the solver was given. force, rms, holes,
+    beside: over the whole touched skin, and the skin 3 to 10 mm beside it (`regions.skin`). saturation: fraction of
+    the transducers at their limit.
     """
 
     contact: str
@@ -58,7 +58,7 @@ class Contact(NamedTuple):
 
 
 def _press(shape: SolidShape, place: Vector, top: float, depth: float) -> Scene:
-    """An open hand, and a shape pressed into it from below. top: of the shape, above its middle [m]."""
+    """Return an open hand with a shape pressed into it from below. top: height of the shape above its centre [m]."""
     x, y, z = place
     item = Volume(
         shape=shape, pose=Pose((x, y, z - top + depth)), radiation_pressure=PRESSURE, name="object"
@@ -75,11 +75,11 @@ CONTACTS: dict[str, Callable[[], Scene]] = {
         Box((0.04, 0.03, 0.01)), (FINGERTIP[0], FINGERTIP[1] - 0.015, FINGERTIP[2]), 0.005, 0.003
     ),
 }
-"""By name, in the order of the table."""
+"""Scenes by name, in the order of the table."""
 
 
 def measure_contacts(array: Array) -> Iterator[Contact]:
-    """Make each contact by the rendering loop with regions, and by free foci on the skin."""
+    """Make each contact by the rendering loop with regions, and by free-phase foci on the skin."""
     for name, make in CONTACTS.items():
         scene = make()
         for way in (OURS, *FREE):
@@ -92,7 +92,7 @@ def measure_contacts(array: Array) -> Iterator[Contact]:
 
 
 def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
-    """What the device plays in turn, (K, N); samples; saturation."""
+    """Return the frames that the device plays in turn, (K, N), the number of samples, and the saturation."""
     with Renderer(array, scene, medium=AIR, clock=ManualClock()) as renderer:
         for k in range(TICKS):
             renderer.tick(k * PERIOD)
@@ -102,7 +102,7 @@ def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
 
 
 def _focused(array: Array, scene: Scene, spacing: float) -> tuple[Gains, int, float]:
-    """Foci of free phase on the touched skin, `spacing` [m] apart."""
+    """Make free-phase foci on the touched skin, `spacing` [m] apart."""
     sampler = Sampler(BUDGET, spacing)
     sampler.prepare(array, AIR)
     samples = sampler.sample(scene)

@@ -1,4 +1,4 @@
-"""The cost of a region: a cold solve, a warm one, and B alone."""
+"""Measure the cost of a region: a cold solve, a warm one, and B alone."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 SIDES = (1, 3)  # AUTD units along each side: 249 and 2241 transducers
 GRIDS = {60: (10, 6), 120: (12, 10), 250: (25, 10)}  # samples along x and y
 SPACING = 0.003  # [m] between samples
-STRENGTH = 0.5  # of the strongest even field
-MOVE = np.array([0.0004, 0.0, 0.0])  # [m] from one warm solve to the next
-TIMES = 9  # how often each time is taken
+STRENGTH = 0.5  # fraction of the strongest even field
+MOVE = np.array([0.0004, 0.0, 0.0])  # [m] between warm solves
+TIMES = 9  # repeats of each measurement
 
 
 class Cost(NamedTuple):
     """The cost of one region, medians [ms].
 
-    saturation: share of the transducers at their limit. cold_ms: a solve with nothing kept. warm_ms: a solve after all
-    samples have moved by 0.4 mm. build_ms: B of moved samples alone; both others contain it. cold_steps, warm_steps:
-    Newton steps.
+    saturation: fraction of the transducers at their limit. cold_ms: a solve without earlier state. warm_ms: a solve
+    after all samples have moved by 0.4 mm. build_ms: B of moved samples alone, which both others include. cold_steps,
+    warm_steps: Newton steps.
     """
 
     transducers: int
@@ -61,7 +61,7 @@ def measure_one(side: int, samples: int) -> Cost:
     strongest = session.solve(q, t, regions=region, scale="max").sound_pressure
     P = STRENGTH * float(np.vdot(strongest, strongest).real) / samples
     t *= np.sqrt(P)
-    session.solve(q, t, regions=region)  # so that all is loaded
+    session.solve(q, t, regions=region)  # warms up
 
     cold = list[float]()
     for _ in range(TIMES):
@@ -93,7 +93,7 @@ def place_grid(columns: int, rows: int) -> Floats:
 
 
 def _time(work: Callable[[], object]) -> float:
-    """How long it takes [ms]."""
+    """Return the run time [ms]."""
     begin = time.perf_counter()
     work()
     return 1e3 * (time.perf_counter() - begin)

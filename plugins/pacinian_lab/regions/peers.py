@@ -1,4 +1,4 @@
-"""autd3's own solvers on the same shapes, in a process and an environment of their own."""
+"""autd3's own solvers on the same shapes, in a separate process and environment."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 PEER = "autd3"
 SOLVERS = ("gspat", "greedy")
-LIMIT = 120.0  # [s] after which a solve is given up
+LIMIT = 120.0  # [s] longest wait for a solve
 
 
 class Peers:
-    """autd3's `gspat` and `greedy`, asked for foci 8.5 and 4.25 mm apart.
+    """autd3's `gspat` and `greedy` with foci 8.5 and 4.25 mm apart.
 
-    worker: `Worker.of("autd3", ...)`; ended by `close`. side: AUTD units along each side of the array.
-    The foci lie where ours of these spacings do, and each is asked for the pressure of its place. Foci where nothing
-    is asked are left out.
+    worker: `Worker.of("autd3", ...)`; `close` ends it. side: AUTD units along each side of the array. The foci lie
+    where Pacinian's foci of these spacings do, each with the pressure of its place as target. Foci with a target of
+    zero are left out.
     """
 
     ours = f"{OURS}, autd3's field"
@@ -35,7 +35,7 @@ class Peers:
     def __init__(self, worker: Worker, side: int) -> None:
         self.worker = worker
         self.array = autd(side, side, Transducer(pressure=PRESSURE))
-        """Its model of the array: omnidirectional, 1/r, 340 m/s."""
+        """The peer's model of the array: omnidirectional, 1/r, 340 m/s."""
         self._asked = {
             f"{PEER} {solver}, {name}": (f"{PEER}-{solver}", spacing)
             for solver in SOLVERS
@@ -48,11 +48,11 @@ class Peers:
 
     @property
     def ways(self) -> tuple[str, ...]:
-        """Their names in the tables."""
+        """Names of the solvers in the tables."""
         return tuple(self._asked)
 
     def make(self, shape: Shape, way: str, pressure: float) -> Made:
-        """Ask a peer for a shape with at most `pressure` [Pa]. Raises WorkerError."""
+        """Let a peer make a shape with at most `pressure` [Pa]. Raises WorkerError."""
         solver, spacing = self._asked[way]
         samples = shape.samples(self.array, spacing)
         wanted = samples.radiation_pressure > 0.0
@@ -70,7 +70,7 @@ class Peers:
         try:
             gains = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
         except (KeyError, TypeError, ValueError) as error:
-            raise WorkerError(f"answered nonsense: {error!r}") from error
+            raise WorkerError(f"gave an invalid answer: {error!r}") from error
         if gains.shape != (len(self.array),) or not np.isfinite(gains).all():
             raise WorkerError(f"must return {len(self.array)} finite gains")
         return Made(gains, len(q))

@@ -1,4 +1,4 @@
-"""Pictures: what each shape asks for, what regions and foci make of it, and the differences. Needs Matplotlib."""
+"""Pictures of each shape: the request, the pressures of regions and of foci, and the errors. Needs Matplotlib."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from pacinian_lab.regions.run import Row
     from pacinian_lab.regions.shapes import View
 
-STRENGTH = 0.5  # of the strongest even field
+STRENGTH = 0.5  # fraction of the strongest even field
 FOCI = next(iter(FREE))
-TOP = 1.5  # times what is asked: the end of the scale of pressure
+TOP = 1.5  # end of the pressure scale, relative to the request
 DIFFERENCES = "RdBu_r"
 COLOURS = 256
-FRONT = "letter H", "disc, 30 mm"  # of the overview
+FRONT = "letter H", "disc, 30 mm"  # shapes of the overview
 OVERVIEW = "regions.png"
-WIDE = 2.0  # width over height from which panels are stacked
+WIDE = 2.0  # width over height above which panels are stacked
 
 
 def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
@@ -51,23 +51,23 @@ def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
 
 
 class Picture:
-    """The pressures of one shape in its view, made by regions and by foci of free phase 8.5 mm apart."""
+    """Pressures of one shape in its view, made by regions and by free-phase foci 8.5 mm apart."""
 
     def __init__(self, array: Array, name: str) -> None:
         shape = SHAPES[name]()
         self.name, self.view = name, shape.view
         self.pressure = STRENGTH * find_strongest(array, shape)
-        """Asked at most [Pa]."""
+        """Maximum of the request [Pa]."""
         self.asked = self.pressure * shape.view.asked
         self.made: dict[str, tuple[Row, Floats]] = {}
-        """By way: its figures, and its pressure in the view, (R, C) [Pa]."""
+        """By way: the figures, and the pressure in the view, (R, C) [Pa]."""
         for way in (OURS, FOCI):
             made = make(array, shape, way, self.pressure)
             row = judge(array, shape, made, (name, way, STRENGTH, self.pressure))
             self.made[way] = row, evaluate_pressure(array, made.gains, shape.view.points)
 
     def draw(self) -> Figure:
-        """Asked, achieved and the difference, by regions above foci; and a cut through the middle."""
+        """Draw request, result and error, with regions above foci, and a cut through the middle."""
         left, right, bottom, top = self.view.sides
         ratio = (right - left) / (top - bottom)
         stacked = ratio > WIDE
@@ -83,7 +83,7 @@ class Picture:
             asked, cut = cells[0, 0], cells[1, 0]
             both = [(cells[0, 1], cells[0, 2]), (cells[1, 1], cells[1, 2])]
         image, difference = None, None
-        self.paint(asked, self.asked, f"asked: {self.pressure:.2g} Pa")
+        self.paint(asked, self.asked, f"requested: {self.pressure:.2g} Pa")
         for (way, (row, made)), (achieved, missed) in zip(rows, both, strict=True):
             image = self.paint(achieved, made, f"{way}\n{describe(row)}")
             difference = self.paint(missed, made - self.asked, "difference", signed=True)
@@ -94,7 +94,7 @@ class Picture:
         return dress(page)
 
     def paint(self, panel: Panel, found: Floats, title: str, *, signed: bool = False) -> Any:
-        """Draw values (R, C) [Pa] of the view, with the outline of the shape; return the image."""
+        """Draw values (R, C) [Pa] of the view with the outline of the shape. Returns the image."""
         sides = tuple(1e3 * side for side in self.view.sides)
         low, high = (-self.pressure, self.pressure) if signed else (0.0, TOP * self.pressure)
         image = panel.imshow(
@@ -111,7 +111,7 @@ class Picture:
         left, right = self.view.sides[:2]
         middle = len(self.asked) // 2
         x = 1e3 * np.linspace(left, right, self.asked.shape[1])
-        panel.plot(x, self.asked[middle], color=GREY, linewidth=2.0 * LINE, label="asked")
+        panel.plot(x, self.asked[middle], color=GREY, linewidth=2.0 * LINE, label="requested")
         for (way, (_, made)), colour in zip(self.made.items(), (BLUE, RED), strict=True):
             panel.plot(x, made[middle], color=colour, linewidth=LINE, label=way)
         panel.set(
@@ -122,11 +122,11 @@ class Picture:
 
 
 def draw_overview(pictures: Sequence[Picture]) -> Figure:
-    """Asked, foci and regions side by side, a row for each shape."""
+    """Draw request, foci and regions side by side, with a row for each shape."""
     page = figure(7.0, 0.8 + 2.3 * len(pictures))
     cells = page.subplots(len(pictures), 3, squeeze=False)
     for picture, row in zip(pictures, cells, strict=True):
-        picture.paint(row[0], picture.asked, f"asked: {picture.pressure:.2g} Pa")
+        picture.paint(row[0], picture.asked, f"requested: {picture.pressure:.2g} Pa")
         image = None
         for panel, way in zip(row[1:], (FOCI, OURS), strict=True):
             found, made = picture.made[way]
@@ -138,12 +138,12 @@ def draw_overview(pictures: Sequence[Picture]) -> Figure:
 
 
 def describe(row: Row) -> str:
-    """Say a row's figures in a line."""
+    """Return the figures of a row as a line of text."""
     return f"force {row.force:.0%}, rms {row.rms:.0%}, holes {row.holes:.0%}".replace("%", " %")
 
 
 def outline(panel: Panel, view: View, colour: str) -> None:
-    """Draw the edges of what is asked."""
+    """Draw the outline of the request."""
     left, right, bottom, top = (1e3 * side for side in view.sides)
     x = np.linspace(left, right, view.asked.shape[1])
     y = np.linspace(bottom, top, view.asked.shape[0])
@@ -151,5 +151,5 @@ def outline(panel: Panel, view: View, colour: str) -> None:
 
 
 def _slug(name: str) -> str:
-    """A name for a file."""
+    """Return a name for a file."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")

@@ -1,4 +1,4 @@
-"""The run: each shape at each strength, made in each way."""
+"""Run the benchmark: each shape at each strength, made in each way."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pacinian_lab.regions.peers import Peers
     from pacinian_lab.regions.shapes import Shape
 
-STRENGTHS = (0.25, 0.5, 1.0)  # of the strongest even field
+STRENGTHS = (0.25, 0.5, 1.0)  # fractions of the strongest even field
 SPACINGS = {"8.5 mm": 0.0085, "4.25 mm": 0.00425}  # [m] between foci
 FREE = {f"foci, {name} apart": spacing for name, spacing in SPACINGS.items()}
 OURS, SWEPT = "regions", "one focus, swept"
@@ -33,10 +33,10 @@ OURS, SWEPT = "regions", "one focus, swept"
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """What a way to make a shape gives.
+    """A shape made in one way.
 
-    gains: (N,), or (F, N) for frames whose mean counts. samples: how many points the solver was given.
-    status: what our solver says of itself. cold_ms: how long one cold solve took, NaN where it is not measured.
+    gains: (N,), or (F, N) for frames whose mean counts. samples: number of points that the solver was given. status:
+    of a solution by Pacinian. cold_ms: time of one cold solve, NaN if not measured.
     """
 
     gains: Complexes
@@ -46,10 +46,10 @@ class Made:
 
 
 class Row(NamedTuple):
-    """One shape, made in one way, at one strength: a share of the strongest even field.
+    """One shape, made in one way, at one strength: a fraction of the strongest even field.
 
-    pressure: asked [Pa], where the shape asks for most. samples, status, cold_ms: as in `Made`. force, rms,
-    scaled_rms, holes, beside: as in `Score`. saturation: share of the transducers at their limit.
+    pressure: maximum of the request [Pa]. samples, status, cold_ms: as in `Made`. force, rms, scaled_rms, holes,
+    beside: as in `Score`. saturation: fraction of the transducers at their limit.
     """
 
     shape: str
@@ -76,7 +76,7 @@ def measure(
 ) -> Iterator[Row]:
     """Make a shape at each strength: by regions, by other `solvers` on the same samples, by foci, by peers.
 
-    peers: asked on, and judged by, their own model of the field. Raises WorkerError where they fail.
+    peers: use, and are evaluated with, their own model of the field. Raises WorkerError if they fail.
     """
     shape = SHAPES[name]()
     strongest = find_strongest(array, shape)
@@ -96,7 +96,7 @@ def measure(
 def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
     """Make a shape with at most `pressure` [Pa]: by regions, by free foci, by a swept focus, or by a solver's name.
 
-    A solver's name stands for that solver on the samples and regions of `OURS`.
+    The name of a solver means this solver on the samples and regions of `OURS`.
     """
     if way == SWEPT:
         gains = sweep(array, shape, pressure)
@@ -106,7 +106,7 @@ def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
     regions = None if spacing else samples.regions
     t, q = sound_pressure(pressure * samples.radiation_pressure, AIR), samples.positions
     session = Session(array, AIR, "auto" if spacing or way == OURS else way)
-    session.solve(q, t, regions=regions)  # so that all is loaded
+    session.solve(q, t, regions=regions)  # warms up
     session.forget()
     begin = time.perf_counter()
     solution = session.solve(q, t, regions=regions)
@@ -116,7 +116,7 @@ def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
 
 
 def judge(array: Array, shape: Shape, made: Made, place: tuple[str, str, float, float]) -> Row:
-    """Measure what was made. place: shape, way, strength, pressure [Pa], as in `Row`."""
+    """Evaluate a made shape. place: shape, way, strength, pressure [Pa], as in `Row`."""
     pressure = place[-1]
     inside, beside = (
         evaluate_pressure(array, made.gains, where) for where in (shape.places, shape.beside)
@@ -127,7 +127,7 @@ def judge(array: Array, shape: Shape, made: Made, place: tuple[str, str, float, 
 
 
 def find_strongest(array: Array, shape: Shape) -> float:
-    """Find the highest pressure [Pa] that the array can make evenly of a shape."""
+    """Return the highest pressure [Pa] that the array can make evenly over a shape."""
     samples = shape.samples(array)
     t = sound_pressure(samples.radiation_pressure, AIR)
     session = Session(array, AIR)
@@ -137,7 +137,7 @@ def find_strongest(array: Array, shape: Shape) -> float:
 
 
 def sweep(array: Array, shape: Shape, pressure: float) -> Complexes:
-    """Put one focus on each sample in turn, (F, N): with the force asked, or at full drive."""
+    """Put one focus on each sample in turn, (F, N), with the requested force, or at full drive if that is less."""
     samples = shape.samples(array, SPACINGS["4.25 mm"])
     B = matrix(array, samples.positions, AIR)
     share = samples.radiation_pressure / samples.radiation_pressure.max()

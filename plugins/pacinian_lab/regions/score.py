@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Complexes, Floats
 
-HOLE = 0.5  # of what was asked: less is a hole
+HOLE = 0.5  # fraction of the request below which a place is a hole
 
 
 class Score(NamedTuple):
-    """How near a pressure is to what was asked, over all places of a shape.
+    """How close a pressure is to the request, over all places of a shape.
 
-    force: sum made over sum asked. rms: root mean square of the difference, over that of what was asked.
-    scaled_rms: the least rms that any common factor on the pressure leaves, whether or not the array could make it.
-    holes: share of the places where pressure is asked that get less than half of it. beside: highest pressure beside
-    the shape, over the mean asked; NaN where it is not measured.
+    force: sum of the result over sum of the request. rms: root mean square of the difference, over that of the
+    request. scaled_rms: smallest rms after scaling the pressure by a common factor, whether or not the array could
+    emit it. holes: fraction of the places with a request that get less than half of it. beside: highest pressure
+    beside the shape, over the mean request; NaN if not measured.
     """
 
     force: float
@@ -35,7 +35,7 @@ class Score(NamedTuple):
 
 
 def score(made: Floats, asked: Floats, beside: Floats) -> Score:
-    """Compare pressures made, (K,), with those asked, (K,), and with those beside the shape, (J,) [Pa]."""
+    """Compare pressures made, (K,), with those requested, (K,), and with those beside the shape, (J,) [Pa]."""
     power = float(made @ made) * float(asked @ asked)
     alike = float(made @ asked) ** 2 / power if power else 0.0
     wanted = asked > 0.0
@@ -49,7 +49,7 @@ def score(made: Floats, asked: Floats, beside: Floats) -> Score:
 
 
 def evaluate_pressure(array: Array, gains: Complexes, places: Floats) -> Floats:
-    """Compute radiation pressure at places (..., 3) [m], (...) [Pa].
+    """Compute the radiation pressure at places (..., 3) [m]; returns (...) [Pa].
 
     gains: (N,), or (F, N) for the mean over F frames.
     """

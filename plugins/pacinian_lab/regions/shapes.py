@@ -1,4 +1,4 @@
-"""The shapes of the benchmark: what each asks for, where it is measured, and how it is drawn."""
+"""The shapes of the benchmark: the request, the places of measurement, and the picture of each."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 HEIGHT = 0.2  # [m] above the array
 STEP = 0.001  # [m] between the places where pressure is measured
 FINE = 0.00025  # [m] between the points of a picture
-SIDE = 0.05  # [m] of the square around a flat shape in which both lie
-NEAR, FAR = 0.003, 0.010  # [m] beside a shape: where `beside` is measured
-BALL_PLACES = 4000  # random places on a ball, or in it
-MAX_SAMPLES = 100_000  # more than any shape has: no budget
+SIDE = 0.05  # [m] of the square around a flat shape, which contains the shape and `beside`
+NEAR, FAR = 0.003, 0.010  # [m] distances from a shape between which `beside` is measured
+BALL_PLACES = 4000  # random places on or in a ball
+MAX_SAMPLES = 100_000  # more than any shape has, so in effect no budget
 
 
 @dataclass(frozen=True, eq=False)
 class View:
     """A surface through a shape, unrolled into a picture.
 
-    points: (R, C, 3) [m]. asked: the share of the shape's pressure that is asked there, (R, C). sides: left, right,
-    bottom and top of the picture [m]. labels: of its two axes. title: which surface it is.
+    points: (R, C, 3) [m]. asked: fraction of the shape's pressure that is requested there, (R, C). sides: left,
+    right, bottom and top of the picture [m]. labels: of its two axes. title: names the surface.
     """
 
     points: Floats
@@ -58,8 +58,8 @@ class View:
 class Shape:
     """Objects, and the places where their pressure is measured.
 
-    items: objects of at most 1 Pa. places: (K, 3) [m], asked: the pressure asked there, (K,) [Pa].
-    beside: places 3 to 10 mm beside a flat shape, in its plane, (J, 3) [m]; none for others. view: its picture.
+    items: objects of at most 1 Pa. places: (K, 3) [m], asked: the pressure requested there, (K,) [Pa]. beside: places
+    3 to 10 mm beside a flat shape, in its plane, (J, 3) [m]; empty for others. view: its picture.
     """
 
     items: tuple[Object, ...]
@@ -80,12 +80,12 @@ def _ones(x: Floats, y: Floats) -> Floats:
 
 
 def _turn(degrees: float) -> Pose:
-    """Tilt about x, 0.2 m above the array."""
+    """Return a pose tilted about x, 0.2 m above the array."""
     return Pose.turned("x", degrees, (0.0, 0.0, HEIGHT))
 
 
 def _lattice(inside: Inside) -> tuple[Floats, Floats]:
-    """Places in a flat shape of the xy-plane, off every lattice of samples, and beside it: (K, 3), (J, 3) [m]."""
+    """Return places in a flat shape of the xy-plane, off the samplers' lattices, and beside it: (K, 3), (J, 3) [m]."""
     from scipy.spatial import KDTree
 
     side = np.arange(-SIDE / 2.0, SIDE / 2.0, STEP) + 0.37 * STEP
@@ -96,7 +96,7 @@ def _lattice(inside: Inside) -> tuple[Floats, Floats]:
 
 
 def _view(inside: Inside, factor: Factor, pose: Pose, lift: Factor | None = None) -> View:
-    """The plane of a flat shape, or the surface z = lift(x, y) of its frame."""
+    """Return a view of the plane of a flat shape, or of the surface z = lift(x, y) of its frame."""
     side = np.arange(-SIDE / 2.0, SIDE / 2.0, FINE) + FINE / 2.0
     X, Y = np.meshgrid(side, side)
     Z = 0.0 * X if lift is None else lift(X, Y)
@@ -145,7 +145,7 @@ def _make_rectangle(
 
 
 def _make_grating(period: float) -> Shape:
-    """Stripes on a square of 40 mm: the half of each period that ends at a multiple of it is pressed."""
+    """Stripes on a square of 40 mm. The upper half of each period is pressed."""
     return _make_rectangle(
         0.04,
         0.04,
@@ -155,7 +155,7 @@ def _make_grating(period: float) -> Shape:
 
 
 def _make_ramp(width: float, height: float) -> Shape:
-    """A rectangle whose pressure rises linearly along x, from nothing to all of it."""
+    """A rectangle whose pressure rises linearly along x, from zero to full."""
     texture = Texture(values=((0.0, 1.0),), size=(2.0 * width, height), repeat=False)
     return _make_rectangle(
         width, height, texture=texture, factor=lambda x, y: 0.5 + x / width + 0.0 * y
@@ -163,7 +163,7 @@ def _make_ramp(width: float, height: float) -> Shape:
 
 
 def _triangulate(inside: Inside) -> Mesh:
-    """Make triangles of a flat shape, of squares of 1 mm."""
+    """Return a mesh of a flat shape, made of squares of 1 mm."""
     n = round(SIDE / STEP)
     x = STEP * (np.arange(n + 1) - n / 2.0)
     X, Y = np.meshgrid((x[1:] + x[:-1]) / 2.0, (x[1:] + x[:-1]) / 2.0)
@@ -228,7 +228,7 @@ def _make_bowl() -> Shape:
 
 
 def _make_ball(radius: float, felt: Literal["shell", "interior"]) -> Shape:
-    """The shell of a ball, or all of it."""
+    """The shell of a ball, or the whole ball."""
     rng = np.random.default_rng(0)
     places = rng.normal(size=(BALL_PLACES, 3))
     places /= np.sqrt((places**2).sum(axis=1, keepdims=True))
@@ -243,7 +243,7 @@ def _make_ball(radius: float, felt: Literal["shell", "interior"]) -> Shape:
 
 
 def _unroll(radius: float) -> View:
-    """A sphere as a cylinder: equal areas stay equal. To the right along the equator, upwards z."""
+    """Project a sphere onto a cylinder, which keeps areas equal. Right is along the equator, up is z."""
     half = math.pi * radius
     u = np.arange(-half, half, FINE) + FINE / 2.0
     v = np.arange(-radius, radius, FINE) + FINE / 2.0
@@ -255,7 +255,7 @@ def _unroll(radius: float) -> View:
 
 
 def _cut(radius: float) -> View:
-    """The upright plane through a ball's centre."""
+    """Return the vertical plane through a ball's centre."""
     side = np.arange(-2.0 * radius, 2.0 * radius, FINE) + FINE / 2.0
     X, Z = np.meshgrid(side, side)
     points = np.stack([X, 0.0 * X, HEIGHT + Z], axis=-1)
@@ -285,4 +285,4 @@ SHAPES: dict[str, Callable[[], Shape]] = {
     "shell of a ball, radius 12 mm": lambda: _make_ball(0.012, "shell"),
     "solid ball, radius 8 mm": lambda: _make_ball(0.008, "interior"),
 }
-"""By name, in the order of the tables."""
+"""Shapes by name, in the order of the tables."""

@@ -1,4 +1,4 @@
-"""What is felt on a hand, over all the skin that is touched, at points that no sampler has."""
+"""Evaluate what a hand feels over all touched skin, at points that are not the sampler's."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats, Gains
 
-SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the skin that is looked at
-BUDGET = 1_000_000  # samples: more than a hand has points
-NEAR, FAR = 3e-3, 10e-3  # [m]: skin so far from what is touched is beside it
+SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the evaluated skin
+BUDGET = 1_000_000  # samples; more than a hand has points
+NEAR, FAR = 3e-3, 10e-3  # [m] distances from touched skin between which skin is beside it
 
 
 def felt_on_skin(
     array: Array, medium: Air, scene: Scene, t: float, gains: Gains
 ) -> FeltRegion | None:
-    """What is felt of a scene at time t [s], against what its materials ask; None where no hand is in a region.
+    """Compare what a hand feels at time t [s] with the request of the materials. Returns None without contact.
 
-    Over the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the sampler.
-    gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3 to 10 mm
-    beside what is touched.
+    The figures cover the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the
+    sampler. gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3
+    to 10 mm beside the touched skin.
     """
     sampler = Sampler(BUDGET, FINEST, perception=False)
     sampler.skin = _fine()
@@ -62,7 +62,7 @@ def felt_on_skin(
 
 
 def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> float:
-    """The highest pressure on skin that nothing touches, near what is touched [Pa]."""
+    """Return the highest pressure on untouched skin near touched skin [Pa]."""
     most, skin, tree = 0.0, _fine(), KDTree(touched)
     for hand in scene.hands:
         if hand.lost or hand.joints is None:
@@ -79,7 +79,7 @@ def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> fl
 
 
 def _pressed(session: Session, gains: Gains) -> Floats:
-    """Radiation pressure where the session's propagator is, (M,) [Pa]: the mean over several gains."""
+    """Return the radiation pressure at the session's points, (M,) [Pa], as the mean over several gains."""
     made = [session.propagator.apply(g) for g in np.atleast_2d(gains)]
     return np.asarray(np.mean([radiation_pressure(p, session.medium) for p in made], axis=0))
 

@@ -1,4 +1,4 @@
-"""The tables for a terminal, 80 columns wide."""
+"""Results of the regions benchmark, as tables for a terminal, 80 columns wide."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def tabulate(rows: Iterable[Row]) -> Iterator[Table]:
-    """Make a table of each shape and strength; percentages are of what was asked."""
+    """Yield a table for each shape and strength. Percentages are of the request."""
     head = [
         "[%]", "points", "force", "rms", "scaled\nrms", "holes", "beside", "at\nlimit", "status",
     ]  # fmt: skip
@@ -40,7 +40,7 @@ def tabulate(rows: Iterable[Row]) -> Iterator[Table]:
 
 
 def tabulate_cost(costs: Iterable[Cost]) -> Table:
-    """Make the table of costs."""
+    """Return the table of costs."""
     head = [
         "transducers", "samples", "cold\n[ms]", "warm\n[ms]", "B alone\n[ms]", "steps\ncold",
         "steps\nwarm", "at limit\n[%]",
@@ -57,7 +57,7 @@ def tabulate_cost(costs: Iterable[Cost]) -> Table:
 
 
 def tabulate_contacts(contacts: Iterable[Contact]) -> Iterator[Table]:
-    """Make a table of each contact; percentages are of what was asked."""
+    """Yield a table for each contact. Percentages are of the request."""
     head = ["[%]", "points", "force", "rms", "holes", "beside", "at\nlimit"]
     for name, group in groupby(contacts, lambda contact: contact.contact):
         lines = [

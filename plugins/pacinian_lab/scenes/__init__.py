@@ -1,1 +1,1 @@
-"""The built-in scenes: time per tick, saved work, audible noise."""
+"""Benchmarks of the built-in scenes: time per tick, saved work, audible noise."""

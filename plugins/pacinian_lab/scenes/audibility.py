@@ -1,4 +1,4 @@
-"""What can be heard of moving scenes with smooth output and without."""
+"""Measure the audible noise of moving scenes, with and without smooth output."""
 
 from __future__ import annotations
 
@@ -24,20 +24,21 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats, Gains
 
-TICKS, WARM = 600, 100  # at 1 kHz; the first are not listened to
-ROWS = 2  # frames a tick
+TICKS, WARM = 600, 100  # ticks at 1 kHz; the first WARM are not evaluated
+ROWS = 2  # frames per tick
 FOCUS = np.array([[0.0, 0.0, gallery.HEIGHT]])  # [m]
 AROUND = np.arange(12) * math.tau / 12
 EARS = np.stack([0.36 * np.cos(AROUND), 0.36 * np.sin(AROUND), np.full(12, 0.35)], axis=1)
-"""All round, half a metre away [m], (12, 3): at any one of them sound may be extinguished."""
+"""A ring of positions, half a metre away [m], (12, 3): at a single position, sound may cancel."""
 STILL = Point(position=(0.0, 0.0, gallery.HEIGHT), radiation_pressure=20.0, name="still")
 
 
 @dataclass(frozen=True)
 class Sound:
-    """Audible energy over mean square of |p|^2 [dB(A)], at the place of a focus that stays and at ears all round.
+    """Audible energy over mean square of |p|^2 [dB(A)], at a focus that stays and at ears all round.
 
-    Each without smooth output, with the phase aligned only, and with all of it: limits and ramps too.
+    Each is given without smooth output, with only the phase aligned, and with full smoothing, which adds limits and
+    ramps.
     """
 
     what: str
@@ -46,29 +47,29 @@ class Sound:
 
 
 def circling(t: float) -> Scene:
-    """A focus that stays, and one that goes round 2 cm away at 0.2 m/s."""
+    """A focus that stays, and one that circles 2 cm away at 0.2 m/s."""
     turn = 10.0 * t  # [rad]
     at = 0.02 * math.cos(turn) + 0.03, 0.02 * math.sin(turn), gallery.HEIGHT
     return Scene((STILL, Point(position=at, radiation_pressure=20.0, name="moves")))
 
 
 def blinking(t: float) -> Scene:
-    """A focus that stays, and one that is there half of the time, ten times a second."""
+    """A focus that stays, and one that blinks ten times per second."""
     other = Point(position=(0.03, 0.0, gallery.HEIGHT), radiation_pressure=20.0, name="blinks")
     return Scene((STILL, other) if t * 10.0 % 1.0 < 0.5 else (STILL,))
 
 
 def hopping(t: float) -> Scene:
-    """A focus that stays, and one that hops to another of five places twenty times a second."""
+    """A focus that stays, and one that hops among five places twenty times per second."""
     x = (-0.04, 0.03, -0.02, 0.04, 0.02)[int(t * 20.0) % 5]
     other = Point(position=(x, 0.02, gallery.HEIGHT), radiation_pressure=20.0, name="hops")
     return Scene((STILL, other))
 
 
 CASES = {
-    "one focus stays, one moves": circling,
-    "one stays, one comes and goes": blinking,
-    "one stays, one hops": hopping,
+    "one focus stays, one circles": circling,
+    "one focus stays, one blinks": blinking,
+    "one focus stays, one hops": hopping,
 }
 WAYS = (
     (0.0, Smoothing(rate=None, align=False)),
@@ -78,7 +79,7 @@ WAYS = (
 
 
 def measure(array: Array) -> list[Sound]:
-    """All cases."""
+    """Measure all cases."""
     made: list[Sound] = []
     for what, scene in CASES.items():
         found = np.array([_heard(array, scene, ramp, smoothing) for ramp, smoothing in WAYS])

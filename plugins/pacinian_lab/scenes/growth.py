@@ -1,4 +1,4 @@
-"""How a tick's time grows with the number of objects, of which three are in the hand's reach."""
+"""Measure the growth of a tick's time with the number of objects, of which three are in the hand's reach."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
 
 COUNTS = (1, 10, 100, 1000, 10_000)
-STEP = 0.001  # [m] by which one moves to and fro
+STEP = 0.001  # [m] amplitude of the replaced object's motion
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Median tick times [ms]: where only the hand moves, and where an object is replaced in each tick too.
+    """Median tick times [ms]: when only the hand moves, and when each tick also replaces an object.
 
-    near: objects that the broad phase lets through.
+    near: objects that pass the broad phase.
     """
 
     objects: int
@@ -35,19 +35,19 @@ class Growth:
     replaced_ms: float
 
     def linear(self, first: Growth) -> float:
-        """How much of linear growth from `first` there is: 1 for all."""
+        """Return the growth from `first` relative to linear growth: 1 for fully linear."""
         return (self.still_ms / first.still_ms) / (self.objects / first.objects)
 
 
 class Game:
-    """Puts another ball in the place of the last in every tick."""
+    """A scene in which every tick replaces the last ball."""
 
     def __init__(self, objects: int) -> None:
         self._scene = gallery.balls(objects)
         self._last = self._scene.objects[-1]
 
     def __call__(self, t: float) -> Scene:
-        """The scene at time t [s]."""
+        """Return the scene at time t [s]."""
         x, y, z = self._last.pose.position
         at = Pose((x + STEP * math.sin(20.0 * math.pi * t), y, z))
         self._scene = self._scene.put(replace(self._last, pose=at))
@@ -55,7 +55,7 @@ class Game:
 
 
 def measure(array: Array, ticks: int, counts: Sequence[int] = COUNTS) -> list[Growth]:
-    """So many ticks of each, in turn."""
+    """Measure `ticks` ticks of each count, in turn."""
     still = [Side(array, _held(gallery.balls(count))) for count in counts]
     games = [Side(array, Game(count)) for count in counts]
     take_turns([*still, *games], ticks)

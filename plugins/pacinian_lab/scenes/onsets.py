@@ -1,6 +1,6 @@
-"""What can be heard of what comes, goes, hops and vibrates, and its largest step.
+"""Measure the audible noise and the largest step of objects that appear, vanish, hop and vibrate.
 
-Run: `python -m pacinian_lab.scenes.onsets [--rows 1 --rows 40]`. Gains are taken before they are rounded to a
+Run: `python -m pacinian_lab.scenes.onsets [--rows 1 --rows 40]`. Gains are taken before they are quantised to a
 device's levels.
 """
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from pacinian.scene.modulation.envelope import Envelope
     from pacinian.types import Gains
 
-TICKS, EVENT = 400, 0.2  # at 1 kHz; [s] when it happens, in the middle
-QUIET = 0.025  # [s] between two owners
+TICKS, EVENT = 400, 0.2  # ticks at 1 kHz; time of the event [s], in the middle
+QUIET = 0.025  # [s] of silence between two owners
 HERE, THERE = (0.0, 0.0, gallery.HEIGHT), (0.03, 0.0, gallery.HEIGHT)  # [m]
 FIVE_PLACES = tuple((0.02 * k - 0.04, 0.01 * (k % 2), gallery.HEIGHT) for k in range(5))
 STRONG, WEAK = 20.0, 0.05  # [Pa]
@@ -41,10 +41,10 @@ EMPTY = Scene()
 
 @dataclass(frozen=True)
 class Coming:
-    """Each the worst of some places.
+    """Worst values over some places.
 
-    level: audible energy of |p|^2 over its mean square [dB(A)]. step: largest change of |p| from row to row, over the
-    highest |p|.
+    level: audible energy of |p|^2 over its mean square [dB(A)]. step: largest change of |p| from row to row, relative
+    to the highest |p|.
     """
 
     what: str
@@ -56,7 +56,7 @@ def point(
     position: tuple[float, float, float] = HERE, pressure: float = STRONG, name: str = "one",
     envelope: Envelope = STEADY,
 ) -> Point:  # fmt: skip
-    """A point with a name."""
+    """Return a point with a name."""
     return Point(position=position, radiation_pressure=pressure, name=name, envelope=envelope)
 
 
@@ -68,33 +68,33 @@ BESIDE = Scene((STAYS, point(envelope=Square(200.0))))
 
 
 def after(before: Scene, then: Scene) -> Callable[[float], Scene]:
-    """One scene until the event, and another from then on."""
+    """Return a scene that is `before` until the event, and `then` afterwards."""
     return lambda t: before if t < EVENT else then
 
 
 def owners(t: float) -> Scene:
-    """One owner's scene, silence, and another's."""
+    """One owner's scene, silence, then another owner's scene."""
     return ONE if t < EVENT else EMPTY if t < EVENT + QUIET else OTHER
 
 
 def squares(frequency: float) -> Callable[[float], Scene]:
-    """A point that vibrates in squares."""
+    """Return a scene with a point that vibrates with a square wave."""
     scene = Scene((point(envelope=Square(frequency)),))
     return lambda t: scene
 
 
 CASES: dict[str, Callable[[float], Scene]] = {
-    "a point comes": after(EMPTY, ONE),
-    "a point goes": after(ONE, EMPTY),
-    "a weak point comes": after(EMPTY, FAINT),
-    "a weak point goes": after(FAINT, EMPTY),
+    "a point appears": after(EMPTY, ONE),
+    "a point vanishes": after(ONE, EMPTY),
+    "a weak point appears": after(EMPTY, FAINT),
+    "a weak point vanishes": after(FAINT, EMPTY),
     "five points, armed": after(EMPTY, FIVE_POINTS),
     "five points, disarmed": after(FIVE_POINTS, EMPTY),
     "another owner": owners,
     "a point hops 30 mm": after(ONE, Scene((point(THERE),))),
-    "a point comes beside another": after(Scene((STAYS,)), Scene((STAYS, point()))),
-    "a point comes to half its pressure": after(ONE, Scene((point(pressure=STRONG / 2.0),))),
-    "an envelope, 1 to 0.3": after(ONE, Scene((point(envelope=Constant(0.3)),))),
+    "a point appears beside another": after(Scene((STAYS,)), Scene((STAYS, point()))),
+    "a point drops to half its pressure": after(ONE, Scene((point(pressure=STRONG / 2.0),))),
+    "an envelope drops from 1 to 0.3": after(ONE, Scene((point(envelope=Constant(0.3)),))),
     "square, 100 Hz": squares(100.0),
     "square, 200 Hz": squares(200.0),
     "square, 200 Hz, beside a steady point": lambda t: BESIDE,
@@ -102,7 +102,7 @@ CASES: dict[str, Callable[[float], Scene]] = {
 
 
 def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
-    """All cases, with so many rows a tick."""
+    """Measure all cases, with `rows` rows per tick."""
     return [
         evaluate(what, collect_gains(array, scene, rows, ticks), rows, array)
         for what, scene in CASES.items()
@@ -110,7 +110,7 @@ def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
 
 
 def evaluate(what: str, made: Gains, rows: int, array: Array) -> Coming:
-    """Of rows of gains, (R, N)."""
+    """Evaluate rows of gains, (R, N)."""
     places = np.array([HERE, THERE, *FIVE_PLACES])
     e, rate = compute_envelope(made, 1000.0 * rows, array, places)
     p = np.abs(made @ matrix(array, places).T)
@@ -125,7 +125,7 @@ def evaluate(what: str, made: Gains, rows: int, array: Array) -> Coming:
 def collect_gains(
     array: Array, scene: Callable[[float], Scene], rows: int, ticks: int = TICKS
 ) -> Gains:
-    """Rows of gains, (ticks * rows, N)."""
+    """Return the rows of gains, (ticks * rows, N)."""
     clock, device = ManualClock(), backend("simulated", rate=1000.0 * rows, keep=1)
     renderer = Renderer(array, scene, backend=device, clock=clock, governed=False)
     made: list[Gains] = []
@@ -140,7 +140,7 @@ def collect_gains(
         for k in range(ticks):
             count = len(made)
             renderer.tick(k * renderer.period)
-            if len(made) == count:  # the last frame again
+            if len(made) == count:  # the tick repeated the last frame
                 made.append(np.repeat(made[-1][-1:], rows, axis=0))
     for fault in renderer.report.faults:
         raise fault.cause
@@ -148,10 +148,10 @@ def collect_gains(
 
 
 @click.command()
-@click.option("--rows", multiple=True, type=int, default=(1, 2, 4), help="Rows a tick.")
-@click.option("--units", default=1, help="Units of the array, to either side.")
+@click.option("--rows", multiple=True, type=int, default=(1, 2, 4), help="Rows per tick.")
+@click.option("--units", default=1, help="Side of the array, in units.")
 def main(rows: tuple[int, ...], units: int) -> None:
-    """Print a table."""
+    """Print a Markdown table."""
     array = autd(units, units)
     found = [measure(array, count) for count in rows]
     click.echo("| | " + " | ".join(f"{1000 * count} Hz: dB(A), step" for count in rows) + " |")

@@ -1,4 +1,4 @@
-"""A picture of each built-in scene, at one moment. Needs Matplotlib."""
+"""Draw a picture of each built-in scene, at one moment. Needs Matplotlib."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
 
-TICKS, TURN = 120, 10  # ticks of 1 ms, and how many of the last are averaged where a focus runs
+TICKS, TURN = 120, 10  # ticks of 1 ms; last ticks to average if a focus runs along a path
 COLOURS = 256
 
 
@@ -33,7 +33,7 @@ def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
 
 
 def picture(array: Array, name: str) -> Figure:
-    """A built-in scene, what is felt of it, and the field. Raises what went wrong in a tick."""
+    """Return a picture of a built-in scene, its samples and its field. Raises the error of a failed tick."""
     at, clock = SCENES[name], ManualClock()
     emitted, sounding, felt, t = [], [], [no_samples()], 0.0
     with Renderer(array, at, governed=False, clock=clock) as renderer:

@@ -1,4 +1,4 @@
-"""What the scenes' benchmark found: which targets are met, and all of it as one object for JSON."""
+"""Results of the scenes benchmark: the verdicts, and everything as one object for JSON."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian_lab.scenes.run import Row
     from pacinian_lab.scenes.savings import Saving
 
-FAR_BELOW = 0.01  # of linear growth
+FAR_BELOW = 0.01  # maximum fraction of linear growth
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Verdict:
 def verdicts(
     rows: Sequence[Row], savings: Sequence[Saving] = (), growth: Sequence[Growth] = ()
 ) -> list[Verdict]:
-    """All targets for which something was measured."""
+    """Return the verdicts on all targets with measurements."""
     made: list[Verdict] = []
     if rows:
         slow = [row for row in rows if row.p99_ms >= 1e3 / RATE]
@@ -47,7 +47,7 @@ def verdicts(
         )
         made.append(
             _verdict(
-                f"every scene: late ticks at most {100 * LATE:g} points above a dummy loop's",
+                f"every scene: late ticks at most {100 * LATE:g} percentage points above a dummy loop's",
                 [f"{row.scene} {row.late:.1%}, dummy {row.dummy_late:.1%}" for row in late],
                 f"at most {max(row.late for row in rows):.1%}",
             )
@@ -74,7 +74,7 @@ def plain(
     sounds: Sequence[Sound] = (),
     **said: Any,
 ) -> dict[str, Any]:
-    """Everything, in the units that the names tell, else in SI units."""
+    """Return all results, in the units that the names give, or else in SI units."""
     return {
         **said,
         "made": datetime.now(UTC).isoformat(timespec="seconds"),

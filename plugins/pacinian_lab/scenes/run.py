@@ -1,4 +1,4 @@
-"""The built-in scenes: time per tick by stage, late ticks beside a dummy loop's, error against the ideal."""
+"""Run the built-in scenes: time per tick by stage, late ticks compared with a dummy loop's, error of the pressures."""
 
 from __future__ import annotations
 
@@ -32,24 +32,24 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.types import Gains
 
-RATE = 1000.0  # [Hz] of the device, and of the ticks if they can be held
-SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames that a tick lasts, tried in turn
-LATE = 0.005  # a share of late ticks above the dummy loop's that still counts as held
-SPARE = 2.0  # [s] for which there are updates beyond both loops' time
-LOOKS = 20  # ticks of a run that are looked at for errors
-ENOUGH = 100_000  # samples: no budget
+RATE = 1000.0  # [Hz] of the device, and of the ticks if the loop can hold it
+SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
+LATE = 0.005  # the rate counts as held up to this share of late ticks above the dummy loop's
+SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
+LOOKS = 20  # ticks per run whose errors are evaluated
+ENOUGH = 100_000  # samples; in effect, no budget
 
 
 @dataclass(frozen=True)
 class Row:
-    """How a scene did.
+    """Results of a scene.
 
-    p50_ms, p99_ms: of the ticks at 1 kHz. late: share of ticks that ended after the next one's due time;
-    dummy_late: of a dummy loop's in the same run. rate: the highest held [Hz], 0 for none: p99 within a tick,
-    and at most half a percentage point more late ticks than the dummy loop. samples: median. stages: mean
-    time in a tick [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples,
-    median. felt: force, rms, holes and spill over all skin that regions touch, medians of those looks where they do;
-    None if they never do. left_out: share of the force that the scene asks for of which nothing was asked of the array.
+    p50_ms, p99_ms: of the ticks at 1 kHz. late: fraction of ticks that ended after the next tick was due; dummy_late:
+    of a dummy loop in the same run. rate: highest rate held [Hz], 0 for none: p99 within a tick, and at most half a
+    percentage point more late ticks than the dummy loop. samples: median. stages: mean time per tick [ms].
+    error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
+    rms, holes and spill over all skin that regions touch, medians of the looks with contact; None if there are none.
+    left_out: fraction of the scene's force that was not requested from the array.
     """
 
     scene: str
@@ -67,9 +67,9 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What was asked and given at a tick, at time t [s] of the scene.
+    """Input and output of a tick, at time t [s] of the scene.
 
-    sounding: the gains of the frames that the device plays in turn, (K, N): their mean counts.
+    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts.
     """
 
     t: float
@@ -80,15 +80,15 @@ class Look:
 
     @property
     def asked(self) -> float:
-        """What all objects together press with on all skin that they touch, by their materials [N]."""
+        """Force of all objects together on all skin that they touch, by their materials [N]."""
         return Sampler(ENOUGH, perception=False).sample(self.scene, self.t).force
 
     def sounded(self, medium: Air) -> float:
-        """What of that was asked of the array [N]."""
+        """Return the part of that force that was requested from the array [N]."""
         return float(radiation_pressure(self.targets.amplitudes, medium) @ self.samples.area)
 
     def error(self, array: Array, medium: Air) -> float:
-        """Relative error of the emitted sound pressures at the samples, in double precision."""
+        """Return the relative error of the emitted sound pressures at the samples, in double precision."""
         q = self.samples.positions
         B = matrix(array, q, medium)
         if self.samples.capsules is not None:
@@ -99,11 +99,10 @@ class Look:
 
 
 class Run:
-    """A scene on a renderer beside a dummy loop, for `seconds` [s], with looks at some of the ticks.
+    """A scene on a renderer, alternating with a dummy loop, for `seconds` [s]. Looks at some of the ticks.
 
-    Its updates are made ahead, as a tracker's or a game's thread would: making them is no part of a tick, but where the
-    loop is later than SPARE.
-    rate: of the ticks [Hz].
+    Updates are made in advance, as a tracker's or a game's thread would do, so that a tick does not include them
+    unless the loop is late by more than SPARE. rate: of the ticks [Hz].
     """
 
     def __init__(
@@ -121,7 +120,7 @@ class Run:
         self._now = 0.0, self._scene(0)
         device = registry.backend("simulated", rate=RATE)
         self.renderer = Renderer(array, self._at, backend=device, rate=rate)
-        self._gap = max(1, round(seconds * rate / LOOKS))  # ticks from look to look
+        self._gap = max(1, round(seconds * rate / LOOKS))  # ticks between looks
         with self.renderer as renderer:
             self.dummy = alternate(renderer, seconds, self._look)
             self.report = renderer.report
@@ -135,7 +134,7 @@ class Run:
         return self._now[1]
 
     def _look(self, report: Report) -> None:
-        """Keep what is to be evaluated later, when it holds nothing up."""
+        """Keep the data of a tick for evaluation after the run."""
         samples, targets = self.renderer.samples, self.renderer.targets
         if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
             return
@@ -143,12 +142,12 @@ class Run:
 
     @property
     def held(self) -> bool:
-        """Whether the rate was held."""
+        """Whether the loop held the rate."""
         in_time = self.report.tick_ms(99) < 1e3 * self.renderer.period
         return in_time and self.report.late_share <= self.dummy.late_share + LATE
 
     def row(self, name: str) -> Row:
-        """What it found."""
+        """Return the results."""
         report, session = self.report, self.renderer.session
         array, medium = session.array, session.medium
         asked = sum(look.asked for look in self.looks)
@@ -168,7 +167,7 @@ class Run:
         )
 
     def _felt(self, array: Array, medium: Air) -> dict[str, float] | None:
-        """Medians of what was felt on skin, over the looks where any was asked for."""
+        """Return the medians of what the skin felt, over the looks with contact."""
         every = [
             felt_on_skin(array, medium, look.scene, look.t, look.sounding) for look in self.looks
         ]
@@ -179,9 +178,9 @@ class Run:
 
 
 def measure(array: Array, name: str, seconds: float) -> Row:
-    """A built-in scene for `seconds` [s] at 1 kHz; at lower rates too until one is held.
+    """Run a built-in scene for `seconds` [s] at 1 kHz, then at lower rates until the loop holds one.
 
-    Raises KeyboardInterrupt, and what went wrong in a tick.
+    Raises KeyboardInterrupt, and the error of a failed tick.
     """
     row = Run(array, SCENES[name], seconds).row(name)
     for frames in SLOWER[1:]:

@@ -1,4 +1,4 @@
-"""What a tick saves by not doing again, or at all, what it need not: on against off, tick by tick in turn."""
+"""Measure what a tick saves by skipping work: with and without the skip, tick by tick in turn."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
 
 At = Callable[[float], Scene]
-"""From time [s] to a scene."""
+"""A function from time [s] to a scene."""
 
 PERIOD = 0.001  # [s]
-BEFORE = 20  # ticks that are not measured
+BEFORE = 20  # warm-up ticks, which are not measured
 
 
 def _nothing(renderer: Renderer) -> None:
@@ -33,10 +33,10 @@ def _nothing(renderer: Renderer) -> None:
 
 @dataclass(frozen=True)
 class Skip:
-    """Something that a tick may skip.
+    """Work that a tick may skip.
 
-    what: in words. on, off: the scene with it, and without it. before: what takes it away, ahead of each
-    tick without it; not timed. sampler: without it. limit: of the ratio; None for no target.
+    what: description. on, off: the scene with and without the skip. before: disables the skip before each tick
+    without it; not timed. sampler: without the skip. limit: of the ratio; None for no target.
     """
 
     what: str
@@ -49,7 +49,7 @@ class Skip:
 
 @dataclass(frozen=True)
 class Saving:
-    """Medians of the ticks' times with a skip and without [ms]."""
+    """Median tick times with and without a skip [ms]."""
 
     what: str
     on_ms: float
@@ -58,14 +58,15 @@ class Saving:
 
     @property
     def ratio(self) -> float:
-        """What is left of a tick."""
+        """Fraction of a tick's time that remains."""
         return self.on_ms / self.off_ms
 
 
 class Side:
-    """A renderer whose ticks are timed; no ramps, no smoothing, so that both sides sound the same.
+    """A renderer whose ticks are timed, without ramps or smoothing, so that both sides emit the same.
 
-    Its own clock stands still, so that both are at the same times of the scene, and no one hurries.
+    The renderer's clock is set by hand, so that both sides are at the same times of the scene and the budget stays
+    the same.
     """
 
     def __init__(
@@ -89,7 +90,7 @@ class Side:
         )
 
     def tick(self, t: float) -> None:
-        """A tick at time t [s] of the scene. Raises what went wrong in it."""
+        """Run a tick at time t [s] of the scene. Raises its error if it fails."""
         self.clock.time = t
         self.before(self.renderer)
         begin = time.perf_counter()
@@ -100,12 +101,12 @@ class Side:
 
     @property
     def median_ms(self) -> float:
-        """Of the measured ticks."""
+        """Median time of the measured ticks [ms]."""
         return 1e3 * median(self.times[BEFORE:])
 
 
 def measure(array: Array, skip: Skip, ticks: int) -> Saving:
-    """So many ticks with the skip and without it, in turn."""
+    """Measure `ticks` ticks with and without the skip, in turn."""
     on = Side(array, skip.on)
     off = Side(array, skip.off, skip.sampler(), skip.before)
     take_turns([on, off], ticks)
@@ -113,7 +114,7 @@ def measure(array: Array, skip: Skip, ticks: int) -> Saving:
 
 
 def take_turns(sides: list[Side], ticks: int) -> None:
-    """Let each have so many measured ticks, all at the same times, forwards and backwards in turn."""
+    """Let each side run `ticks` measured ticks at the same times, in alternating order."""
     for side in sides:
         side.renderer.open()
     try:

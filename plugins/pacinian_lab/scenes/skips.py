@@ -1,4 +1,4 @@
-"""The skips that are measured, and how each is taken away."""
+"""The measured skips, and how to disable each of them."""
 
 from __future__ import annotations
 
@@ -31,30 +31,30 @@ if TYPE_CHECKING:
 
 STILL = {"static-focus": "one focus", "mesh": "a hand on a mesh", "palm": "a whole palm"}
 CROWD = 1000  # objects
-FAR = 1.0  # [m], out of reach
+FAR = 1.0  # [m]; out of reach
 ANYWHERE = np.empty((0, 3))
 
 
 def skips() -> list[Skip]:
-    """All of them."""
+    """Return all skips."""
     return [
         *(_known(f"{words}: nothing changed", name, Constant(), 0.02) for name, words in STILL.items()),
-        *(_known(f"{words}: only the envelope", name, TREMBLE, 0.1) for name, words in STILL.items()),
+        *(_known(f"{words}: only the envelope changed", name, TREMBLE, 0.1) for name, words in STILL.items()),
         Skip(
-            "STM: a known step, not solved again",
+            "STM: reuse solutions of known steps",
             *_same(gallery.stm_circle), lambda renderer: renderer.player.reset(),
         ),
         Skip(
-            "1 sample of 41 moved: only its row",
+            "1 of 41 samples moved: update one row",
             *_same(one_moves), lambda renderer: renderer.session.propagator.forget(),
         ),
-        Skip("1000 balls, 3 near: only these asked", _crowd, _crowd_all_near),
-        Skip("a hand out of reach, not touching", _away, gallery.palm),
-        Skip("a mesh: rough distances, and remembered", gallery.mesh, exact_mesh, sampler=Forgetful),
-        Skip("a mesh: remembered only", *_same(gallery.mesh), sampler=Forgetful),
-        Skip("skin that faces away not asked", *_same(gallery.textured_plane), sampler=AllSides),
+        Skip("1000 balls, 3 near: skip distant balls", _crowd, _crowd_all_near),
+        Skip("skip a hand that is out of reach", _away, gallery.palm),
+        Skip("a mesh: bounded and cached distances", gallery.mesh, exact_mesh, sampler=Forgetful),
+        Skip("a mesh: cached distances", *_same(gallery.mesh), sampler=Forgetful),
+        Skip("skip skin that faces away", *_same(gallery.textured_plane), sampler=AllSides),
         Skip(
-            "samples too faint to feel left out",
+            "skip samples that are too faint to feel",
             *_same(gallery.textured_plane), sampler=lambda: Sampler(perception=False),
         ),
     ]  # fmt: skip
@@ -65,7 +65,7 @@ def _same(scene: At) -> tuple[At, At]:
 
 
 def _known(what: str, name: str, envelope: Envelope, limit: float) -> Skip:
-    """A scene in which nothing moves, over a cold tick of it."""
+    """Return a skip for a scene in which nothing moves, compared with a cold tick of the scene."""
     scene = gallery.SCENES[name](0.0)
     objects = tuple(replace(item, motion=None, envelope=envelope) for item in scene.objects)
     still = Scene(objects, hands=tuple(Hand(hand.joints) for hand in scene.hands))
@@ -95,14 +95,14 @@ def _crowd_all_near(t: float) -> Scene:
 
 @functools.cache
 def _all_near() -> Scene:
-    """A crowd whose bounding spheres say of every ball that it may be touched."""
+    """Return a crowd whose bounding spheres let every ball pass the broad phase."""
     scene = Scene(gallery.balls(CROWD).objects)
     scene.bounds[:, -1] = np.inf
     return scene
 
 
 def _away(t: float) -> Scene:
-    """The palm, elsewhere."""
+    """The palm, out of reach."""
     scene = gallery.palm(t)
     return scene.held(*(hand.moved(Pose((0.0, 0.0, FAR))) for hand in scene.hands))
 
@@ -111,12 +111,12 @@ class ExactMesh(Mesh, frozen=True, tag="exact mesh", dict=True):
     """A mesh whose distances are exact everywhere."""
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
-        """As a mesh's, without bounds."""
+        """Return the exact distances, ignoring the bounds."""
         return super().distance(points)
 
 
 def exact_mesh(t: float) -> Scene:
-    """As the gallery's, with exact distances everywhere."""
+    """The gallery's mesh scene with exact distances everywhere."""
     return _exact_stone().held(*gallery.mesh(t).hands)
 
 
@@ -128,19 +128,19 @@ def _exact_stone() -> Scene:
 
 
 class Forgetful(Sampler):
-    """Remembers no distances."""
+    """A sampler that caches no distances."""
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
-        """As any, having forgotten."""
+        """Sample with an empty distance cache."""
         self._distances = DistanceCache()
         return super().sample(scene, t)
 
 
 class AllSides(Sampler):
-    """Asks of all skin what it touches, whether it faces the array or not."""
+    """A sampler that includes all touched skin, whether or not it faces the array."""
 
     def prepare(self, array: Array, medium: Air) -> None:
-        """As any, with nothing that skin must face."""
+        """Prepare without the positions that skin must face."""
         super().prepare(array, medium)
         assert self._resolving is not None
         self._resolving.corners = ANYWHERE

@@ -1,4 +1,4 @@
-"""What the scenes' benchmark found, as tables for a terminal."""
+"""Results of the scenes benchmark, as tables for a terminal."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def scenes(rows: Sequence[Row]) -> Table:
-    """How each scene did."""
+    """Return a table of the ticks of each scene."""
     head = [
         "", "samples", "p50\n[ms]", "p99\n[ms]", "late\n[%]", "dummy\n[%]", "held\n[Hz]",
     ]  # fmt: skip
@@ -30,11 +30,11 @@ def scenes(rows: Sequence[Row]) -> Table:
         ]
         for row in rows
     ]  # fmt: skip
-    return plain_table("A tick of each scene", head, lines)
+    return plain_table("Ticks of each scene", head, lines)
 
 
 def felt(rows: Sequence[Row]) -> Table:
-    """What each scene makes of what it asks for."""
+    """Return a table of what each scene makes the skin feel, compared with its request."""
     head = [
         "", "error at\nsamples", "force", "rms\nerror", "holes", "beside", "left\nout",
     ]  # fmt: skip
@@ -47,19 +47,21 @@ def felt(rows: Sequence[Row]) -> Table:
         for row in rows
     ]  # fmt: skip
     return plain_table(
-        "Of what was asked: at the samples, and over all touched skin [%]", head, lines
+        "Pressure relative to the request: at the samples, over all touched skin [%]",
+        head,
+        lines,
     )
 
 
 def stages(rows: Sequence[Row]) -> Table:
-    """What each scene's ticks spend their time on."""
+    """Return a table of the time of each stage."""
     names = list(dict.fromkeys(stage for row in rows for stage in row.stages))
     lines = [[row.scene, *(f"{row.stages.get(name, 0.0):.3f}" for name in names)] for row in rows]
     return plain_table("Mean time of each stage in a tick [ms]", ["", *names], lines)
 
 
 def savings(found: Sequence[Saving]) -> Table:
-    """A row for each skip."""
+    """Return a table with a row for each skip."""
     lines = [
         [
             one.what, f"{one.on_ms:.3f}", f"{one.off_ms:.3f}", f"{100 * one.ratio:.1f}",
@@ -68,11 +70,11 @@ def savings(found: Sequence[Saving]) -> Table:
         for one in found
     ]  # fmt: skip
     head = ["", "with\n[ms]", "without\n[ms]", "left\n[%]", "target\n[%]"]
-    return plain_table("What is left of a tick by each skip: medians, in turn", head, lines)
+    return plain_table("Tick times with and without each skip: medians", head, lines)
 
 
 def growth(found: Sequence[Growth]) -> Table:
-    """A row for each number of objects."""
+    """Return a table with a row for each number of objects."""
     lines = [
         [
             str(line.objects), f"{line.near:.0f}", f"{line.still_ms:.3f}",
@@ -85,11 +87,11 @@ def growth(found: Sequence[Growth]) -> Table:
         "objects", "near", "tick\n[ms]", f"over\n{found[0].objects}", "of linear\n[%]",
         "one replaced\neach tick [ms]", f"over\n{found[0].objects}",
     ]  # fmt: skip
-    return plain_table("Growth with the number of objects: medians, in turn", head, lines)
+    return plain_table("Growth with the number of objects: medians", head, lines)
 
 
 def sounds(found: Sequence[Sound]) -> Table:
-    """What can be heard."""
+    """Return a table of the audible noise."""
     head = ["", "focus: off", "aligned", "on", "ears: off", "aligned", "on"]
     lines = [[one.what, *(f"{dB:.0f}" for dB in one.focus + one.ear)] for one in found]
     return plain_table(
@@ -98,7 +100,7 @@ def sounds(found: Sequence[Sound]) -> Table:
 
 
 def verdicts(found: Sequence[Verdict]) -> Table:
-    """A line for each target."""
+    """Return a table with a line for each target."""
     lines = [["met" if one.met else "missed", f"{one.target}: {one.found}"] for one in found]
     made = plain_table("Targets", ["", ""], lines)
     made.show_header = False

@@ -1,4 +1,4 @@
-"""Whether a server that has run for long is as it was: memory, files, ticks, ages."""
+"""Check that a server that has run for long has not drifted: memory, files, ticks, ages."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
     from pacinian_lab.server.soak import Row
 
-MEMORY = 4.0  # [MB] that a process may grow by after the first quarter
-FILES = 2  # that may be open more at the end
-TICK = 1.25  # median tick time over that of the second quarter
-LATE = 0.02  # share of ticks
-AGE = 1.25, 0.5e-3  # median age over that of the second quarter, or [s] more
-SHORT = 60.0  # [s]; of a run that is shorter memory is still being filled: ten times as much may be
+MEMORY = 4.0  # growth of each process after the first quarter [MB]
+FILES = 2  # more open files at the end
+TICK = 1.25  # ratio of the last median tick time to that of the second quarter
+LATE = 0.02  # increase of the share of late ticks
+AGE = 1.25, 0.5e-3  # ratio of the last median age to that of the second quarter, or increase [s]
+SHORT = 60.0  # [s]; shorter runs are still filling memory, and may grow by ten times as much
 
 
 def growth(rows: Sequence[Row], name: str) -> float:
-    """What a process has grown by after the first quarter, of the line of least squares [MB]."""
+    """Return the growth of a process after the first quarter [MB], from a least-squares line."""
     kept = [row for row in rows[len(rows) // 4 :] if name in row.memory]
     if len(kept) < 2:
         return 0.0
@@ -33,13 +33,13 @@ def growth(rows: Sequence[Row], name: str) -> float:
 
 
 def quarters(rows: Sequence[Row], of: Callable[[Row], float]) -> tuple[float, float]:
-    """Medians of the second quarter, after what is slow only at first, and of the last."""
+    """Return the medians of the second and the last quarter. The first quarter includes slow start-up."""
     n = max(1, len(rows) // 4)
     return median(map(of, rows[n : 2 * n])), median(map(of, rows[-n:]))
 
 
 def verdicts(rows: Sequence[Row]) -> list[Verdict]:
-    """A line for each aim."""
+    """Return a verdict for each target."""
     most = MEMORY * (10.0 if rows[-1].t < SHORT else 1.0)
     hours = (rows[-1].t - rows[len(rows) // 4].t) / 3600.0
     grown = {name: growth(rows, name) for name in rows[-1].memory}
@@ -54,7 +54,7 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
     return [
         Verdict(f"each process grows by at most {most:g} MB", max(grown.values()) <= most, shown),
         Verdict(
-            f"at most {FILES} files more are open",
+            f"at most {FILES} more files are open",
             files[1] <= files[0] + FILES,
             f"{files[0]:g}, then {files[1]:g}",
         ),
@@ -69,7 +69,7 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
             f"{late[0]:.2%}, then {late[1]:.2%}",
         ),
         Verdict(
-            f"hands at most {AGE[0]:g} times as old",
+            f"age of hands at most {AGE[0]:g} times the first",
             age[1] <= max(AGE[0] * age[0], age[0] + AGE[1]),
             f"{1e3 * age[0]:.2f} ms, then {1e3 * age[1]:.2f} ms",
         ),

@@ -1,4 +1,4 @@
-"""The bare minimum beside the server: a ROUTER with the same authentication that sends back what comes."""
+"""The baseline for latency: a ROUTER with the server's authentication that echoes each message."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ USER = "pacinian"
 
 
 class Echo(Struct, frozen=True):
-    """Where it is. token: the password."""
+    """Address of the echo server. token: its password."""
 
     endpoint: str
     token: str
 
 
 def run(ended: threading.Event) -> Iterator[Echo]:
-    """Send everything back until `ended`; tells where it is, first."""
+    """Yield the address, then echo messages until `ended`."""
     context = zmq.Context[Any]()
     guard = ThreadAuthenticator(context)
     guard.start()
@@ -48,7 +48,7 @@ def run(ended: threading.Event) -> Iterator[Echo]:
 
 
 def main() -> None:
-    """In its own process, until the parent has gone."""
+    """Run in a separate process until the parent ends."""
     ended = threading.Event()
 
     def watch() -> None:

@@ -1,8 +1,8 @@
-"""From the end of a permit to silence: the bound of the guard, and what the machine adds to it.
+"""Measure the time from the end of a permit to silence: the guard's bound, and the delay that the machine adds.
 
-The bound is one round: the pause between two looks, and what a look takes. First with a clock that is told, where
-it holds exactly; then with a guard process, real sleeps and the simulated array: until the guard tells that there
-is silence. What the bench itself was late with is not counted.
+The bound is one round: the pause between two polls of the guard, plus the time of one poll. With a simulated clock,
+the bound holds exactly. The benchmark then runs a guard process with real sleeps and the simulated array, and
+measures until the guard reports silence. It discards runs in which the benchmark itself was late.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-BOUND = 2 * ROUND  # [s] a round: its pause, and as long again for what it does
+BOUND = 2 * ROUND  # [s] one round: its pause, and as long again for its work
 TICK = 1e-3  # [s] between frames
-LONGEST = 1e-3  # [s] that a real permit has left when it is written for the last time
+LONGEST = 1e-3  # [s] longest time left on a real permit at its last write
 
 
 class Sizes(NamedTuple):
-    """How often each is tried."""
+    """Number of repeats of each measurement."""
 
     told: int = 100_000
     sleeps: int = 20_000
@@ -52,9 +52,9 @@ FULL, SHORT = Sizes(), Sizes(2_000, 200, 200, 50, 10, 1)
 
 @dataclass(frozen=True)
 class Row:
-    """Times from the end to silence [s]. bound: what they would be at most on a machine that is never late [s].
+    """Times from the end to silence [s].
 
-    over: share of them above it.
+    bound: their maximum on a machine that is never late [s]. over: fraction of the times above the bound.
     """
 
     what: str
@@ -68,18 +68,23 @@ class Row:
 
 
 def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1) -> Iterator[Row]:
-    """Each kind of end, as often as `sizes` says. Raises ServerError if a guard does not answer."""
+    """Yield a row for each kind of end, with the repeats in `sizes`.
+
+    Raises ServerError if a guard does not answer.
+    """
     settings = Settings() if settings is None else settings
     chance = random.Random(seed)
     stale = settings.safety.stale
-    yield _row("expired, told clock [rounds]", 1.0, _told(settings, sizes.told, chance))
+    yield _row("expired, simulated clock [rounds]", 1.0, _told(settings, sizes.told, chance))
     yield _row("a sleep of one round, alone", ROUND, _sleeps(sizes.sleeps))
     with GuardProcess(settings) as real:
         yield _row("expired", BOUND, _expired(real, sizes.expired, chance))
         yield _row("emergency stop", BOUND, _stopped(real, sizes.stopped))
-        # seen one round after it was written, and one round until it is found to be old
+        # The guard sees the last frame up to one round after its write, and takes up to one round
+        # more to find it stale.
         yield _row("no more frames", stale + 2 * BOUND, _stale(real, sizes.stale))
-    # what is left is the system's: it closes the pipe once it has taken the parent's memory
+    # The rest is the operating system's time: it closes the pipe after it has freed the parent's
+    # memory.
     yield _row("parent killed", BOUND, _killed(settings, sizes.killed))
 
 
@@ -91,7 +96,7 @@ def _row(what: str, bound: float, times: Sequence[float]) -> Row:
 
 
 def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
-    """From `until` to silence, each over the length of the round in which it came."""
+    """Return the times from `until` to silence, each divided by the length of its round."""
     array, clock = settings.array.make(), ManualClock()
     backend = registry.backend("simulated", keep=1)
     backend.open(array)
@@ -102,11 +107,11 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
     for epoch in range(1, count + 1):
         lease = settings.safety.lease * chance.uniform(0.01, 1.0)
         until, renewals = clock.time + lease, chance.randrange(4)
-        due = clock.time + TICK * chance.random()  # of the next frame
+        due = clock.time + TICK * chance.random()  # time of the next frame
         while True:
             pause = ROUND * chance.uniform(0.2, 4.0)
             left = until - clock.time
-            if left > 3 * TICK and not renewals:  # nothing happens but frames: go to the end
+            if left > 3 * TICK and not renewals:  # only frames follow: skip to the end
                 clock.advance(left - chance.uniform(1.0, 3.0) * TICK)
             clock.advance(pause)
             if renewals and chance.random() < 0.3:
@@ -126,7 +131,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
 
 
 def _sleeps(count: int) -> list[float]:
-    """How long the machine sleeps when it is asked for one round."""
+    """Return how long the machine really sleeps when a sleep of one round is requested."""
     scheduling.raise_priority(0)
     found: list[float] = []
     for _ in range(count):
@@ -137,13 +142,13 @@ def _sleeps(count: int) -> list[float]:
 
 
 def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[float]:
-    """From `until` to silence."""
+    """Return the times from `until` to silence."""
     found: list[float] = []
     while len(found) < count:
         before, _ = real.sound()
         until = time.perf_counter() + LONGEST * chance.random()
         real.permit(until)
-        late = time.perf_counter() > until  # the bench, not the guard
+        late = time.perf_counter() > until  # the benchmark was late, not the guard
         silent = real.silent("expired", before)
         if silent is not None and not late:
             found.append(silent - until)
@@ -151,7 +156,7 @@ def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[floa
 
 
 def _stopped(real: GuardProcess, count: int) -> list[float]:
-    """From the order to silence."""
+    """Return the times from the stop order to silence."""
     found: list[float] = []
     while len(found) < count:
         before, _ = real.sound()
@@ -165,7 +170,7 @@ def _stopped(real: GuardProcess, count: int) -> list[float]:
 
 
 def _stale(real: GuardProcess, count: int) -> list[float]:
-    """From the last frame to silence."""
+    """Return the times from the last frame to silence."""
     found: list[float] = []
     while len(found) < count:
         before, written = real.sound()
@@ -175,7 +180,7 @@ def _stale(real: GuardProcess, count: int) -> list[float]:
 
 
 def _killed(settings: Settings, count: int) -> list[float]:
-    """From kill -9 of the guard's parent to silence, though the permit holds, and frames stay fresh."""
+    """Return the times from kill -9 of the guard's parent to silence. The permit stays valid and the frames fresh."""
     patient = replace(settings, safety=replace(settings.safety, stale=1.0))
     found: list[float] = []
     while len(found) < count:
@@ -189,7 +194,7 @@ def _killed(settings: Settings, count: int) -> list[float]:
 
 
 def table(rows: Sequence[Row]) -> Table:
-    """A line for each kind of end."""
+    """Return a table with a line for each kind of end."""
     head = ["[ms]", "times", "bound", "p50", "p99", "p99.9", "worst", "over the\nbound [%]"]
     lines: list[list[str]] = []
     for row in rows:

@@ -1,4 +1,4 @@
-"""The game of the soak: a hand that moves, things that come and go, and all that may happen besides."""
+"""The game of the soak: a moving hand, objects that come and go, and disturbances."""
 
 from __future__ import annotations
 
@@ -34,29 +34,30 @@ FRAME = 1.0 / 90.0  # [s]
 SCENE = "soak"
 SOLVERS = "auto", "gs-pat", "lagrange", "weighted-gs"
 BALL = Volume(shape=Sphere(0.01), radiation_pressure=8.0)
-MOST = 8  # balls that come and go
-NONSENSE = 64  # bad messages at a time
+MOST = 8  # maximum number of balls that come and go
+NONSENSE = 64  # malformed messages per event
 SWING = 0.02  # [m]
 NONE = np.empty((0, 4))
 
 
 class Play(Struct, frozen=True, tag=True):
-    """How to play. connection: its file. beat: from one event to the next [s]."""
+    """How to play. connection: path of the connection file. beat: time between events [s]."""
 
     connection: str
     beat: float
 
 
 class Window(Struct, frozen=True, tag=True):
-    """Go on playing for `seconds` [s], and tell how it was."""
+    """Order: play on for `seconds` [s], then report."""
 
     seconds: float
 
 
 class Heard(Struct, frozen=True):
-    """How it was. tick_ms, gap: as in `State`. late: share of ticks. age: from a hand sent to its frame [s].
+    """The report of a window.
 
-    events: what was done, and what went wrong, by name.
+    tick_ms, gap: as in `State`. late: fraction of ticks. age: time from sending a hand to emitting its frame [s].
+    events: counts of the actions taken and of the problems met, by name.
     """
 
     ticks: int
@@ -71,7 +72,7 @@ class Heard(Struct, frozen=True):
 
 
 class Game:
-    """Plays. Events come in turn, some more often than others."""
+    """Plays the game. Each event has its own period."""
 
     def __init__(self, context: zmq.Context[Any], play: Play) -> None:
         self.play, self.context, self.random = play, context, random.Random(5)
@@ -90,7 +91,7 @@ class Game:
         return Client(self.connection, name=name, scene=SCENE)
 
     def begin(self) -> None:
-        """What is always there; armed."""
+        """Put the permanent objects and arm the output."""
         self.there = []
         for k, at in enumerate(gallery.NEAR):
             self.client.put(_ball(f"near {k}", at))
@@ -98,7 +99,7 @@ class Game:
         self.client.arm()
 
     def window(self, window: Window) -> Heard:
-        """Play on."""
+        """Play on for the length of the window, and return the report."""
         end = time.perf_counter() + window.seconds
         seen, due = list[State](), time.perf_counter()
         while due < end:
@@ -111,7 +112,7 @@ class Game:
         rows = np.concatenate(
             [np.frombuffer(s.inputs, "<f8").reshape(-1, 4) for s in seen] or [NONE]
         )
-        rows = rows[rows[:, 0] > 0.0]  # silence has no hands
+        rows = rows[rows[:, 0] > 0.0]  # silent frames carry no hands
         events, self.events = dict(self.events), Counter()
         return Heard(
             ticks=self.last.ticks - before.ticks,
@@ -126,11 +127,11 @@ class Game:
         )
 
     def frame(self, now: float) -> None:
-        """One of the game's own: the hand, the balls, the lease; at times an event."""
+        """Play one frame: move the hand and the balls, renew the lease, and perform an event if one is due."""
         try:
             self._frame(now)
             for error in self.client.errors:
-                late = SUPERSEDED in str(error)  # a selection, by the next one: it is not refused
+                late = SUPERSEDED in str(error)  # a later selection replaced it: not a refusal
                 self.events["superseded" if late else f"refused: {error.code}"] += 1
         except Refused as error:
             self.events[f"told: {error.code}"] += 1
@@ -160,7 +161,7 @@ class Game:
                     event()
 
     def come_and_go(self) -> None:
-        """A ball more, or some fewer."""
+        """Add a ball, or remove some."""
         if len(self.there) < MOST:
             name = f"ball {self.count}"
             self.client.put(_ball(name, _place(len(self.there), 0.0)))
@@ -170,21 +171,21 @@ class Game:
             del self.there[2:]
 
     def wrap(self) -> None:
-        """Another envelope for all of them."""
+        """Change the envelope of all balls."""
         if self.there:
             envelope = self.random.choice((Sine(150.0), Sine(80.0), Constant(0.7)))
             self.client.envelope(tuple(self.there), envelope)
 
     def swap(self) -> None:
-        """Another solver."""
+        """Change the solver."""
         self.client.select(solver=self.random.choice(SOLVERS), wait=False)
 
     def dim(self) -> None:
-        """Another strength."""
+        """Change the intensity."""
         self.client.select(intensity=self.random.uniform(0.5, 1.0), wait=False)
 
     def join_or_leave(self) -> None:
-        """A friend comes, or goes."""
+        """Let a second client join or leave."""
         if self.friend:
             self.friend.pop().close()
             return
@@ -193,7 +194,7 @@ class Game:
         friend.put(_ball("friend", (0.0, -0.02, gallery.HEIGHT)))
 
     def nonsense(self) -> None:
-        """Bytes that are no message: with the token, and without."""
+        """Send bytes that are not a message, with and without the token."""
         for address in (self.connection.control, self.connection.command):
             with socket(self.context, zmq.DEALER, address, self.connection.token) as one:
                 for _ in range(NONSENSE if one.poll(100, zmq.POLLOUT) else 0):
@@ -203,18 +204,18 @@ class Game:
                 raw.sendall(self.random.randbytes(500))
 
     def pause(self) -> None:
-        """Disarmed, and armed again."""
+        """Disarm the output and arm it again."""
         self.client.disarm()
         self.client.arm()
 
     def emergency(self) -> None:
-        """A stop, and on."""
+        """Stop the output, reset it and arm it again."""
         self.client.stop()
         self.client.reset()
         self.client.arm()
 
     def close(self) -> None:
-        """All leave."""
+        """Close all clients."""
         for client in (*self.friend, self.client):
             client.close()
         self.states.close()
@@ -227,13 +228,13 @@ def _ball(name: str, at: tuple[float, float, float]) -> Volume:
 
 
 def _place(k: int, t: float) -> tuple[float, float, float]:
-    """Of the k-th ball at time t [s]: round the hand [m]."""
+    """Return the place of the k-th ball at time t [s], on a circle around the hand [m]."""
     phi = 2.0 * np.pi * (0.3 * t + k / MOST)
     return 0.04 * float(np.cos(phi)), 0.04 * float(np.sin(phi)), gallery.HEIGHT
 
 
 def main() -> None:
-    """In its own process: plays while it is told to."""
+    """Run in a separate process and play while orders arrive."""
     context = zmq.Context[Any]()
     game = Game(context, worker_process.read_task(Play))
     while (order := worker_process.read_order(Play | Window)) is not None:

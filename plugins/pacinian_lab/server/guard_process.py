@@ -1,4 +1,4 @@
-"""A guard process without a server: what the others would tell it, one arming after another."""
+"""Run a guard process without a server: write what the other processes would write, and arm it again and again."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.serving.settings import Settings
 
-LONG = 20.0  # [s] without an answer
-PROMPT = 100e-6  # [s] to write a value; what took longer is not counted
-LOOK = 50e-6  # [s] between looks
+LONG = 20.0  # [s] longest wait for an answer
+PROMPT = 100e-6  # [s] longest time to write a value; runs with a slower write do not count
+LOOK = 50e-6  # [s] between polls
 PARENT = """
 import sys, time
 import msgspec
 from pacinian.serving.ipc import child_process
-started = child_process.start("guard", msgspec.json.decode(sys.argv[1], type=child_process.Told))
+started = child_process.start("guard", msgspec.json.decode(sys.argv[1], type=child_process.LaunchConfig))
 time.sleep(3600)
 """
 
 
 class GuardProcess:
-    """A context manager. orphan: `process` is not the guard, but its parent, which can be killed."""
+    """A context manager. orphan: `process` is the parent of the guard, so that the parent can be killed."""
 
     def __init__(self, settings: Settings, *, orphan: bool = False) -> None:
         self._array = settings.array.make()
@@ -69,7 +69,7 @@ class GuardProcess:
         self._stack.close()
 
     def wait(self, so: Callable[[DeviceStatus], bool]) -> DeviceStatus:
-        """Until the guard says so."""
+        """Wait until `so` accepts the guard's status, and return the status. Raises ServerError after a timeout."""
         due = time.perf_counter() + LONG
         while time.perf_counter() < due:
             if (read := self._memory["device"].read()) is not None:
@@ -84,11 +84,14 @@ class GuardProcess:
         self._memory["permit"].write(Permit(1, until, self._epoch, stopped).pack())
 
     def sound(self) -> tuple[DeviceStatus, float]:
-        """Arm, and wait for a frame to sound; how it is, and when the frame was written [s]."""
+        """Arm the output and wait until a frame sounds.
+
+        Returns the guard's status, and when the frame was written [s].
+        """
         device = self.wait(lambda device: device.generation > 0 and not device.sounding)
         self._epoch += 1
         self.permit(time.perf_counter() + LONG)
-        while True:  # again, if the machine was so late that the frame was old
+        while True:  # repeat if the machine was so late that the frame was stale
             self._sequence += 1
             now = time.perf_counter()
             head = FrameHead(
@@ -102,12 +105,12 @@ class GuardProcess:
                 return device, now
 
     def silent(self, reason: str, before: DeviceStatus) -> float | None:
-        """When it was silent for this reason, by the guard's clock [s]; None if it was for another."""
+        """Return when the output fell silent, by the guard's clock [s], or None if the reason was another one."""
         after = self.wait(lambda device: device.silences > before.silences)
         counted = after.reasons.get(reason, 0) > before.reasons.get(reason, 0)
         return after.beat if counted else None
 
 
 def levels(array: Array) -> bytes:
-    """Of a frame of one row that sounds."""
+    """Return the levels of a one-row frame that sounds."""
     return np.full((2, 1, len(array)), 5, np.uint16).tobytes()

@@ -1,4 +1,4 @@
-"""From a hand's pose sent to the frame that it is in: with real processes, real sockets, beside a bare echo."""
+"""Measure the latency from sending a hand pose to its frame, with real processes and sockets, next to a bare echo."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from pacinian_lab.server.worker_process import WorkerProcess
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-RATES = 90.0, 1000.0  # [Hz]: a headset's frames, a tracker that is as quick as the loop
-SLACK = 120.0  # [s] beyond what is measured
+RATES = 90.0, 1000.0  # [Hz]: frames of a headset; a tracker as fast as the loop
+SLACK = 120.0  # [s] to wait for the result beyond the measured time
 
 
 def settings(side: int) -> Settings:
-    """A server with `side` x `side` AUTD units. No sender is so late that it is silenced, and not measured."""
+    """Settings of a server with `side` x `side` AUTD units. The long lease keeps late senders from being silenced."""
     return Settings(array=Units(side, side), safety=Safety(lease=10.0))
 
 
 def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterator[Times]:
-    """For each rate [Hz] a server of its own, for `seconds` [s]."""
+    """Yield the times at each rate [Hz], measured with a separate server for `seconds` [s]."""
     for rate in rates:
         with (
             serving(settings(side)) as server,

@@ -1,4 +1,4 @@
-"""A server under load: so many clients, so many updates a second, and whether what was put last is what is felt."""
+"""Load a server with many clients and updates, and check that the newest positions are those that the hand feels."""
 
 from __future__ import annotations
 
@@ -25,24 +25,29 @@ if TYPE_CHECKING:
     from pacinian.testing.server import Usage
 
 CLIENTS = 1, 8, 64
-RATES = 0.0, 1000.0, 10_000.0, 100_000.0  # [Hz] in all: nothing, a tenth, the load, ten times that
-FULL = 10_000.0  # [Hz]: lower rates are there to compare with, for a quarter of the time
-CROWDS = 2  # processes that send
+RATES = (
+    0.0,
+    1000.0,
+    10_000.0,
+    100_000.0,
+)  # [Hz] in total: idle, a tenth of the load, the load, ten times the load
+FULL = 10_000.0  # [Hz]; lower rates are for comparison and run a quarter of the time
+CROWDS = 2  # number of sending processes
 SCENE = "load"
-LEAD = 0.5  # [s] from the order to the begin
-SETTLE = 0.1  # of a phase, until it is looked at: what was put before is not old
-SLACK = 60.0  # [s] for an answer
-LONG = 600.0  # [s] for one when no client is answered
-STEP = 0.25  # [s] between two looks at memory
+LEAD = 0.5  # [s] from the order to the start
+SETTLE = 0.1  # fraction of a phase that passes before it is observed
+SLACK = 60.0  # [s] longest wait for an answer
+LONG = 600.0  # [s] longest wait for an answer when the server does not answer any client
+STEP = 0.25  # [s] between two memory readings
 MEGA = 1e6
 
 
 class Row(Struct, frozen=True):
-    """A phase.
+    """Results of one phase.
 
-    rate: messages a second that were to be sent in all. sent: that were taken by sockets, full: that found no room,
-    both per second. told: errors that clients were told, by code. memory: of all of the server's processes, at the
-    begin, at the end, and the most [MB]. cpu: of each process, as a share of a core.
+    rate: intended messages per second in total. sent: messages per second that the sockets took; full: messages per
+    second that found no room. told: errors that clients received, by code. memory: of all server processes together,
+    at the start, at the end, and the maximum [MB]. cpu: of each process, as a fraction of a core.
     """
 
     clients: int
@@ -56,10 +61,11 @@ class Row(Struct, frozen=True):
 
 
 class Final(Struct, frozen=True):
-    """After all of it.
+    """Results after all phases.
 
-    objects: that were put; known: that the server has; missing: that are not felt where they were put last. sent:
-    commands that sockets took; received, errors, dropped: as the server counts. refused: last moves, by code.
+    objects: number put by the clients; known: number that the server has; missing: objects that the hand does not
+    feel at their last position. sent: commands that the sockets took; received, errors, dropped: as counted by the
+    server. refused: refused final moves, by code.
     """
 
     clients: int
@@ -74,7 +80,7 @@ class Final(Struct, frozen=True):
 
 
 def settings(side: int) -> Settings:
-    """A server with `side` x `side` AUTD units that lets clients send as much as they can."""
+    """Settings of a server with `side` x `side` AUTD units that puts no practical limit on the clients' rate."""
     return Settings(
         array=Units(side, side),
         workspace=Workspace(*positions.WORKSPACE),
@@ -86,7 +92,7 @@ def settings(side: int) -> Settings:
 def measure(
     side: int, seconds: float, clients: int, rates: Sequence[float] = RATES
 ) -> Iterator[Row | Final]:
-    """A row for each rate, for `seconds` [s] or a quarter of it; then what was there in the end."""
+    """Yield a row for each rate, measured for `seconds` [s] or a quarter of it, then the final state."""
     objects = max(clients, positions.CELLS)
     with ExitStack() as stack:
         server = stack.enter_context(serving(settings(side)))
@@ -101,7 +107,7 @@ def measure(
             crowd.send(Crowd(str(server.connection), SCENE, members, clients, objects))
         for crowd in crowds:
             crowd.receive(Done)
-        sent = objects  # each was put
+        sent = objects  # one `put` for each object
         for rate in rates:
             row = _phase(
                 server, watcher, crowds, clients, rate, seconds / (1 if rate >= FULL else 4)
@@ -178,5 +184,5 @@ def _phase(
 
 
 def _memory(usage: Mapping[str, Usage]) -> float:
-    """Of all processes [MB]."""
+    """Return the memory of all processes [MB]."""
     return sum(used.memory for used in usage.values()) / MEGA

@@ -1,4 +1,4 @@
-"""Many clients in one process, which move their objects so many times a second in all."""
+"""Many clients in one process that move their objects at a given total rate."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pacinian_lab.server.raw_client import Peer
 
 WAKE = 0.001  # [s]
 RENEW = 1.0  # [s]
-BEHIND = 0.05  # [s] of messages that are made up for; what is later is not sent
+BEHIND = 0.05  # [s] of overdue messages that are made up for; older ones are not sent
 
 
 class Crowd(Struct, frozen=True):
-    """Who it is. clients: numbers of them, of `of` in all. objects: in all; number i is client i % of's."""
+    """The clients of a process: numbers `clients` of `of` in total. objects: in total; client i % of owns object i."""
 
     connection: str
     scene: str
@@ -31,7 +31,7 @@ class Crowd(Struct, frozen=True):
 
 
 class Push(Struct, frozen=True, tag=True):
-    """Move them, `rate` times a second in all, from `begin` to `end` [s]."""
+    """Order: move the objects `rate` times per second in total, from `begin` to `end` [s]."""
 
     rate: float
     begin: float
@@ -39,14 +39,14 @@ class Push(Struct, frozen=True, tag=True):
 
 
 class Place(Struct, frozen=True, tag=True):
-    """Put each at its place of time t [s], when that group is felt; answered when the server has said yes."""
+    """Order: put each object where it belongs at time t [s] when `group` is felt. Answered after the server's reply."""
 
     t: float
     group: int
 
 
 class Done(Struct, frozen=True):
-    """asked: messages that were due. sent: taken by a socket. full: had no room. told: what the server said."""
+    """asked: messages that were due. sent: taken by a socket. full: found no room. told: errors, notices, by code."""
 
     asked: int = 0
     sent: int = 0
@@ -73,7 +73,7 @@ class Members:
             peer.ask(Put, objects={positions.name(i): positions.point(i, now)})
 
     def push(self, push: Push) -> Done:
-        """Move them in turn."""
+        """Move the objects in turn."""
         self._told()
         asked = sent = full = 0
         while (now := time.perf_counter()) < push.end:
@@ -92,7 +92,7 @@ class Members:
         return Done(asked, sent, full, self._told())
 
     def place(self, place: Place) -> Done:
-        """Put all where they are looked for; answered."""
+        """Put all objects where the observer expects them, and wait for each reply."""
         refused = Counter[str]()
         for peer, i in self.own:
             self._renew(time.perf_counter())
@@ -117,13 +117,13 @@ class Members:
         return dict(told)
 
     def close(self) -> None:
-        """All leave."""
+        """Close all clients."""
         for peer in self.peers.values():
             peer.close()
 
 
 def main() -> None:
-    """In its own process, until the parent has gone."""
+    """Run in a separate process until the parent ends."""
     context = zmq.Context[Any]()
     members = Members(context, worker_process.read_task(Crowd))
     worker_process.answer(Done())

@@ -1,4 +1,4 @@
-"""The owner of the output: looks on while others load the server, and asks control how it is."""
+"""The owner of the output: observes it while other clients load the server, and pings the control socket."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from pacinian_lab.server.quantiles import Quantiles
 from pacinian_lab.server.raw_client import Peer, States
 
 NAME = "watcher"
-PING = 0.01  # [s] from one to the next
-SEEN = 5.0  # [s] within which a place, or any state, must be seen
+PING = 0.01  # [s] between pings
+SEEN = 5.0  # [s] within which a position, or any state, must appear
 
 
 class Watch(Struct, frozen=True):
-    """Where, and which scene."""
+    """The connection file and the scene to observe."""
 
     connection: str
     scene: str
 
 
 class Look(Struct, frozen=True, tag=True):
-    """Look on from `begin` to `end` [s]."""
+    """Order: observe from `begin` to `end` [s]."""
 
     begin: float
     end: float
 
 
 class Check(Struct, frozen=True, tag=True):
-    """Whether objects first..last - 1 are felt where they were put at time t [s], and all commands have come."""
+    """Order: check that objects first..last - 1 are felt where they were put at time t [s], and all commands came."""
 
     t: float
     first: int
@@ -47,11 +47,12 @@ class Check(Struct, frozen=True, tag=True):
 
 
 class Seen(Struct, frozen=True):
-    """What was seen. ping: round trips of `renew` [s]. age: of the newest move in each state when it was published [s].
+    """Results of an observation.
 
-    backwards: how often an object was felt at an earlier place than before. ticks, frames: per second. late: share
-    of ticks. tick_ms: median and 99 % of the last second. gap: the longest between two frames since the start [s].
-    samples: median. sounding: share of states. lost: pings without an answer, and leases that expired.
+    ping: round trips of `renew` [s]. age: age of the newest move in each state when it was published [s]. backwards:
+    how often an object was felt at an earlier place than before. ticks, frames: per second. late: fraction of ticks.
+    tick_ms: median and 99 % quantile of the last second. gap: longest time between two frames since the start [s].
+    samples: median. sounding: fraction of the states. lost: unanswered pings and expired leases.
     """
 
     ping: Quantiles
@@ -69,7 +70,7 @@ class Seen(Struct, frozen=True):
 
 
 class Checked(Struct, frozen=True):
-    """missing: those that were not felt there. clients: objects, commands, errors and dropped ones of all but us."""
+    """missing: objects that were not felt there. The other counts are of all clients except the observer."""
 
     missing: tuple[int, ...]
     objects: int
@@ -79,7 +80,7 @@ class Checked(Struct, frozen=True):
 
 
 class Watcher:
-    """Owns the output."""
+    """Owns the output and observes it."""
 
     def __init__(self, context: zmq.Context[Any], watch: Watch) -> None:
         self._context, self._scene = context, watch.scene
@@ -94,7 +95,7 @@ class Watcher:
         return peer
 
     def ping(self) -> float | None:
-        """A round trip [s]; None if there was none. What was lost is made good, and counted."""
+        """Return a round trip [s], or None if it failed. Counts a lost session or lease and restores it."""
         try:
             trip = self.peer.renew()
             if self.peer.told.pop("expired", 0):
@@ -109,7 +110,7 @@ class Watcher:
         return trip
 
     def look(self, look: Look) -> Seen:
-        """Ping and see."""
+        """Ping and collect states."""
         self.lost = 0
         trips, ages = list[float](), list[float]()
         seen, backwards, newest = list[State](), 0, dict[int, float]()
@@ -149,7 +150,7 @@ class Watcher:
         )
 
     def check(self, check: Check) -> Checked:
-        """Wait until they are seen, and counted."""
+        """Wait until the objects are felt and the commands are counted."""
         due = time.perf_counter() + SEEN
         indices = range(check.first, check.last)
         missing, others = list(indices), list[ClientState]()
@@ -170,14 +171,14 @@ class Watcher:
         )
 
     def close(self) -> None:
-        """Leave."""
+        """Leave the session."""
         self.peer.close()
         self.states.close()
 
 
 def main() -> None:
-    """In its own process, until the parent has gone."""
-    scheduling.raise_priority()  # it measures: what it waits for is to be the server
+    """Run in a separate process until the parent ends."""
+    scheduling.raise_priority()  # so that its waiting times are the server's, not its own
     context = zmq.Context[Any]()
     watcher = Watcher(context, worker_process.read_task(Watch))
     worker_process.answer(Watch("", ""))

@@ -1,4 +1,4 @@
-"""A soak as a picture: memory, ticks and ages over time."""
+"""Draw a soak: memory, ticks and ages over time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def draw(rows: Sequence[Row], path: Path) -> None:
-    """Write it to a file. Raises MissingExtra."""
+    """Draw the picture into a file. Raises MissingExtra."""
     page = figure(8.0, 7.0)
     memory, ticks, ages = page.subplots(3, 1, sharex=True)
     minutes = [row.t / 60.0 for row in rows]

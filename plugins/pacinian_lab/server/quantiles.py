@@ -1,4 +1,4 @@
-"""Quantiles of many times."""
+"""Quantiles of measured times."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Quantiles(Struct, frozen=True):
-    """Of `count` values, by nearest rank; zeros of none."""
+    """Quantiles of `count` values, by nearest rank. All are zero if there are no values."""
 
     p50: float
     p99: float
@@ -23,7 +23,7 @@ class Quantiles(Struct, frozen=True):
 
     @classmethod
     def of(cls, values: Iterable[float]) -> Quantiles:
-        """Of these."""
+        """Return the quantiles of these values."""
         ascending = sorted(values)
         if not ascending:
             return cls(0.0, 0.0, 0.0, 0.0, 0)

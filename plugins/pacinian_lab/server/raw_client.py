@@ -1,4 +1,4 @@
-"""A client on bare sockets: nothing but the wire, so that a benchmark measures the server."""
+"""A client on bare sockets: it uses only the wire format, so that a benchmark measures the server."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from pacinian.wire.connection import Connection
     from pacinian.wire.control import Request
 
-LIMIT = 5.0  # [s] for a reply
+LIMIT = 5.0  # [s] longest wait for a reply
 USER = b"pacinian"
-FEW = 100  # messages that wait in a socket, as in `pacinian.Client`
+FEW = 100  # messages that may wait in a socket, as in `pacinian.Client`
 
 
 def socket(
     context: zmq.Context[zmq.Socket[bytes]], kind: int, address: str, token: str
 ) -> zmq.Socket[bytes]:
-    """A socket that shows the token."""
+    """Return a connected socket that authenticates with the token."""
     made = context.socket(kind)
     made.linger = 0
     made.plain_username, made.plain_password = USER, token.encode()
@@ -42,9 +42,9 @@ def socket(
 
 
 class Peer:
-    """A session. name: of the client. scene: that it shares. key: of the session. Raises ServerError, Refused.
+    """A session. name: of the client. scene: the shared scene. key: of the session. Raises ServerError, Refused.
 
-    told: how often the server has told what was not asked for, and errors, by code.
+    told: counts of unsolicited messages and errors from the server, by code.
     """
 
     def __init__(
@@ -65,12 +65,12 @@ class Peer:
         self.key, self.lease = welcome.session, welcome.lease
 
     def request(self, kind: type[Request], **fields: Any) -> Any:
-        """Ask the control socket; the reply. Raises Refused, ServerError."""
+        """Send a request on the control socket and return the reply. Raises Refused, ServerError."""
         message = kind(session=self.key, id=self._next(), **fields)
         return self._asked(self._control, message, message.id)
 
     def ask(self, kind: type[Command], **fields: Any) -> Any:
-        """Send a command, again while the server is too busy to take it in time; the reply.
+        """Send a command and return the reply. Repeats the command while the server is too busy to take it in time.
 
         Raises Refused, ServerError.
         """
@@ -84,7 +84,7 @@ class Peer:
                     raise
 
     def send(self, kind: type[Command], **fields: Any) -> bool:
-        """Send a command that is not answered; whether there was room for it."""
+        """Send a command without a reply. Returns False if the socket had no room."""
         try:
             self._commands.send(codec.encode(self._command(kind, **fields)), zmq.NOBLOCK)
         except zmq.Again:
@@ -92,14 +92,14 @@ class Peer:
         return True
 
     def renew(self) -> float:
-        """The lease goes on; the round trip [s]. Raises ServerError."""
+        """Renew the lease and return the round trip [s]. Raises ServerError."""
         begin = time.perf_counter()
         self._sequence += 1
         self.request(Renew, sequence=self._sequence, time=begin)
         return time.perf_counter() - begin
 
     def renewing(self) -> None:
-        """Renew without waiting, and take note of what was told."""
+        """Renew without waiting, and count the messages received."""
         self._sequence += 1
         message = Renew(session=self.key, sequence=self._sequence, time=time.perf_counter())
         try:
@@ -111,7 +111,7 @@ class Peer:
 
     @property
     def sequence(self) -> int:
-        """Of the last message."""
+        """Sequence number of the last message."""
         return self._sequence
 
     def _command(self, kind: type[Command], **fields: Any) -> Command:
@@ -152,7 +152,7 @@ class Peer:
             self.told[reply.code if isinstance(reply, Error) else type(reply).__name__] += 1
 
     def close(self, *, bye: bool = True) -> None:
-        """Take leave; without `bye` only the sockets are closed."""
+        """Leave the session and close the sockets; without `bye`, only close the sockets."""
         try:
             if bye:
                 self.request(Bye)
@@ -178,14 +178,14 @@ class Peer:
 
 
 class States:
-    """What the server publishes, to the last one."""
+    """A subscription to the states that the server publishes. It skips none."""
 
     def __init__(self, context: zmq.Context[zmq.Socket[bytes]], connection: Connection) -> None:
         self._socket = socket(context, zmq.SUB, connection.state, connection.token)
         self._socket.subscribe(STATE)
 
     def new(self) -> list[State]:
-        """All that have come since the last call."""
+        """Return all states received since the last call."""
         found = list[State]()
         while self._socket.poll(0):
             state = codec.decode_state(self._socket.recv_multipart()[-1])
@@ -194,5 +194,5 @@ class States:
         return found
 
     def close(self) -> None:
-        """Hear no more."""
+        """Close the subscription."""
         self._socket.close(0)

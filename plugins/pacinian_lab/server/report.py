@@ -1,4 +1,4 @@
-"""What the server's benchmarks found: which aims are met, and all of it as one object for JSON."""
+"""Results of the server benchmarks: the verdicts, and everything as one object for JSON."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from pacinian_lab.server.sender import Times
 
 TICK = 1e-3  # [s]
-FRESH = 0.1  # [s]: the age of what is felt, whatever the load
-CONTROL = 0.05  # [s] within which control answers, whatever the load
-HELD = 0.98  # of the ticks per second without load
-GROWN = 1.25  # times the memory at the begin of a phase that is bounded
-FULL = 10_000.0  # [Hz]: the load at which the tick rate is to be held
-LATE = 0.005  # share of late ticks above that at a tenth of the load
+FRESH = 0.1  # [s] maximum age of what is felt, at any load
+CONTROL = 0.05  # [s] within which control must answer, at any load
+HELD = 0.98  # fraction of the unloaded ticks per second that must remain
+GROWN = 1.25  # maximum ratio of the memory to that at the start of a phase
+FULL = 10_000.0  # [Hz] load at which the tick rate must hold
+LATE = 0.005  # maximum increase of the share of late ticks over that at a tenth of the load
 
 
 def latency(found: Sequence[Times]) -> list[Verdict]:
-    """A line for each rate."""
+    """Return a verdict for each rate."""
     return [
         Verdict(
             f"hands at {times.rate:g} Hz: median less than a tick above the echo's round trip",
@@ -40,7 +40,7 @@ def latency(found: Sequence[Times]) -> list[Verdict]:
 
 
 def load(rows: Sequence[Row], finals: Sequence[Final]) -> list[Verdict]:
-    """A line for each aim and number of clients."""
+    """Return a verdict for each target and number of clients."""
     made = list[Verdict]()
     for final in finals:
         own = [row for row in rows if row.clients == final.clients]
@@ -77,7 +77,7 @@ def _control(who: str, rows: Sequence[Row]) -> Verdict:
 
 
 def _held(who: str, rows: Sequence[Row]) -> Verdict:
-    """Against a tenth of the load, at which the same is solved."""
+    """Compare with a tenth of the load, at which the solver has the same work."""
     quiet = [row for row in rows if row.rate < FULL][-1:] or rows[:1]
     loaded = [row for row in rows if row.rate <= FULL][-1:] or rows[:1]
     a, b = quiet[0].seen, loaded[0].seen
@@ -100,7 +100,7 @@ def _bounded(who: str, rows: Sequence[Row]) -> Verdict:
 def plain(
     times: Sequence[Times], rows: Sequence[Row], finals: Sequence[Final], **said: Any
 ) -> dict[str, Any]:
-    """Everything, in SI units where the names tell no other."""
+    """Return all results, in SI units unless a name gives another unit."""
     return {
         **said,
         **about(),
@@ -112,7 +112,7 @@ def plain(
 
 
 def about() -> dict[str, Any]:
-    """When, and on which machine."""
+    """Return the date and the machine."""
     return {
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": {

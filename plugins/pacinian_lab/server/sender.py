@@ -1,4 +1,4 @@
-"""The game whose latency is measured: hands at a rate, and between two of them an echo's round trip."""
+"""The game whose latency is measured: it sends hands at a rate, and measures an echo round trip between two hands."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-SIDE, APART = 4, 0.015  # 16 points below the palm [m]
-RADIUS = 0.006  # [m] from a point to the skin that feels it
-ABOVE = 0.003  # [m], the points inside of the palm's skin
-SWING = 0.005  # [m] to either side, once a second
-DRIFT = 1.001  # so that hands meet every phase of a tick, also where both have one rate
+SIDE, APART = 4, 0.015  # 4 x 4 points below the palm, their spacing [m]
+RADIUS = 0.006  # [m] distance within which skin feels a point
+ABOVE = 0.003  # [m] height of the points within the skin of the palm
+SWING = 0.005  # [m] to either side, once per second
+DRIFT = 1.001  # makes the hands meet every phase of a tick, even if both rates are equal
 RENEW = 0.05  # [s]
-ALONE = 8.0  # [s] at most: a session that does not renew is forgotten after 10
-WARM = 5.0  # [s] that are not counted, at most as long as what is
-SETTLE = 0.2  # [s] after the last hand until what it did is known
+ALONE = 8.0  # [s] maximum; the server forgets a session that does not renew for 10 s
+WARM = 5.0  # [s] maximum warm-up, which is not counted; never longer than the measurement
+SETTLE = 0.2  # [s] after the last hand until its effect is known
 TURNS = "solve, in turn with sampling"
 
 
 class Task(Struct, frozen=True):
-    """What to send. connection: its file. rate: of hands [Hz]. seconds: that are measured."""
+    """What to send. connection: path of the connection file. rate: of hands [Hz]. seconds: measured time."""
 
     connection: str
     echo: Echo
@@ -48,12 +48,13 @@ class Task(Struct, frozen=True):
 
 
 class Times(Struct, frozen=True):
-    """What was measured [s]. `echo`: round trips beside the server; `alone`: before it had anything to do.
+    """Measured times [s]. `echo`: round trips during the run; `alone`: before the server had any work.
 
-    bus: from sent to received; loop: from received to emitted; whole: both. sent: hands; reached: of those, how
-    many the device got: of several in a tick the newest. samples: fewest, median, most. sounding: share of states.
-    tick_ms: median and 99 % at the end; late: share of ticks; turns: share of ticks that only sampled, as solving too
-    would have been late: a hand then takes a tick longer. size: of a message [bytes].
+    bus: from sent to received; loop: from received to emitted; whole: both. sent: number of hands; reached: number of
+    them that reached the device (of several hands in a tick, only the newest does). samples: minimum, median,
+    maximum. sounding: fraction of states. tick_ms: median and 99 % quantile at the end; late: fraction of ticks;
+    turns: fraction of ticks that only sampled because solving too would have made them late, which delays a hand by a
+    tick. size: of a message [bytes].
     """
 
     rate: float
@@ -73,7 +74,7 @@ class Times(Struct, frozen=True):
 
 
 def hands() -> list[HandFrame]:
-    """A second of a hand above the points, in thousandths."""
+    """Return 1000 poses of a hand above the points: one second of motion."""
     made = list[HandFrame]()
     for t in np.arange(1000) * 1e-3:
         hand = gallery.HAND.moved(Pose((SWING * np.sin(2.0 * np.pi * t), 0.0, 0.0)))
@@ -88,7 +89,7 @@ def hands() -> list[HandFrame]:
 
 
 def points() -> objects.Particles:
-    """What the palm touches: always 16 samples."""
+    """Return the points that the palm touches: always 16 samples."""
     along = APART * (np.arange(SIDE) - (SIDE - 1) / 2.0)
     places = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
     return objects.Particles(
@@ -103,7 +104,7 @@ def points() -> objects.Particles:
 def paced(
     rate: float, seconds: float, first: Callable[[], None], between: Callable[[], None]
 ) -> None:
-    """Call `first` at the rate, `between` halfway to the next."""
+    """Call `first` at the given rate, and `between` halfway to the next call."""
     period = DRIFT / rate
     begin = time.perf_counter()
     for k in range(max(1, round(seconds / period))):
@@ -115,7 +116,7 @@ def paced(
 
 
 class Sender:
-    """Sends and remembers. context: of its sockets."""
+    """Sends hands and stores the results. context: of its sockets."""
 
     def __init__(self, context: zmq.Context[Any], task: Task, peer: Peer, states: States) -> None:
         self.task, self.peer, self.states = task, peer, states
@@ -128,7 +129,7 @@ class Sender:
         self._sent, self._renewed = 0, 0.0
 
     def hand(self) -> None:
-        """The pose of now."""
+        """Send the pose for the current time."""
         frame = self.frames[int(1000.0 * time.perf_counter()) % 1000]
         self._sent += self.peer.send(Hands, hands=(frame,))
         if time.perf_counter() > self._renewed + RENEW:
@@ -137,14 +138,14 @@ class Sender:
         self.seen += self.states.new()
 
     def trip(self) -> None:
-        """A round trip to the echo."""
+        """Measure a round trip to the echo."""
         begin = time.perf_counter()
         self._echo.send(self.payload)
         self._echo.recv()
         self.trips.append(time.perf_counter() - begin)
 
     def measure(self) -> Times:
-        """First the echo alone, then beside the hands."""
+        """Measure the echo alone, then together with the hands."""
         task, peer = self.task, self.peer
         self.trip()
         paced(task.rate, min(max(1.0, 0.2 * task.seconds), ALONE), lambda: None, self.trip)
@@ -191,7 +192,7 @@ class Sender:
 
 
 def main() -> None:
-    """In its own process."""
+    """Run in a separate process."""
     task = worker_process.read_task(Task)
     connection = Connection.read(task.connection)
     context = zmq.Context[Any]()

@@ -1,4 +1,4 @@
-"""A server that is played with for a long time: what it takes and how it ticks, window by window."""
+"""Play with a server for a long time, and record its resources and ticks window by window."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from pacinian_lab.server.worker_process import WorkerProcess
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-WINDOWS = 120  # of a run
-SHORTEST = 0.5  # [s] of a window
-SLACK = 60.0  # [s] for an answer
-VISITS = 4  # windows from one visitor's death to the next's
+WINDOWS = 120  # windows of a run
+SHORTEST = 0.5  # [s] minimum length of a window
+SLACK = 60.0  # [s] longest wait for an answer
+VISITS = 4  # windows between the kills of two visitors
 
 
 class Row(Struct, frozen=True):
-    """A window. t: its end, since the begin [s]. memory [MB], files, cpu (share of a core): by process."""
+    """A window. t: its end, from the start [s]. memory [MB], files, cpu (fraction of a core): by process."""
 
     t: float
     heard: Heard
@@ -35,7 +35,7 @@ class Row(Struct, frozen=True):
 
 
 def measure(side: int, seconds: float) -> Iterator[Row]:
-    """Windows of a run of so long [s], on `side` x `side` AUTD units."""
+    """Yield the windows of a run of `seconds` [s], on `side` x `side` AUTD units."""
     length = max(SHORTEST, seconds / WINDOWS)
     settings = Settings(array=Units(side, side), log=Log(level="error"))
     with ExitStack() as stack:

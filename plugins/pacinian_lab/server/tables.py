@@ -1,4 +1,4 @@
-"""What the server's benchmarks found, as tables for a terminal."""
+"""Results of the server benchmarks, as tables for a terminal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian_lab.server.quantiles import Quantiles
     from pacinian_lab.server.sender import Times
 
-SHOWN = 12  # rows of a soak
+SHOWN = 12  # rows shown of a soak
 
 
 def _ms(found: Quantiles) -> list[str]:
@@ -23,7 +23,7 @@ def _ms(found: Quantiles) -> list[str]:
 
 
 def latency(found: Sequence[Times]) -> list[Table]:
-    """For each rate a table of the ways, and one of how the server was."""
+    """Return a table of latencies for each rate, and one of the server's condition."""
     head = ["", "p50\n[ms]", "p99\n[ms]", "p99.9\n[ms]", "most\n[ms]", "count"]
     made: list[Table] = []
     for times in found:
@@ -31,8 +31,8 @@ def latency(found: Sequence[Times]) -> list[Table]:
             "hand sent to frame emitted": times.whole,
             "  sent to received": times.bus,
             "  received to emitted": times.loop,
-            "echo, round trip beside it": times.echo,
-            "echo, round trip alone": times.alone,
+            "echo round trip during the run": times.echo,
+            "echo round trip alone": times.alone,
         }
         lines = [[name, *_ms(one), str(one.count)] for name, one in ways.items()]
         made.append(
@@ -51,11 +51,11 @@ def latency(found: Sequence[Times]) -> list[Table]:
         "", "reached\n[%]", "samples\nmin-med-max", "sounding\n[%]", "tick p50\n[ms]",
         "tick p99\n[ms]", "late\n[%]", "turns\n[%]",
     ]  # fmt: skip
-    return [*made, plain_table("The server meanwhile", head, lines)]
+    return [*made, plain_table("The server during the run", head, lines)]
 
 
 def load_(rows: Sequence[load.Row]) -> list[Table]:
-    """What was felt and how control answered; what was sent and what it took."""
+    """Return two tables: what is felt and how control answers; what is sent and what it costs."""
     head = [
         "clients\nat [1/s]", "ticks\n[Hz]", "late\n[%]", "tick p50\n[ms]", "p99\n[ms]", "age p50\n[ms]",
         "p99\n[ms]", "most\n[ms]", "back", "ping p50\n[ms]", "p99\n[ms]", "most\n[ms]",
@@ -68,7 +68,7 @@ def load_(rows: Sequence[load.Row]) -> list[Table]:
         ]
         for row in rows
     ]  # fmt: skip
-    made = [plain_table("Under load: what is felt, and how control answers", head, felt)]
+    made = [plain_table("Under load: latency and control", head, felt)]
     head = [
         "clients\nat [1/s]", "sent\n[1/s]", "full\n[1/s]", "told", "frames\n[Hz]", "gap\n[ms]",
         "memory\n[MB]", "most\n[MB]", "control\n[%]", "bus\n[%]", "render\n[%]", "guard\n[%]",
@@ -82,7 +82,7 @@ def load_(rows: Sequence[load.Row]) -> list[Table]:
         ]
         for row in rows
     ]  # fmt: skip
-    return [*made, plain_table("Under load: what is sent, and what it takes", head, taken)]
+    return [*made, plain_table("Under load: messages and resources", head, taken)]
 
 
 def _ages(row: load.Row) -> list[str]:
@@ -91,7 +91,7 @@ def _ages(row: load.Row) -> list[str]:
 
 
 def windows(rows: Sequence[soak.Row]) -> Table:
-    """Some of a soak's windows."""
+    """Return a table of some windows of a soak."""
     step = max(1, len(rows) // SHOWN)
     head = [
         "t [s]", "memory\n[MB]", "files", "tick p50\n[ms]", "p99\n[ms]", "late\n[%]",
@@ -110,7 +110,7 @@ def windows(rows: Sequence[soak.Row]) -> Table:
 
 
 def events(rows: Sequence[soak.Row]) -> Table:
-    """What was done, and what went wrong, in all."""
+    """Return a table of all events: actions taken and problems met."""
     names = dict.fromkeys(name for row in rows for name in row.heard.events)
     lines = [[name, str(sum(row.heard.events.get(name, 0) for row in rows))] for name in names]
-    return plain_table("What happened", ["", "times"], lines)
+    return plain_table("Events", ["", "times"], lines)

@@ -1,4 +1,4 @@
-"""What the live viewer costs: the loop's ticks with it closed and open, in turn, on one server; what a page draws."""
+"""Measure the cost of the live viewer: ticks of one server with the viewer closed and open, and frames of a page."""
 
 from __future__ import annotations
 
@@ -35,17 +35,18 @@ if TYPE_CHECKING:
 
 FRAME = 1.0 / 90.0  # [s] of the game
 SETTLE = 3.0  # [s] before each window
-LIMIT = 60.0  # [s] for the viewer to start, and to connect anew
+LIMIT = 60.0  # [s] for the viewer to start, and for the game to reconnect
 BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
 HOW = "closed", "feed", "slice"
-ALL = "&power=all"  # of a page's address: frames one after the other, changed or not
+ALL = "&power=all"  # in a page's address: draw every frame, changed or not
 
 
 class Ticks(Struct, frozen=True):
-    """Of the loop in a window.
+    """Ticks of the loop in a window.
 
-    p50, p99: of ticks, as told after each second if it sounds then, or as soon as it does in the next; medians over the
-    window [ms]. sounding: share of the seconds after which it did. late: share of ticks.
+    p50, p99: quantiles of the tick time [ms]; medians over the window. They are read after each second in which the
+    output sounds, or as soon as it sounds in the next second. sounding: fraction of the seconds after which it
+    sounded. late: fraction of ticks.
     """
 
     p50: float
@@ -55,11 +56,12 @@ class Ticks(Struct, frozen=True):
 
 
 class Row(Struct, frozen=True):
-    """One window.
+    """Results of one window.
 
-    how: the viewer closed; open with a page that only reads (feed); and asks for a slice of 128 x 128; in a browser;
-    in a browser without a server, from a recording, all frames drawn that can be (alone). ticks: None without a server.
-    frames: a second, that the page drew. slices: a second, that it got. viewer, browser: their processes [cores].
+    how: the viewer is closed; open with a page that only reads (feed); that also requests a 128 x 128 slice (slice);
+    in a browser (browser); in a browser that plays a recording as fast as it can, without a server (alone). ticks:
+    None without a server. frames: drawn by the page per second. slices: received per second. viewer, browser: CPU use
+    of their processes [cores].
     """
 
     how: str
@@ -71,9 +73,9 @@ class Row(Struct, frozen=True):
 
 
 def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterator[Row]:
-    """Windows of so many seconds, `rounds` of each kind in turn, before `side` x `side` units.
+    """Yield windows of `seconds` [s], `rounds` of each kind in turn, in front of `side` x `side` units.
 
-    browser: a Chromium that opens the page, too. Raises ServerError.
+    browser: a Chromium that also opens the page. Raises ServerError.
     """
     settings = Settings(array=Units(side, side), log=Log(level="warning"))
     with tempfile.TemporaryDirectory(prefix="pacinian-") as name:
@@ -110,9 +112,10 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
 
 
 def play(game: Client, seconds: float) -> list[State]:
-    """Move a hand over the ball for so long [s]; the state at the end of each second but the last.
+    """Move a hand over the ball for `seconds` [s], and return the state at the end of each second but the last.
 
-    Where it does not sound just then, the first one until the end of the next second that does, or else the last.
+    If the output is silent at the end of a second, the next sounding state within a second replaces that state, or
+    else the last one does.
     """
     begin = now = time.perf_counter()
     found: list[State] = []
@@ -125,9 +128,9 @@ def play(game: Client, seconds: float) -> list[State]:
                 found.append(game.status())
             elif found and found[-1].output != "sounding":
                 found[-1] = game.status()
-        except Refused:  # late, on a busy machine
+        except Refused:  # the game was late on a busy machine
             game.arm()
-        except ConnectionLost:  # very late
+        except ConnectionLost:  # the game was very late
             _reconnect(game)
         time.sleep(FRAME)
         now = time.perf_counter()
@@ -135,13 +138,13 @@ def play(game: Client, seconds: float) -> list[State]:
 
 
 def _reconnect(game: Client) -> None:
-    """Until it plays on: who is late for one connection may be so for the next. Raises ConnectionLost."""
+    """Reconnect, again and again, because a late client may also lose the next connection. Raises ConnectionLost."""
     end = time.perf_counter() + LIMIT
     while True:
         try:
             game.reconnect()
             game.put(BALL)
-            game.arm(take=True)  # from the session that was lost
+            game.arm(take=True)  # takes over from the lost session
             return
         except ConnectionLost:
             if time.perf_counter() > end:
@@ -156,7 +159,7 @@ def _playing(game: Client, seconds: float) -> None:
 def _window(
     game: Client, how: str, seconds: float, viewer: psutil.Process | None, page: Reader | Chromium | None
 ) -> Row:  # fmt: skip
-    _counts(game, page)  # it is there
+    _counts(game, page)  # waits until the page is there
     play(game, SETTLE)
     counts, before, meter = _counts(game, page), game.status(), Meter(viewer, page)
     seen = play(game, seconds)
@@ -175,7 +178,7 @@ def _window(
 
 
 def _counts(game: Client, page: Reader | Chromium | None) -> Counts:
-    """The game goes on while the page is asked."""
+    """Return the counts of the page, and play the game meanwhile."""
     if page is None:
         return Counts()
     with ThreadPoolExecutor(1) as pool:
@@ -186,7 +189,7 @@ def _counts(game: Client, page: Reader | Chromium | None) -> Counts:
 
 
 def _record(game: Client, seconds: float, folder: Path, *where: str) -> None:
-    """A recording of the viewer, into its folder."""
+    """Record the viewer's feed into its folder."""
     with viewing(folder, partial(_playing, game), *where) as (_, url), feed(url) as socket:
         say(socket, {"type": "record", "on": True})
         play(game, seconds)
@@ -208,7 +211,7 @@ def _alone(url: str, seconds: float, viewer: psutil.Process, page: Chromium) -> 
 
 
 def _sliced(counts: Callable[[], Counts], go_on: Callable[[], object], before: Counts) -> Counts:
-    """The counts, once a slice has come since, where they are asked for: of a window without one no rate is known."""
+    """Return the counts, after a new slice if the page requests slices: a window without a slice gives no rate."""
     end = time.perf_counter() + LIMIT
     while (now := counts()).slices == before.slices > 0 and time.perf_counter() < end:
         go_on()
@@ -216,7 +219,7 @@ def _sliced(counts: Callable[[], Counts], go_on: Callable[[], object], before: C
 
 
 class Meter:
-    """How much of the processors a viewer and a page's browser take, from when it is made."""
+    """Measures the CPU use of a viewer and of a page's browser since the meter was made."""
 
     def __init__(self, viewer: psutil.Process | None, page: Reader | Chromium | None) -> None:
         self._viewer = () if viewer is None else (viewer,)
@@ -224,7 +227,7 @@ class Meter:
         self._begin, self._before = time.perf_counter(), self._used()
 
     def cores(self) -> tuple[float, float]:
-        """Of the viewer and the browser, with all that they have started [cores]."""
+        """Return the CPU use of the viewer and of the browser, including their child processes [cores]."""
         took = time.perf_counter() - self._begin
         viewer, browser = (now - was for now, was in zip(self._used(), self._before, strict=True))
         return viewer / took, browser / took
@@ -247,7 +250,7 @@ def _used(processes: Sequence[psutil.Process]) -> float:
 def viewing(
     folder: Path, wait: Callable[[float], object], *arguments: str
 ) -> Generator[tuple[psutil.Process, str]]:
-    """`pacinian view` in a folder, and its address; `wait` waits for so long [s]. Raises ServerError."""
+    """Run `pacinian view` in a folder and yield its process and address. wait: waits [s]. Raises ServerError."""
     command = [sys.executable, "-m", "pacinian", "view", "--no-browser", *arguments]
     with tempfile.TemporaryFile("w+b") as out:
         process = subprocess.Popen(command, stdout=out, cwd=folder)
@@ -259,7 +262,7 @@ def viewing(
 
 
 def _address(out: IO[bytes], wait: Callable[[float], object]) -> str:
-    """As soon as it is printed. Raises ServerError."""
+    """Return the address as soon as the viewer prints it. Raises ServerError."""
     end = time.perf_counter() + LIMIT
     while time.perf_counter() < end:
         wait(0.1)

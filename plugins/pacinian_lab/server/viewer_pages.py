@@ -1,4 +1,4 @@
-"""Pages of the live viewer to measure with: one that only reads, and one in a Chromium, asked what it has drawn."""
+"""Pages of the live viewer for benchmarks: one that only reads, and one in Chromium that reports what it has drawn."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ SLICE = {
     "type": "slice", "id": 1, "centre": [0.0, 0.0, 0.2], "u": [1.0, 0.0, 0.0], "v": [0.0, 1.0, 0.0],
     "size": [0.2, 0.2], "shape": [128, 128],
 }  # fmt: skip
-LIMIT = 60.0  # [s] for a page to show all
-SHORT = 0.5  # [s] for the viewer to close a feed whose rest nobody reads
-AGAIN = 0.2  # [s] between two looks whether it does
-# As a Chromium without a graphics card is by itself: pages are put together, and WebGL is drawn, by the processor.
+LIMIT = 60.0  # [s] for a page to show everything
+SHORT = 0.5  # [s] for the viewer to close a feed that nobody reads any more
+AGAIN = 0.2  # [s] between two polls of a page
+# Like a Chromium without a graphics card: the CPU composes pages and renders WebGL.
 CHROMIUM = (
     "--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--window-size=1280,800",
     "--remote-debugging-port=0", "--no-first-run", "--disable-background-networking", "--disable-sync",
@@ -40,20 +40,20 @@ COUNTS = "[performance.now() / 1e3, pacinian.frames, pacinian.slices, pacinian.l
 
 
 class Counts(NamedTuple):
-    """What a page has had so far. at: of a clock of its own [s]. frames: that it drew. slices: that it got."""
+    """Counts of a page so far. at: time of the page's own clock [s]. frames: drawn. slices: received."""
 
     at: float = 0.0
     frames: int = 0
     slices: int = 0
 
     def rates(self, before: Counts) -> tuple[float, float]:
-        """Frames and slices a second since."""
+        """Return the frames and slices per second since `before`."""
         took = max(self.at - before.at, 1e-9)
         return (self.frames - before.frames) / took, (self.slices - before.slices) / took
 
 
 class Reader:
-    """Reads all, draws nothing; asks for a slice where it is `sliced`. A context manager."""
+    """Reads everything and draws nothing; `sliced`: requests a slice. A context manager."""
 
     processes: tuple[psutil.Process, ...] = ()
 
@@ -63,7 +63,7 @@ class Reader:
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def counts(self) -> Counts:
-        """What it has had so far; waits until the first slice is there, where it asks for them. Raises ServerError."""
+        """Return the counts so far. If the page requests slices, waits for the first one. Raises ServerError."""
         if self._sliced and not self._first.wait(LIMIT):
             raise ServerError(f"no slice has come within {LIMIT:g} s")
         return Counts(time.perf_counter(), 0, self._slices)
@@ -90,7 +90,7 @@ class Reader:
 
 
 class Chromium:
-    """The page in a real browser without a window, 1280 x 800. A context manager. Raises ServerError."""
+    """The page in a real headless browser, 1280 x 800. A context manager. Raises ServerError."""
 
     def __init__(self, program: str, url: str) -> None:
         self._name, self._stack = program, contextlib.ExitStack()
@@ -108,10 +108,10 @@ class Chromium:
         self.processes = (psutil.Process(self._program.pid),)
 
     def counts(self) -> Counts:
-        """What it has had so far; waits until it shows what the server has, with a slice. Raises ServerError."""
+        """Return the counts so far. Waits until the page shows the server's state and a slice. Raises ServerError."""
         end = time.perf_counter() + LIMIT
         while time.perf_counter() < end and self._program.poll() is None:
-            with contextlib.suppress(OSError, ValueError, LookupError):  # it is not there yet
+            with contextlib.suppress(OSError, ValueError, LookupError):  # not ready yet
                 at, frames, slices, live = self._evaluate(COUNTS)
                 if live and slices:
                     return Counts(float(at), int(frames), int(slices))
@@ -119,7 +119,7 @@ class Chromium:
         raise ServerError(f"{self._name} has not shown the page and a slice within {LIMIT:g} s")
 
     def _evaluate(self, expression: str) -> list[float]:
-        """By the DevTools protocol. Raises OSError, ValueError, LookupError."""
+        """Evaluate an expression by the DevTools protocol. Raises OSError, ValueError, LookupError."""
         from websockets.exceptions import WebSocketException
         from websockets.sync.client import connect
 
@@ -140,7 +140,7 @@ class Chromium:
         return found
 
     def _end(self) -> None:
-        """It and all that it has started."""
+        """Kill the browser and its child processes."""
         with contextlib.suppress(psutil.Error):
             for child in psutil.Process(self._program.pid).children(recursive=True):
                 with contextlib.suppress(psutil.Error):
@@ -156,7 +156,7 @@ class Chromium:
 
 
 def feed(url: str) -> AbstractContextManager[ClientConnection]:
-    """The websocket of a page's address. Raises MissingExtra."""
+    """Open the websocket of a page's address. Raises MissingExtra."""
     try:
         from websockets.sync.client import connect
     except ImportError as error:
@@ -167,5 +167,5 @@ def feed(url: str) -> AbstractContextManager[ClientConnection]:
 
 
 def say(socket: ClientConnection, message: dict[str, Any]) -> None:
-    """As a page does."""
+    """Send a message as a page does."""
     socket.send(msgpack.packb(message) or b"")

@@ -1,4 +1,4 @@
-"""A client that comes to be killed: it moves an object of its own until then."""
+"""A client that moves its own object until it is killed."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ FRAME = 1.0 / 90.0  # [s]
 
 
 class Visit(Struct, frozen=True):
-    """Where, and which scene."""
+    """The connection file and the scene to visit."""
 
     connection: str
     scene: str
 
 
 def main() -> None:
-    """In its own process, until it is killed."""
+    """Run in a separate process until it is killed."""
     visit = worker_process.read_task(Visit)
     orders = worker_process.queue_orders(Visit)
     with Client(visit.connection, name="visitor", scene=visit.scene) as client:

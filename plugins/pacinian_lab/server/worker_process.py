@@ -1,4 +1,4 @@
-"""A process of the benchmark's own, so that measuring does not delay what is measured. It speaks JSON lines."""
+"""A separate process for the benchmark, so that measuring does not delay the server. Its messages are JSON lines."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-MAX_WAIT = 60.0  # [s] for an answer
+MAX_WAIT = 60.0  # [s] longest wait for an answer
 
 
 class WorkerError(PacinianError):
-    """A process of the benchmark's that crashed or hung."""
+    """A process of the benchmark crashed or hung."""
 
 
 class WorkerProcess:
-    """Runs `python -m pacinian_lab.server.<module>`. Ends it as a context manager."""
+    """Runs `python -m pacinian_lab.server.<module>`. As a context manager, ends the process on exit."""
 
     def __init__(self, module: str) -> None:
         self.module = module
@@ -59,7 +59,7 @@ class WorkerProcess:
             raise WorkerError(f"{self.module}: has ended") from error
 
     def receive(self, kind: type[T], limit: float = MAX_WAIT) -> T:
-        """The next answer. Raises WorkerError if it has ended, or after `limit` seconds."""
+        """Return the next answer. Raises WorkerError if the process has ended, or after `limit` seconds."""
         try:
             line = self._lines.get(timeout=limit)
         except queue.Empty:
@@ -69,7 +69,7 @@ class WorkerProcess:
         return msgspec.json.decode(line, type=kind)
 
     def close(self) -> None:
-        """End it at once."""
+        """Kill the process."""
         self.process.kill()
         self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):
@@ -89,13 +89,13 @@ class WorkerProcess:
 
 
 def read_order(kind: Any) -> Any:
-    """In the process: its next order; None when its parent has ended."""
+    """In the process: return the next order, or None when the parent has ended."""
     line = sys.stdin.buffer.readline()
     return msgspec.json.decode(line, type=kind) if line else None
 
 
 def queue_orders(kind: Any) -> queue.SimpleQueue[Any]:
-    """In the process: a queue of its orders as they come, then None; for a process that also does other work."""
+    """In the process: return a queue of the orders, then None. For a process that also does other work."""
     made = queue.SimpleQueue[Any]()
 
     def read() -> None:
@@ -108,7 +108,7 @@ def queue_orders(kind: Any) -> queue.SimpleQueue[Any]:
 
 
 def read_task(kind: type[T]) -> T:
-    """In the process: its task. Ends the process when its parent has ended."""
+    """In the process: return the task. Ends the process if the parent has ended."""
     message = read_order(kind)
     if message is None:
         raise SystemExit(0)
@@ -116,6 +116,6 @@ def read_task(kind: type[T]) -> T:
 
 
 def answer(message: Struct) -> None:
-    """In the process: tell the parent."""
+    """In the process: send an answer to the parent."""
     sys.stdout.buffer.write(msgspec.json.encode(message) + b"\n")
     sys.stdout.buffer.flush()

@@ -1,1 +1,1 @@
-"""Run time against error: our solvers and the peers, on the same problems, by one evaluator."""
+"""Benchmark run time against error: Pacinian's solvers and the peers, on the same problems, with the same evaluator."""

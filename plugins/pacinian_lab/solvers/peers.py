@@ -1,4 +1,4 @@
-"""Where the peers' environments are: one Python environment for each, built by `.ci/peers`."""
+"""The peers' Python environments: one for each peer, built by `.ci/peers`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ VARIABLE = "PACINIAN_PEERS"
 
 
 def folder() -> Path:
-    """The folder of the environments: `$PACINIAN_PEERS`, or `pacinian/peers` in the user's cache."""
+    """Return the folder of the environments: `$PACINIAN_PEERS`, or `pacinian/peers` in the user's cache."""
     if given := os.environ.get(VARIABLE):
         return Path(given)
     home = Path.home()
@@ -25,7 +25,7 @@ def folder() -> Path:
 
 
 def python(root: Path, peer: str) -> Path | None:
-    """The Python of a peer's environment, or None where it has not been built."""
+    """Return the Python of a peer's environment, or None if it has not been built."""
     for place in ("bin/python", "Scripts/python.exe"):
         if (found := root / peer / place).exists():
             return found
@@ -33,7 +33,7 @@ def python(root: Path, peer: str) -> Path | None:
 
 
 def advice(root: Path, missing: list[str]) -> str:
-    """What to do about environments that are missing."""
+    """Return a message that explains how to build missing environments."""
     return (
         f"no environment for {', '.join(missing)} in {root}: "
         f"build it with `.ci/peers {root}` (docs/benchmark.md)"

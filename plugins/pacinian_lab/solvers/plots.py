@@ -1,4 +1,4 @@
-"""The pictures: run time against error, and run time against size. Needs Matplotlib."""
+"""Draw the pictures: run time against error, and run time against size. Needs Matplotlib."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 
 
 def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
-    """Draw all pictures as PNG files in `folder`; return the files. Raises MissingExtra.
+    """Draw all pictures as PNG files in `folder` and return the files. Raises MissingExtra.
 
-    What failed, or is wrong by more than 100 %, is left out.
+    Leaves out failed cells, and cells with an error above 100 %.
     """
     pages: dict[str, Figure] = {}
     for level in sorted({c.level for c in shown(cells) if c.mode != REFERENCE}):
         title = (
-            f"Run time, points to gains, against error, at level {level:g}. "
-            f"Filled: cold; hollow: warm. x: scale where it is not 1; pale: under {WEAK:g}. "
-            f"Errors under {FLOOR:g} % are drawn there."
+            f"Run time from points to gains against error, at level {level:g}. "
+            f"Filled: cold; hollow: warm. x: scale, if not 1; pale: under {WEAK:g}. "
+            f"Errors under {FLOOR:g} % are drawn at that value."
         )
         pages[f"pareto-{level:g}.png"] = pareto(cells, level=level, title=title)
     if lines := growth(cells):
@@ -40,7 +40,7 @@ def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
 
 
 def grow(lines: Sequence[Growth]) -> Figure:
-    """Run time against N and against M. Raises MissingExtra."""
+    """Draw run time against N and against M. Raises MissingExtra."""
     alongs = sorted({line.along for line in lines}, reverse=True)
     page = figure(1.0 + 5.5 * len(alongs), 8.0)
     panels = page.subplots(1, len(alongs), sharey=True, squeeze=False)[0]

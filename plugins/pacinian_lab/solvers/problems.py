@@ -1,4 +1,4 @@
-"""The problems: random points in a square before AUTD-shaped arrays, and the evaluator's own B."""
+"""The problems: random points in a square in front of AUTD-shaped arrays, and the evaluator's own B."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
 FREQUENCY, SPEED, PRESSURE = 40_000.0, 340.0, 4.386  # [Hz], [m/s], [Pa m]
 AIR = Air(speed_of_sound=SPEED, density=1.2)
 WAVENUMBER = 2.0 * math.pi * FREQUENCY / SPEED  # [rad/m]
-SIDE, DISTANCE = 0.2, 0.2  # of the square, and from the array's centre plane [m]
-STEP, FRAMES = 1e-3, 6  # [m]; a warm solve's points go round a hexagon of this side
+SIDE, DISTANCE = 0.2, 0.2  # [m] of the square: its side, its distance from the array's centre plane
+STEP, FRAMES = 1e-3, 6  # [m]; between warm solves, points move around a hexagon of side STEP
 
 
 def matrix(positions: Floats, points: Floats) -> Complexes:
-    """B [Pa], (M, N), for omnidirectional transducers: plain NumPy, apart from the solvers' kernels."""
+    """Return B [Pa], (M, N), for omnidirectional transducers, in plain NumPy, without the solvers' kernels."""
     r = np.linalg.norm(points[:, None] - positions, axis=2)
     return np.asarray(PRESSURE / r * np.exp(-1j * WAVENUMBER * r))
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """M points before an array.
+    """M points in front of an array.
 
-    units: AUTD units, 1, 4, 9, ... (a square of them). level: 2-norm of the targets over what one focus
-    could reach. seed: of the points and of the proportions.
-    positions: of the transducers [m], (N, 3). points: [m], (M, 3). targets: sound pressures [Pa], (M,).
+    units: AUTD units, 1, 4, 9, ... (in a square). level: 2-norm of the targets relative to what one focus could
+    reach. seed: of the points and of the proportions. positions: of the transducers [m], (N, 3). points: [m], (M, 3).
+    targets: sound pressures [Pa], (M,).
     """
 
     units: int
@@ -50,7 +50,7 @@ class Problem:
 
     @classmethod
     def make(cls, units: int, count: int, level: float, seed: int) -> Problem:
-        """`count` points, 0.3..1 in proportion, at `level`. Raises ArgumentError."""
+        """Return a problem of `count` points, with proportions 0.3..1, at `level`. Raises ArgumentError."""
         side = math.isqrt(check_integer("units", units, low=1))
         if side * side != units:
             raise ArgumentError("units", f"must be a square number (1, 4, 9, ...), not {units}")
@@ -65,14 +65,14 @@ class Problem:
 
     @functools.cached_property
     def frames(self) -> Floats:
-        """Where the points are from solve to solve [m], (6, M, 3): each moves by 1 mm, and comes back."""
+        """Positions of the points in consecutive solves [m], (6, M, 3). Each moves by 1 mm per solve, on a hexagon."""
         start = np.random.default_rng(self.seed).uniform(0.0, 2.0 * np.pi, len(self.points))
         angle = start + 2.0 * np.pi / FRAMES * np.arange(FRAMES)[:, None]
         path = STEP * np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
         return np.asarray(self.points + (path - path[0]))
 
     def message(self) -> dict[str, Any]:
-        """What a worker is told."""
+        """Return the problem as a message for a worker."""
         return {
             "positions": self.positions.tolist(),
             "frames": self.frames.tolist(),
@@ -85,7 +85,7 @@ class Problem:
 def problems(
     units: Iterable[int], points: Iterable[int], levels: Iterable[float], seeds: int
 ) -> list[Problem]:
-    """All combinations, the small ones first, with seeds 0..seeds - 1."""
+    """Return all combinations, the small ones first, with seeds 0..seeds - 1."""
     return [
         Problem.make(u, count, level, seed)
         for u in sorted(set(units))

@@ -1,4 +1,4 @@
-"""Everything that a run found, as one object for JSON."""
+"""All results of a run as one object for JSON."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def plain(rows: Sequence[Row], workers: Iterable[Worker], **said: Any) -> dict[str, Any]:
-    """Rows, cells (medians), targets, exponents, machine and versions in SI units; null for what is not known."""
+    """Return rows, cells (medians), targets, exponents, machine and versions in SI units, with null for unknowns."""
     found = cells(rows)
     return {
         **said,

@@ -1,4 +1,4 @@
-"""What is measured, one row each: CSV as it comes, JSON at the end."""
+"""The measurements, one row each: written as CSV during the run, and as JSON at its end."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ KINDS: dict[str, Callable[[Any], Any]] = {"int": int, "float": float, "str": str
 class Row:
     """One solver on one problem.
 
-    family: "pacinian", a peer, or "reference". mode: "cold", "warm" (all points have moved by 1 mm),
-    "one moved", "rescaled" (only the strength has changed) or "reference". threads: allowed.
-    units, N, M, level, seed: the problem. p50, p99: run time [s] of `samples` solves.
-    error, scale, mean_pressure [Pa]: see `evaluate.Score`; error_8bit: after rounding to 8 bits.
-    drive: the largest |g| as returned. traced: bytes that one solve holds at most, as far as Python knows;
-    resident: most memory of its process so far [bytes]. status: "ok", or what went wrong; then NaN.
+    family: "pacinian", a peer, or "reference". mode: "cold", "warm" (all points have moved by 1 mm), "one moved",
+    "rescaled" (only the strength has changed) or "reference". threads: maximum number of threads. units, N, M, level,
+    seed: the problem. p50, p99: run time [s] of `samples` solves. error, scale, mean_pressure [Pa]: see
+    `score.Score`; error_8bit: after rounding to 8 bits. drive: largest |g| as returned. traced: peak memory of one
+    solve that Python tracks [bytes]; resident: peak memory of the process so far [bytes]. status: "ok", or the
+    failure; the numbers are then NaN.
     """
 
     family: str
@@ -52,7 +52,7 @@ class Row:
 
     @property
     def ok(self) -> bool:
-        """Whether it was measured."""
+        """Whether the measurement succeeded."""
         return self.status == "ok"
 
 
@@ -60,7 +60,7 @@ COLUMNS = [field.name for field in fields(Row)]
 
 
 class Writer:
-    """Writes rows to a CSV file, each at once, so that an interrupted run keeps what it measured."""
+    """Writes rows to a CSV file and flushes each row, so that an interrupted run keeps its measurements."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", newline="", encoding="utf-8")
@@ -86,16 +86,16 @@ class Writer:
 
 
 def read(path: Path) -> list[Row]:
-    """The rows of a CSV file. Raises RecordingError."""
+    """Return the rows of a CSV file. Raises RecordingError."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             return [row(found) for found in csv.DictReader(file)]
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise RecordingError(path, f"is no benchmark: {error!r}") from error
+        raise RecordingError(path, f"is not a benchmark: {error!r}") from error
 
 
 def row(values: dict[str, Any]) -> Row:
-    """A row from its columns, as text or as JSON has them."""
+    """Return a row from its columns, which are text or JSON values."""
     read: dict[str, Any] = {}
     for field in fields(Row):
         value = values[field.name]
@@ -105,7 +105,7 @@ def row(values: dict[str, Any]) -> Row:
 
 
 def plain(row: Row) -> dict[str, Any]:
-    """A row for JSON, which has no NaN: null instead."""
+    """Return a row for JSON, with null for values that are not finite."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
         for name, value in asdict(row).items()

@@ -1,4 +1,4 @@
-"""The run: every contestant on one problem before the next, so that ratios are of neighbouring moments."""
+"""Run the benchmark: every contestant solves one problem before the next, so that ratios compare adjacent runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REFERENCE = "reference"
 
 @dataclass(frozen=True)
 class Entry:
-    """One solver of one worker: what a row is measured for."""
+    """One solver of one worker, in one mode."""
 
     worker: Worker
     solver: str
@@ -33,19 +33,19 @@ class Entry:
 
     @property
     def family(self) -> str:
-        """Who it belongs to."""
+        """Name of the contestant, or "reference"."""
         return REFERENCE if self.mode == REFERENCE else self.worker.name
 
 
 def cores() -> int:
-    """How many processors this process may use."""
+    """Return the number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def workers(threads: Iterable[int], root: Path | None) -> list[Worker]:
-    """Ours, and where `root` is given those of the peers that have an environment there."""
+    """Return Pacinian's workers and, if `root` is given, those of the peers that have an environment there."""
     pythons = {OURS: sys.executable}
     if root is not None:
         found = {peer: peers.python(root, peer) for peer in peers.PEERS}
@@ -58,9 +58,9 @@ def entries(
     solvers: Sequence[str] | None,
     on_fault: Callable[[str], object],
 ) -> list[Entry]:
-    """All that the workers offer; of ours only `solvers`, if given.
+    """Return all entries that the workers offer; of Pacinian's, only `solvers`, if given.
 
-    on_fault: told of a peer that does not start. Raises WorkerError where ours do not.
+    on_fault: called with a message if a peer does not start. Raises WorkerError if Pacinian's worker does not start.
     """
     found: list[Entry] = []
     for worker in workers:
@@ -79,9 +79,9 @@ def entries(
 
 
 def warm_up(entries: Iterable[Entry]) -> None:
-    """Let every entry solve something small, so that nothing is loaded or compiled later.
+    """Let every entry solve a small problem, so that nothing is loaded or compiled later.
 
-    What fails here will fail again where it is told.
+    Ignores failures, because they will recur and be reported in the run.
     """
     problem = Problem.make(1, 4, 0.5, 0)
     for entry in entries:
@@ -98,7 +98,7 @@ def measure(
     limit: float,
     on_row: Callable[[Row], object] = lambda row: None,
 ) -> Iterator[Row]:
-    """Every entry on every problem: for about `seconds` [s] each, given up after `limit` [s]."""
+    """Run every entry on every problem for about `seconds` [s] each, giving up after `limit` [s]."""
     for problem in problems:
         for entry in entries:
             row = one(entry, problem, seconds, limit)
@@ -107,7 +107,7 @@ def measure(
 
 
 def one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
-    """One row; whatever goes wrong is its status."""
+    """Return one row. Its status describes any failure."""
     M, N = len(problem.points), len(problem.positions)
     place = (problem.units, N, M, problem.level, problem.seed)
     row = Row(entry.family, entry.solver, entry.mode, entry.worker.threads, *place)
@@ -119,7 +119,7 @@ def one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
 
 
 def judged(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
-    """The row with what a worker told, evaluated. Raises WorkerError for what cannot be."""
+    """Return the row with a worker's answer, evaluated. Raises WorkerError if the answer is invalid."""
     try:
         p50, p99, traced, most = (float(told[k]) for k in ("p50", "p99", "traced", "resident"))
         samples = int(told["samples"])
@@ -129,7 +129,7 @@ def judged(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
         g = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
         q = np.array(told["points"], np.float64)
     except (KeyError, TypeError, ValueError) as error:
-        raise WorkerError(f"answered nonsense: {error!r}") from error
+        raise WorkerError(f"gave an invalid answer: {error!r}") from error
     for name, array, shape in (("gains", g, (row.N,)), ("points", q, (row.M, 3))):
         if array.shape != shape:
             raise WorkerError(f"returned {name} of shape {array.shape}, not {shape}")
@@ -148,7 +148,7 @@ def judged(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
 
 
 def message(entry: Entry, problem: Problem, seconds: float) -> dict[str, Any]:
-    """What a worker is asked."""
+    """Return the message that asks a worker for a measurement."""
     return {
         "solver": entry.solver,
         "mode": entry.mode,

@@ -1,4 +1,4 @@
-"""The one evaluator of all contestants: from gains to the error of the sound pressures they make."""
+"""The evaluator of all contestants: the error of the sound pressures that gains produce."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pacinian_lab.solvers.problems import matrix
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-LEVELS = 256  # phases and amplitudes of an AUTD3
+LEVELS = 256  # phase and amplitude levels of an AUTD3
 
 
 @dataclass(frozen=True)
 class Score:
-    """What gains achieve, after clipping to |g| <= 1.
+    """The quality of gains, after clipping to |g| <= 1.
 
-    error: ||(|p| - s t)|| / ||s t||, s being the best multiple of the targets; NaN for silence.
-    scale: s. mean_pressure: of |p| over the points [Pa].
+    error: ||(|p| - s t)|| / ||s t||, where s is the best multiple of the targets; NaN for silence. scale: s.
+    mean_pressure: mean of |p| over the points [Pa].
     """
 
     error: float

@@ -1,4 +1,4 @@
-"""What the rows say: medians of the fastest setting of threads, and how run time grows."""
+"""Summarise the rows: medians of the fastest thread setting, and the growth of the run time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Key = tuple[int, int, float, int]  # N, M, level, seed
 
 @dataclass(frozen=True)
 class Cell:
-    """One solver on one kind of problem: medians over the seeds, of the fastest setting of threads.
+    """One solver on one kind of problem: medians over the seeds, of the fastest thread setting.
 
     Fields as in `rows.Row`. note: empty, or why nothing was measured.
     """
@@ -44,7 +44,7 @@ class Cell:
 
 
 def fastest(rows: Iterable[Row], solver: str, mode: str) -> dict[Key, Row]:
-    """For each problem the row of the number of threads that took least."""
+    """Return, for each problem, the row of the thread setting that took the least time."""
     best: dict[Key, Row] = {}
     for row in rows:
         key = (row.N, row.M, row.level, row.seed)
@@ -56,7 +56,7 @@ def fastest(rows: Iterable[Row], solver: str, mode: str) -> dict[Key, Row]:
 
 
 def cells(rows: Sequence[Row]) -> list[Cell]:
-    """All cells, in the order of the rows."""
+    """Return all cells, in the order of the rows."""
     groups: defaultdict[tuple[str, str, str, int, int, float], list[Row]] = defaultdict(list)
     for row in rows:
         groups[row.family, row.solver, row.mode, row.N, row.M, row.level].append(row)
@@ -78,9 +78,9 @@ def _cell(rows: list[Row]) -> Cell:
 
 @dataclass(frozen=True)
 class Growth:
-    """How a solver's run time grows: times [s] for sizes, and the exponent of the line through them.
+    """Growth of a solver's run time: times [s] for sizes, and the exponent of the line through them.
 
-    along: "N" or "M"; fixed: the other one.
+    along: "N" or "M"; fixed: the value of the other one.
     """
 
     family: str
@@ -93,12 +93,15 @@ class Growth:
 
     @property
     def exponent(self) -> float:
-        """Of time ~ size^exponent, by least squares of the logarithms."""
+        """Exponent of time ~ size^exponent, by least squares of the logarithms."""
         return float(np.polyfit(np.log(self.sizes), np.log(self.times), 1)[0])
 
 
 def growth(found: Iterable[Cell]) -> list[Growth]:
-    """Along N for the middle M, and along M for the largest N, at the lowest level, cold; and the roofline's."""
+    """Return growth along N for the middle M, and along M for the largest N; cold, at the lowest level.
+
+    Includes the roofline.
+    """
     measured = [
         c for c in found if not c.note and c.mode in ("cold", REFERENCE) and c.solver != "gemm"
     ]

@@ -25,7 +25,7 @@ SHOWN = ("cold", "warm", REFERENCE)
 
 
 def results(cells: Sequence[Cell]) -> list[Table]:
-    """For each level and N: solver by M, with error, scale, time and how many times the roofline's."""
+    """Return a table for each level and N: solver by M, with error, scale, time and ratio to the roofline's time."""
     cells = [c for c in cells if c.mode in SHOWN and c.solver != "gemm"]
     return [
         _results([c for c in cells if (c.level, c.N) == place], *place)
@@ -45,7 +45,7 @@ def _results(cells: list[Cell], level: float, N: int) -> Table:
         for M in counts:
             row += _numbers(found.get((solver, mode, M)), found.get(("roofline", REFERENCE, M)))
         rows.append(row)
-    title = f"Level {level:g}, N = {N} transducers, M points; x t: times what was asked"
+    title = f"Level {level:g}, N = {N} transducers, M points; x t: scale of the targets"
     return plain_table(title, head, rows)
 
 
@@ -59,7 +59,7 @@ def _numbers(cell: Cell | None, roofline: Cell | None) -> list[str]:
 
 
 def updates(cells: Sequence[Cell]) -> Table:
-    """Run times of a session's updates over those of a cold solve, on the largest problem."""
+    """Return a table of a session's update times relative to a cold solve, on the largest problem."""
     places = {(c.solver, c.mode, c.N, c.M, c.level): c.p50 for c in cells if not c.note}
     sizes = [(N, M) for _, _, N, M, _ in places]
     N, M = max(sizes, key=lambda size: size[0] * size[1], default=(0, 0))
@@ -79,7 +79,7 @@ def updates(cells: Sequence[Cell]) -> Table:
 
 
 def resources(rows: Sequence[Row]) -> Table:
-    """Of every solver on its largest problem: memory, and what more threads gain there and on the smallest."""
+    """Return a table of each solver's memory on its largest problem, and of the effect of threads on two problems."""
     head = [
         "",
         "N M",
@@ -106,14 +106,14 @@ def resources(rows: Sequence[Row]) -> Table:
 
 
 def _gain(rows: list[Row]) -> str:
-    """Time with the most threads over that with one."""
+    """Return the time with the most threads relative to the time with one."""
     threads = max(r.threads for r in rows)
     one, all_ = (median(r.p50 for r in rows if r.threads == n) for n in (1, threads))
     return "" if threads == 1 else short(all_ / one)
 
 
 def verdicts(found: Iterable[Verdict]) -> Table:
-    """Solver by target: in how many kinds of problems it is met, and the worst."""
+    """Return a table of solver by target: the number of kinds of problems that meet it, and the worst value."""
     places = {(v.solver, v.target): v for v in found}
     head = ["ours", *(target.head for target in TARGETS)]
     rows: list[list[str]] = []
@@ -125,12 +125,12 @@ def verdicts(found: Iterable[Verdict]) -> Table:
             row.append("" if v is None else f"{v.met}/{v.of}\n{short(worst)}")
         rows.append(row)
     return plain_table(
-        "Targets: met in so many of the kinds of problems, and the worst", head, rows
+        "Targets: kinds of problems in which each is met, and the worst value", head, rows
     )
 
 
 def exponents(found: Sequence[Growth]) -> Table:
-    """The fitted exponents of the run times."""
+    """Return a table of the fitted exponents of the run times."""
     both = {(g.solver, g.along): g for g in found}
     head = [
         "",
@@ -153,7 +153,7 @@ def _exponent(line: Growth | None) -> str:
 
 
 def short(value: float) -> str:
-    """A number in at most five characters for what is usual."""
+    """Return a number as text, in at most five characters for the usual range."""
     if not math.isfinite(value):
         return "-"
     for least, digits in ((10.0, 0), (1.0, 1), (0.1, 2), (0.01, 3)):
@@ -163,7 +163,7 @@ def short(value: float) -> str:
 
 
 def plain_table(title: str, head: list[str], rows: list[list[str]]) -> Table:
-    """A table whose texts are taken as they are: a unit in brackets is no markup."""
+    """Return a table that takes its texts literally, so that a unit in brackets is not markup."""
     line = Text(title, no_wrap=True, overflow="ignore")
     made = Table(
         title=line,

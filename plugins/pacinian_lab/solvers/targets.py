@@ -1,4 +1,4 @@
-"""What is to be reached, and in how many kinds of problems it is: ratios within one run."""
+"""The targets, and in how many kinds of problems they are met. All are ratios within one run."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Target:
-    """Something to reach: `value` of a row and its rival's at most `limit`, where it applies.
+    """A target: `value` of a row and its rival's must be at most `limit` in every row to which the target applies.
 
-    head: for a table; percent: whether it shows the value so.
-    mode: of the row. rival: (solver, mode) of the row compared with, "" for the same solver; None for none.
+    head: table heading; percent: show the value in percent. mode: of the row. rival: (solver, mode) of the row to
+    compare with, "" for the same solver; None for no rival.
     """
 
     name: str
@@ -65,9 +65,9 @@ TARGETS = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """How one of our solvers does against a target.
+    """Result of one of Pacinian's solvers for a target.
 
-    met, of: kinds of problems (N, M, level). worst: the largest value of all; where: its problem.
+    met, of: kinds of problems (N, M, level). worst: the largest median; where: its problem.
     """
 
     target: Target
@@ -79,7 +79,7 @@ class Verdict:
 
 
 def verdicts(rows: Sequence[Row]) -> list[Verdict]:
-    """Of all our solvers, for all targets that something was measured for."""
+    """Return the verdicts on all of Pacinian's solvers, for all targets with measurements."""
     ours = dict.fromkeys(row.solver for row in rows if row.family == OURS)
 
     @functools.cache

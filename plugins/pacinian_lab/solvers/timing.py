@@ -1,4 +1,4 @@
-"""How long a call takes and how much memory: standard library only, for it runs in the peers' Pythons too."""
+"""Measure the time and the memory of a call. Standard library only, because it also runs in the peers' Pythons."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MOST = 10_000  # calls of one measurement
+MOST = 10_000  # maximum number of calls in one measurement
 
 
 class Times(NamedTuple):
-    """Quantiles of `samples` run times [s], by nearest rank: below 100 samples p99 is the largest."""
+    """Quantiles of `samples` run times [s], by nearest rank. Below 100 samples, p99 is the maximum."""
 
     p50: float
     p99: float
@@ -24,12 +24,12 @@ class Times(NamedTuple):
 
 
 def long(seconds: float) -> float:
-    """What takes longer [s] is called once, and its memory not traced."""
+    """Return the time [s] above which a call runs only once and its memory is not traced."""
     return max(10.0 * seconds, 0.1)
 
 
 def measure(call: Callable[[], Any], seconds: float) -> tuple[Any, Times]:
-    """Call once untimed, then again and again for `seconds`, at least once; return the last result too."""
+    """Call once untimed, then repeatedly for `seconds`, at least once. Returns the last result and the times."""
     begin = time.perf_counter()
     result = call()
     end = time.perf_counter()
@@ -49,12 +49,12 @@ def measure(call: Callable[[], Any], seconds: float) -> tuple[Any, Times]:
 
 
 def quantile(ascending: list[float], share: float) -> float:
-    """The smallest element that at least `share` of them do not exceed."""
+    """Return the smallest element that is not less than a fraction `share` of all elements."""
     return ascending[max(0, math.ceil(share * len(ascending)) - 1)]
 
 
 def traced(call: Callable[[], Any]) -> int:
-    """The most bytes that one call holds beyond what was held before, of memory that Python knows of."""
+    """Return the peak memory that one call adds [bytes], as far as Python tracks it."""
     tracemalloc.start()
     try:
         before = tracemalloc.get_traced_memory()[0]
@@ -65,9 +65,9 @@ def traced(call: Callable[[], Any]) -> int:
 
 
 def resident() -> float:
-    """The most memory that this process has had [bytes]; NaN where the system does not tell (Windows)."""
+    """Return the peak memory of this process [bytes], or NaN on Windows, which does not report it."""
     status = Path("/proc/self/status")
-    if status.exists():  # Linux, where the other way counts what the parent had, too
+    if status.exists():  # Linux, where getrusage would include the parent's peak
         for line in status.read_text().splitlines():
             if line.startswith("VmHWM:"):
                 return 1024.0 * float(line.split()[1])

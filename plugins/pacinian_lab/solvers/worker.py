@@ -1,13 +1,13 @@
-"""The process that a contestant runs in: `python -P worker.py workers/autd3.py`, told and telling in JSON lines.
+"""The process of a contestant: `python -P worker.py workers/autd3.py`. It speaks JSON lines.
 
-First line out: {"versions": {...}, "offers": [[solver, mode], ...]}. Then for each line in, {"solver", "mode",
-"seconds", "problem"}, a line out: {"re", "im", "points", "p50", "p99", "samples", "traced", "resident"}, or
-{"error"}. Standard library only: Pacinian is not installed in the peers' environments.
+First line out: {"versions": {...}, "offers": [[solver, mode], ...]}. For each line in, {"solver", "mode", "seconds",
+"problem"}, a line out: {"re", "im", "points", "p50", "p99", "samples", "traced", "resident"}, or {"error"}. Standard
+library only, because Pacinian is not installed in the peers' environments.
 
-A contestant's file has `versions()` and `offers(threads)`, from (solver, mode) to a function of the problem.
-That prepares what may be kept from solve to solve and returns two functions: one from points to the
-contestant's own output, which is timed, and one from that to (gains, points), gains in the convention
-p = B g, B ~ exp(-jkr), or None where there are none.
+A contestant's file defines `versions()` and `offers(threads)`, a map from (solver, mode) to a function of the
+problem. That function prepares what may be kept from solve to solve, and returns two functions. The first maps points
+to the contestant's own output, and is timed. The second maps the output to (gains, points), with gains in the
+convention p = B g, B ~ exp(-jkr), or to None if there are none.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 
 
 def load(file: Path) -> Any:
-    """Import a file by its path, under a name that hides no library."""
+    """Import a file by its path, under a name that does not shadow a library."""
     name = f"bench_{file.stem}"
     spec = importlib.util.spec_from_file_location(name, file)
     if spec is None or spec.loader is None:
@@ -48,11 +48,11 @@ def answer(offers: Any, timing: Any, asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Serve until standard input ends. What the contestant prints goes to standard error."""
+    """Serve until standard input ends. Redirects the contestant's own output to standard error."""
     lines = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     file, threads = Path(sys.argv[1]), int(os.environ["OMP_NUM_THREADS"])
-    sys.argv[1:] = []  # AcousTools reads them
+    sys.argv[1:] = []  # AcousTools reads the arguments
     timing, contestant = load(Path(__file__).with_name("timing.py")), load(file)
     offers = contestant.offers(threads)
     told: dict[str, Any] = {"versions": contestant.versions(), "offers": list(offers)}
@@ -63,7 +63,7 @@ def main() -> None:
             return
         try:
             told = answer(offers, timing, json.loads(line))
-        except Exception as error:  # a contestant's fault is told, and the next problem is tried
+        except Exception as error:  # report a contestant's failure, and go on to the next problem
             told = {"error": f"{type(error).__name__}: {error}"}
 
 

@@ -1,4 +1,4 @@
-"""A contestant's process: started, asked with a time limit, killed when it hangs, started anew."""
+"""A contestant's process. It is queried with a time limit, killed if it hangs, and restarted."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pacinian.errors import PacinianError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-START = 300.0  # [s] to start, and to compile what peers compile
+START = 300.0  # [s] to start, including compilation by the peers
 THREADS = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
@@ -28,14 +28,14 @@ HERE = Path(__file__).parent
 
 
 class WorkerError(PacinianError):
-    """A contestant that crashed, hung, or told nonsense."""
+    """A contestant crashed, hung, or gave an invalid answer."""
 
 
 class Worker:
-    """A process that answers one JSON line with one.
+    """A process that answers each JSON line with one JSON line.
 
-    name: of the contestant. command: what to run. threads: how many its libraries may use.
-    It is started when it is first needed, and again after it was ended for a fault.
+    name: of the contestant. command: what to run. threads: maximum for its libraries. The process starts when it is
+    first needed, and again after a failure ended it.
     """
 
     def __init__(self, name: str, command: Sequence[str], threads: int) -> None:
@@ -46,18 +46,18 @@ class Worker:
 
     @classmethod
     def of(cls, name: str, python: str, threads: int) -> Worker:
-        """Of the contestant `workers/{name}.py`, run by that Python."""
+        """Return a worker for the contestant `workers/{name}.py`, run by this Python."""
         files = (HERE / "worker.py", HERE / "workers" / f"{name}.py")
         return cls(name, [python, "-P", *(str(file) for file in files)], threads)
 
     def offers(self) -> list[tuple[str, str]]:
-        """Its (solver, mode) pairs. Raises WorkerError."""
+        """Return the (solver, mode) pairs of the contestant. Raises WorkerError."""
         if self._process is None:
             self._start()
         return self._offers
 
     def ask(self, message: dict[str, Any], limit: float) -> dict[str, Any]:
-        """Send a message, return the answer. Raises WorkerError, also after `limit` seconds."""
+        """Send a message and return the answer. Raises WorkerError, also after `limit` seconds."""
         self.offers()
         process = self._process
         if process is None or process.stdin is None:
@@ -65,7 +65,7 @@ class Worker:
         try:
             process.stdin.write(json.dumps(message) + "\n")
             process.stdin.flush()
-        except OSError:  # it has ended; reading tells how
+        except OSError:  # the process has ended; reading reports how
             pass
         told = self._read(limit)
         if "error" in told:
@@ -125,16 +125,16 @@ class Worker:
             return dict(json.loads(line))
         except (ValueError, TypeError) as error:
             self.close()
-            raise WorkerError(f"answered nonsense: {error}") from None
+            raise WorkerError(f"gave an invalid answer: {error}") from None
 
     def _last_words(self) -> str:
         self._errors.seek(0)
         lines = self._errors.read().strip().splitlines()
-        return lines[-1] if lines else "without a word"
+        return lines[-1] if lines else "without a message"
 
 
 def _pump(process: subprocess.Popen[str], lines: queue.SimpleQueue[str]) -> None:
-    """Pass on what it says; an empty line when it has ended."""
+    """Put the lines of the process's output into the queue, and an empty line at the end."""
     with contextlib.suppress(OSError, ValueError):
         for line in process.stdout or ():
             lines.put(line)

@@ -1,1 +1,1 @@
-"""Numerical stability: hard problems, what every solver promises of them, and whether it is kept."""
+"""Test numerical stability: hard problems, the promises of every solver, and whether the solver keeps them."""

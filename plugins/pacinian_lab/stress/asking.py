@@ -1,4 +1,4 @@
-"""What the families of problems are made from."""
+"""Building blocks of the problem families."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NO_LIMIT = Limits(gain=None)
 
 
 def scattered(count: int, seed: int = 0, width: float = 0.06, height: float = HEIGHT) -> Floats:
-    """Random points [m], (count, 3), above the small array."""
+    """Return random points [m], (count, 3), above the small array."""
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(-width / 2, width / 2, (count, 2)).T
     return np.stack([x, y, np.full(count, height)], axis=1)
@@ -32,7 +32,7 @@ def scattered(count: int, seed: int = 0, width: float = 0.06, height: float = HE
 def asked(
     array: Array, points: Floats, level: float, shares: ArrayLike = 1.0, medium: Air | None = None
 ) -> Floats:
-    """Amplitudes [Pa], (M,), in proportion to `shares`; their 2-norm: `level` times what one focus reaches."""
+    """Return amplitudes [Pa], (M,), in proportion to `shares`, with a 2-norm of `level` times a focus's reach."""
     if not len(points):
         return np.zeros(0)
     t = np.broadcast_to(np.asarray(shares, dtype=np.float64), (len(points),))
@@ -41,12 +41,12 @@ def asked(
 
 
 def half(count: int) -> Floats:
-    """Phases of which every second is free, (count,)."""
+    """Return phases of which every second is free, (count,)."""
     return np.where(np.arange(count) % 2, np.nan, np.arange(count))
 
 
 def row(condition: float) -> Floats:
-    """Five points [m], (5, 3), in a row, as close as makes B's condition number `condition`."""
+    """Return five points [m], (5, 3), in a row, spaced so that B has the condition number `condition`."""
 
     def points(spacing: float) -> Floats:
         x = np.arange(-2, 3) * spacing

@@ -1,4 +1,4 @@
-"""One hard problem: what `Session.solve` is given, and B in double precision beside it."""
+"""One hard problem: the arguments of `Session.solve`, and B in double precision for comparison."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ if TYPE_CHECKING:
 
     Before = tuple[Floats, ArrayLike] | tuple[Floats, ArrayLike, ArrayLike]
 
-PATIENCE = 3.0  # [s] for problems that ask for no deadline: a solver that would not end is seen
-TABLE = 2e-5  # what the kernels' directivity table is off by, of 1
-FAINT = math.exp(-32.0)  # where absorption leaves less, the kernels have none
+PATIENCE = 3.0  # [s] deadline of problems without their own, to detect a solver that does not end
+TABLE = 2e-5  # error of the kernels' directivity table, relative to 1
+FAINT = math.exp(-32.0)  # the kernels treat what absorption leaves as zero below this
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Case:
-    """One problem; its arguments as in `Session` and `Session.solve`.
+    """One problem. Its arguments are those of `Session` and `Session.solve`.
 
-    name: "family: what is hard". history: points (M, 3) [m] and amplitudes (M,) [Pa], and regions (M,) where there
-    are any, that the same session solved before. refused: the error that is the right answer. slow: left out of a
-    quick run. clock: of the session and of what is told of its time [s]; for tests.
+    name: "family: difficulty". history: points (M, 3) [m], amplitudes (M,) [Pa] and, optionally, regions (M,) that
+    the same session solved before. refused: the error that is the right answer. slow: omitted from a quick run.
+    clock: of the session and of the measured time [s]; for tests.
     """
 
     name: str
@@ -66,13 +66,13 @@ class Case:
 
     @property
     def family(self) -> str:
-        """What kind of problem it is."""
+        """Kind of problem."""
         return self.name.partition(":")[0]
 
     def solve(self, solver: str | Solver) -> Solution:
-        """The last solution of a session that went through `history`, and what is felt of its regions.
+        """Solve `history` and then the problem in one session. Returns the solution, with what its regions feel like.
 
-        Raises what the session does.
+        Raises the errors of the session.
         """
         session = Session(
             self.array, self.medium, solver, precision=self.precision, clock=self.clock
@@ -97,7 +97,7 @@ class Case:
         )
 
     def ask(self, solution: Solution) -> Complexes:
-        """The targets [Pa], complex, (M,): in the phases that the solver was given, or else in those it found."""
+        """Return complex targets [Pa], (M,), with the phases given to the solver, or else with those that it found."""
         phases = solution.asked_phases
         return self.targets.complex(np.angle(solution.sound_pressure) if phases is None else phases)
 
@@ -108,12 +108,12 @@ class Case:
 
     @functools.cached_property
     def reference(self) -> Reference:
-        """B decomposed."""
+        """The singular value decomposition of B."""
         return Reference.of(self.B)
 
     @functools.cached_property
     def work(self) -> float:
-        """How long B and its smaller Gram matrix take in double precision [s], here and now."""
+        """Time that B and its smaller Gram matrix take in double precision [s], measured now."""
         begin = time.perf_counter()
         B = matrix(self.array, self.points, self.medium)
         with one_thread():
@@ -128,21 +128,21 @@ class Case:
 
     @functools.cached_property
     def rounding(self) -> Floats:
-        """A bound of what rounding can have done to each element of B in `precision` [Pa], (M, N).
+        """An upper bound of the rounding error of each element of B in `precision` [Pa], (M, N).
 
-        Coordinates within R of the array's centre are right to eps R, so a distance d is to 2 eps R,
-        a phase to eps k (2 R + d), an amplitude d^-n exp(-beta d) to 2 eps R (n / d + beta), and the
-        cosine of an angle to 2 eps R / d; directivities are taken to be no steeper than 4.
+        Coordinates within R of the array's centre are accurate to eps R. Therefore a distance d is accurate to 2 eps
+        R, a phase to eps k (2 R + d), an amplitude d^-n exp(-beta d) to 2 eps R (n / d + beta), and the cosine of an
+        angle to 2 eps R / d. The bound assumes that the slope of a directivity is at most 4.
         """
         kind, centre = self.array.transducer, self.array.centre
         d = np.sqrt(((self.points[:, None] - self.array.positions) ** 2).sum(axis=2))  # (M, N) [m]
         d = np.maximum(d, 1e-15)
         R = max(np.abs(x - centre).max(initial=0.0) for x in (self.points, self.array.positions))
         if self.precision == "double":
-            R += np.abs(centre).max()  # which is not subtracted there
+            R += np.abs(centre).max()  # double precision does not subtract the centre
         k, beta = self.medium.wavenumber(kind.frequency), self.medium.beta(kind.frequency)
         steep = self.medium.power + (0.0 if kind.directivity is omni else 4.0)
-        few = 72.0 if beta else 8.0  # roundings; the kernel has exp(t) as exp(t / 64)^64
+        few = 72.0 if beta else 8.0  # roundings; the kernel computes exp(t) as exp(t / 64)^64
         relative = self.eps * (few + 2.0 * R * (steep / d + beta) + k * (2.0 * R + d))
         absorbed = np.exp(-beta * d)
         if self.precision == "single":
@@ -152,9 +152,9 @@ class Case:
 
     @functools.cached_property
     def blur(self) -> float:
-        """||E|| + max(M, N) eps ||B|| [Pa]: by how much B g is uncertain in `precision`, per ||g||.
+        """||E|| + max(M, N) eps ||B|| [Pa]: the uncertainty of B g in `precision`, per ||g||.
 
-        E: `rounding`; Frobenius norms. The second term is what sums of products may lose.
+        E: `rounding`; Frobenius norms. The second term is the rounding of sums of products.
         """
         lost = max(self.B.shape) * self.eps * np.linalg.norm(self.B)
         return float(np.linalg.norm(self.rounding) + lost)

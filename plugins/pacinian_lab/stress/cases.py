@@ -20,11 +20,11 @@ FAMILIES: dict[str, Callable[[], Iterable[Case]]] = {
         regions.regions,
     )
 }  # fmt: skip
-EVERY = 5  # a quick run takes one problem of so many of each family, of those that are not slow
+EVERY = 5  # a quick run takes every fifth problem of each family, without the slow ones
 
 
 def cases(quick: bool = False) -> list[Case]:
-    """All problems, or a sample of them."""
+    """Return all problems, or a sample of them."""
     found: list[Case] = []
     for make in FAMILIES.values():
         family = list(make())
@@ -33,5 +33,5 @@ def cases(quick: bool = False) -> list[Case]:
 
 
 def find(name: str) -> Case:
-    """The problem of that name. Raises KeyError."""
+    """Return the problem of this name. Raises KeyError."""
     return {case.name: case for case in cases()}[name]

@@ -1,4 +1,4 @@
-"""Whether one solver keeps what is promised of one problem."""
+"""Check whether one solver keeps its promises on one problem."""
 
 from __future__ import annotations
 
@@ -25,11 +25,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one solver did with one problem.
+    """The behaviour of one solver on one problem.
 
-    broken: promise -> figure, of those that were broken. excess: the largest |g_n| - limits.gain.
-    ratio: the residual over what `Near` allows with a factor of 1; NaN where it is not promised.
-    seconds: how long it took [s].
+    broken: broken promises, from name to figure. excess: the largest |g_n| - limits.gain. ratio: the residual over
+    what `Near` allows with a factor of 1; NaN if not promised. seconds: run time [s].
     """
 
     case: str
@@ -41,7 +40,7 @@ class Evidence:
 
 
 def check(case: Case, solver: Solver) -> Evidence:
-    """Solve `case` and hold the answer against the promises."""
+    """Solve `case` and check the answer against the promises."""
     name = solver.name
     begin = case.clock()
     try:
@@ -51,7 +50,7 @@ def check(case: Case, solver: Solver) -> Evidence:
     except UnsupportedLimit as refusal:
         told = {} if case.limits.solver_limits - solver.keeps else {"raises": str(refusal)}
         return Evidence(case.name, name, told)
-    except Exception as error:  # whatever a solver raises is the finding
+    except Exception as error:  # any error of a solver is a finding
         right = case.refused is not None and isinstance(error, case.refused)
         told = {} if right else {"raises": f"{type(error).__name__}: {error}"}
         return Evidence(case.name, name, told)
@@ -77,12 +76,12 @@ def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float
     reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
     if solution.gains.any() or not reached.any():
         return ""
-    ratio = near(case, promise.near or promises.SILENCE, solution)  # is silence as good?
+    ratio = near(case, promise.near or promises.SILENCE, solution)  # is silence near the best?
     return f"all gains are zero: {ratio:.3g}" if ratio > promises.SILENCE.factor else ""
 
 
 def _comparable(case: Case, near: Near, solution: Solution) -> bool:
-    """Whether `near` says anything of this problem."""
+    """Return whether `near` applies to this problem."""
     plain = case.limits.power is None and not case.limits.solver_limits and case.scale == "exact"
     given = solution.asked_phases is not None or not case.targets.free.any()
     phases = near.free or given or len(case.points) == 1
@@ -91,10 +90,10 @@ def _comparable(case: Case, near: Near, solution: Solution) -> bool:
 
 
 def near(case: Case, promised: Near, solution: Solution) -> float:
-    """The residual over what `promised` allows with a factor of 1, for the phases found, or given where regions are."""
+    """Return the residual over what `promised` allows with a factor of 1, for the solver's phases."""
     weights = np.sqrt(solution.weights)
     p = weights * case.ask(solution)
-    scale = float(np.abs(p).max())  # so that squares neither vanish nor overflow
+    scale = float(np.abs(p).max())  # keeps squares from underflow and overflow
     p, g = p / scale, solution.gains.astype(np.complex128) / scale
     B, reference = case.B, case.reference
     if (weights != 1.0).any():

@@ -1,4 +1,4 @@
-"""Hard demands: extreme targets, limits of every kind, many points, moves without end."""
+"""Hard demands: extreme targets, limits of every kind, many points, long series of moves."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def extreme() -> Iterator[Case]:
 
 
 def saturated() -> Iterator[Case]:
-    """From well within reach to a million times beyond."""
+    """Targets from well within reach to a million times beyond."""
     for level in (0.3, 0.7, 1.0, 1.3, 3.0, 30.0, 1e6):
         for M in (1, 2, 5, 12, 30, 45):
             q = scattered(M, seed=M)
@@ -99,7 +99,7 @@ def limits() -> Iterator[Case]:
 
 
 def size() -> Iterator[Case]:
-    """No point to 4096, with a deadline."""
+    """From no points to 4096, with deadlines."""
     for M in (0, 1, 2, 35, 36, 37, 100, 256, 1024, 4096):
         for what, phases in PHASES.items():
             for deadline in (0.0, 0.05, 1.0):
@@ -115,7 +115,7 @@ def size() -> Iterator[Case]:
 
 
 def moves() -> Iterator[Case]:
-    """A session that has been through moves, other numbers of points, a refusal, silence, extremes."""
+    """Sessions with earlier moves, other numbers of points, a refusal, silence and extremes."""
     for what, phases in PHASES.items():
         for M in (1, 6, 12):
             for level in (0.3, 1.5):

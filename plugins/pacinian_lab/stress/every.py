@@ -1,4 +1,4 @@
-"""What is promised of every answer (`promises.EVERY`), measured on one."""
+"""Measure the promises of every answer (`promises.EVERY`) on one answer."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
     from pacinian_lab.stress.case import Case
 
-ALLOWANCE = 1.0  # [s] past the deadline, on a machine that does other work too
+ALLOWANCE = 1.0  # [s] after the deadline, because the machine may do other work
 MET = 1e-3  # relative error at which exact samples and quiet points count as met
-PROVEN = 1e-6  # by how much of ||amplitudes||^2 or the objective rounding may lift a bound over it
+PROVEN = 1e-6  # allowance for rounding in bounds, relative to ||amplitudes||^2 or the objective
 REACHED = 1e-4  # relative distance at which a limit counts as reached
-ROUNDING = 1e-4  # of sum |B| |g|: what single precision of B allows quiet points
+ROUNDING = 1e-4  # allowance at quiet points for single precision of B, relative to sum |B| |g|
 
 
 def excess(case: Case, solution: Solution) -> float:
-    """The largest |g_n| - limits.gain, in extended precision; NaN without a limit."""
+    """Return the largest |g_n| - limits.gain, in extended precision, or NaN without a limit."""
     if case.limits.gain is None:
         return math.nan
     g = solution.gains.astype(np.clongdouble)
@@ -34,7 +34,7 @@ def excess(case: Case, solution: Solution) -> float:
 
 
 def breaches(case: Case, solution: Solution, seconds: float) -> Iterator[tuple[str, str]]:
-    """Each promise that is broken, and the figure. seconds: how long it took [s]."""
+    """Yield each broken promise and its figure. seconds: run time [s]."""
     g, limits = solution.gains.astype(np.complex128), case.limits
     told = [solution.error, solution.shape_error, np.abs(solution.residual).max(initial=0.0)]
     if not (np.isfinite(g).all() and np.isfinite(told).all()) or np.isinf(solution.gap):
@@ -66,7 +66,7 @@ def breaches(case: Case, solution: Solution, seconds: float) -> Iterator[tuple[s
 
 
 def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
-    """Objective and bound, where they are given of the targets themselves."""
+    """Check objective and bound, if they refer to the targets themselves."""
     if math.isnan(solution.gap) or case.scale == "max":
         return
     made = case.B @ g
@@ -74,7 +74,7 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
     missed = case.targets.complex(phases) - made
     rest = float(np.linalg.norm(np.sqrt(solution.weights) * missed))  # [Pa]
     true = 0.5 * rest**2 + 0.5 * solution.mu * float(np.vdot(g, g).real)
-    if math.isnan(true):  # it does not say of which mu
+    if math.isnan(true):  # the solution does not tell its mu
         true = solution.objective
     off = case.blur * float(np.linalg.norm(g))  # [Pa]
     rounding = off * (rest + off) + PROVEN * max(true, case.targets.norm**2)
@@ -84,7 +84,7 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
 
 
 def _kept(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
-    """Quiet points and exact samples. Silence keeps every quiet point, so that is never infeasible."""
+    """Check quiet points and exact samples. Silence keeps every quiet point, so quiet points are never infeasible."""
     infeasible = solution.status.name == "infeasible"
     if case.limits.quiet is not None and not (infeasible and case.limits.exact is not None):
         where, limit = case.limits.quiet

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def coincident() -> Iterator[Case]:
-    """Three pairs of points, 0 to 10 mm apart, asked the same or opposites."""
+    """Three pairs of points, 0 to 10 mm apart, with equal or opposite targets."""
     for spacing in (0.0, *(10.0**n for n in range(-9, -1))):
         q = scattered(6)
         q[3:] = q[:3] + np.array([spacing, 0.0, 0.0])
@@ -45,7 +45,7 @@ def coincident() -> Iterator[Case]:
 
 
 def touching() -> Iterator[Case]:
-    """On a transducer, just above one, in the array's plane, behind it."""
+    """Points on a transducer, just above one, in the array's plane, behind it."""
     even, unit = Air(attenuation="none"), autd()
     for what, phases in PHASES.items():
         q = np.r_[scattered(3), SMALL.positions[[7]]]
@@ -83,7 +83,7 @@ def touching() -> Iterator[Case]:
 
 
 def mirror() -> Iterator[Case]:
-    """Points in the array's plane of symmetry (the paper's 2a), and pairs that mirror each other."""
+    """Points in the array's plane of symmetry (case 2a of the paper), and pairs that mirror each other."""
     for what, phases in PHASES.items():
         for M in (4, 18, 40):
             rng = np.random.default_rng(M)
@@ -101,7 +101,7 @@ def mirror() -> Iterator[Case]:
 
 
 def duplicate() -> Iterator[Case]:
-    """Transducers at one place."""
+    """Several transducers at one place."""
     for what, phases in PHASES.items():
         for name, array in _duplicated().items():
             for M in (1, 5, 40):
@@ -150,7 +150,7 @@ def rank() -> Iterator[Case]:
 
 
 def condition() -> Iterator[Case]:
-    """Five points in a row, as close as makes the condition number 1e1 to 1e16."""
+    """Five points in a row, spaced for condition numbers from 1e1 to 1e16."""
     mixed, one = np.arange(5.0) ** 2, Limits()
     for exponent in range(1, 17):
         q = row(10.0**exponent)
@@ -167,7 +167,7 @@ def condition() -> Iterator[Case]:
 
 
 def offset() -> Iterator[Case]:
-    """The array and its points a kilometre and a thousand away; points far from the array."""
+    """The array and its points 1 km and 1000 km from the origin; points far from the array."""
     for where in ((1000.0, 0.0, 0.0), (-1000.0, 2000.0, 500.0), (1e6, 0.0, 0.0)):
         pose = Pose(where)
         array = SMALL.moved(pose)
@@ -181,7 +181,7 @@ def offset() -> Iterator[Case]:
 
 
 def media() -> Iterator[Case]:
-    """Attenuations, wavelengths and strengths far from air at 40 kHz."""
+    """Attenuations, wavelengths and strengths far from those of air at 40 kHz."""
     q = scattered(4)
     for what, air, kind in (
         ("attenuation r^-2", Air(attenuation=2.0), Transducer()),

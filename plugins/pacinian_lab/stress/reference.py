@@ -1,4 +1,4 @@
-"""The best that any gains can do, in double precision and without any solver.
+"""The smallest residual that any gains leave, in double precision and without a solver.
 
 F(g) = ||p - B g||^2 + mu ||g||^2     over all gains, or those of |g_n| <= limit
 """
@@ -14,9 +14,9 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-GAP = 0.01  # relative, between what was found and what is proven
-CLOSED = 1e-14  # of ||p||^2: what double precision can tell of a gap
-STEPS, LOOK = 20_000, 50  # gradient steps at most, and between two looks at the gap
+GAP = 0.01  # relative, between the value found and the proven bound
+CLOSED = 1e-14  # gap that double precision can resolve, relative to ||p||^2
+STEPS, LOOK = 20_000, 50  # maximum number of gradient steps; steps between two checks of the gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,17 +35,17 @@ class Reference:
     def best(
         self, p: Complexes, mu: float, rounding: float, limit: float, start: Complexes
     ) -> float:
-        """A lower bound of what the best gains leave, ||p - B g||^2 + rounding ||g||^2 [Pa^2].
+        """Return a lower bound of ||p - B g||^2 + rounding ||g||^2 [Pa^2] over all gains.
 
-        p: targets, (M,). The best gains are those of the least F for mu + rounding. Within the limit
-        that is a closed form. Where they reach it, mu ||g||^2 is left in, and the bound is within 1 % of the
-        least F (unless `STEPS` do not do): accelerated projected gradient steps with restarts from the
-        gains `start`, (N,), stopped by the Lagrange dual, which bounds F / 2 from below at any y:
-        Re(y^H p) - ||y||^2 / 2 - sum_n c(x_n) for x = B^H y, with c(x) = |x|^2 / (2 mu) where
-        |x| <= mu limit, else limit |x| - mu limit^2 / 2.
+        p: targets, (M,). The best gains minimise F for mu + rounding. Within the limit, the bound is a closed form.
+        If the best gains reach the limit, mu ||g||^2 is included, and the bound is within 1 % of the minimum of F
+        (unless `STEPS` steps are not enough). It is found by accelerated projected gradient steps with restarts, from
+        the gains `start`, (N,). They stop by the Lagrange dual, which bounds F / 2 from below at any y: Re(y^H p) -
+        ||y||^2 / 2 - sum_n c(x_n) for x = B^H y, with c(x) = |x|^2 / (2 mu) where |x| <= mu limit, else limit |x| -
+        mu limit^2 / 2.
         """
         c = self.U.conj().T @ p
-        lost = float(np.linalg.norm(p - self.U @ c)) ** 2  # what no gains can make
+        lost = float(np.linalg.norm(p - self.U @ c)) ** 2  # outside the range of B
         weight = self.s**2 + mu + rounding
         share = np.divide(self.s, weight, out=np.zeros_like(weight), where=weight > 0.0)
         if not np.abs(self.Vh.conj().T @ (share * c)).max() > limit:
@@ -54,7 +54,7 @@ class Reference:
         return lost + limit**2 * self._limited(c / limit, mu + rounding, start / limit)
 
     def _limited(self, c: Complexes, mu: float, start: Complexes) -> float:
-        """The same for |h_n| <= 1 and p = U c."""
+        """Return the same bound for |h_n| <= 1 and p = U c."""
         B = self.s[:, None] * self.Vh
         Bh = B.conj().T.copy()
         steepest = float(self.s[0]) ** 2 + mu
@@ -69,7 +69,7 @@ class Reference:
                     break
             new = ahead + (Bh @ (c - B @ ahead) - mu * ahead) / steepest
             new /= np.maximum(np.abs(new), 1.0)
-            if np.vdot(ahead - new, new - h).real > 0.0:  # past the bottom: start anew
+            if np.vdot(ahead - new, new - h).real > 0.0:  # overshoot: restart the momentum
                 t = 1.0
             following = (1.0 + math.sqrt(1.0 + 4.0 * t * t)) / 2.0
             ahead, h, t = new + (t - 1.0) / following * (new - h), new, following

@@ -1,4 +1,4 @@
-"""Hard regions: samples of one surface, whose phases belong together."""
+"""Hard regions: samples of one surface, whose phases depend on each other."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LEVELS = {0.3: "", 6.0: ", too strong"}
 
 
 def regions() -> Iterator[Case]:
-    """Lines, bent surfaces, regions that touch, overlap, degenerate; limits, moves and extremes with them."""
+    """Lines, bent surfaces, regions that touch, overlap or degenerate; with limits, moves and extremes."""
     for what, shape in shapes().items():
         yield from _four(what, shape)
     yield from _awkward_places()
@@ -117,7 +117,7 @@ def _awkward_places() -> Iterator[Case]:
         yield replace(case, name=f"{case.name}, no limit", limits=NO_LIMIT)
     both = np.concatenate([four, four * below])
     yield _case("before and behind", Shape(both, np.zeros(32, np.int64)))
-    over = SMALL.positions[14]  # a transducer, half way between two of these samples
+    over = SMALL.positions[14]  # a transducer half way between two of these samples
     for above in (0.0, 1.1e-6, 1e-4, 1e-3):
         flat = over + make_square(4, z=above)
         case = _case(f"{above:g} m above the plane", of(flat))
@@ -136,7 +136,7 @@ def _awkward_places() -> Iterator[Case]:
 
 
 def _strengths() -> Iterator[Case]:
-    """Nothing, half of nothing, 1e-30 to 1e30 Pa, to a million times beyond reach."""
+    """Silence, partial silence, 1e-30 to 1e30 Pa, up to a million times beyond reach."""
     two = shapes()["touching"]
     M = len(two.points)
     case = _case("", two)
@@ -210,7 +210,7 @@ def _limits() -> Iterator[Case]:
 
 
 def _sessions() -> Iterator[Case]:
-    """Sessions in which samples move, come and go, regions split, merge, and are numbered anew."""
+    """Sessions in which samples move, come and go, and regions split, merge and change numbers."""
     wide, disc = make_square(7), make_ring(0.0, 0.006)
     M, whole = len(wide), np.zeros(len(wide), np.int64)
     halves = np.where(wide[:, 0] > 0.0, 1, 0)

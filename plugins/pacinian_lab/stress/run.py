@@ -1,4 +1,4 @@
-"""Every problem against every solver, and the propagator through many moves."""
+"""Run every problem with every solver, and the propagator through many moves."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
     from pacinian_lab.stress.case import Case
 
-GRAM = 1e-6  # relative to the mean of its diagonal: one rounding of a sum in single precision
-HURRY = 0.03  # [s]
-LOOKS = 20  # comparisons with a new propagator
+GRAM = 1e-6  # relative to the mean of the diagonal: one rounding of a sum in single precision
+HURRY = 0.03  # [s] deadline for solvers that promise nothing about the optimum
+LOOKS = 20  # number of comparisons with a new propagator
 
 
 @dataclass(frozen=True)
 class Row:
-    """One family and one solver: how many problems, what was broken, and the worst of the evidence."""
+    """One family and one solver: number of problems, broken promises, and the worst of the evidence."""
 
     family: str
     solver: str
@@ -41,7 +41,7 @@ class Row:
 
 
 def solvers() -> list[str]:
-    """The installed solvers that need no settings."""
+    """Return the installed solvers that need no settings."""
     offers = [offer for offer in registry.installed().list() if offer.kind == "solver"]
     return [offer.name for offer in offers if ... not in offer.options.values()]
 
@@ -51,10 +51,10 @@ def run(
     problems: Iterable[Case],
     advance: Callable[[str], object] = lambda _: None,
 ) -> list[Evidence]:
-    """Evidence of each solver on each problem; `advance` is told which is next. Raises UnknownPlugin.
+    """Return evidence of each solver on each problem. Raises UnknownPlugin.
 
-    Solvers that promise nothing of the optimum are given `HURRY` seconds for each: the rest is to hold
-    whenever they stop.
+    advance: called with the name of the next task. Solvers that promise nothing about the optimum get only `HURRY`
+    seconds per problem, because their other promises hold whenever they stop.
     """
     made = [registry.solver(name) for name in names]
     found: list[Evidence] = []
@@ -67,7 +67,7 @@ def run(
 
 
 def rows(found: Iterable[Evidence]) -> list[Row]:
-    """The evidence family by family and solver by solver."""
+    """Summarise the evidence by family and solver."""
     first: dict[tuple[str, str], int] = {}
 
     def place(e: Evidence) -> tuple[str, str]:
@@ -97,12 +97,12 @@ def _row(family: str, solver: str, found: list[Evidence]) -> Row:
 
 
 def _most(values: Iterable[float]) -> float:
-    """The largest but for NaN; NaN where there is none."""
+    """Return the largest value, ignoring NaN, or NaN if there is none."""
     return max((v for v in values if not math.isnan(v)), default=math.nan)
 
 
 def drift(updates: int, points: int = 8) -> Evidence:
-    """One point after another is moved; now and then a new propagator is made and compared."""
+    """Move one point after another, and compare with a new propagator at intervals."""
     rng, air = np.random.default_rng(0), Air()
     array = SMALL.without(range(16, len(SMALL)))
     q = scattered(points)

@@ -1,4 +1,4 @@
-"""What is promised of regions, measured by other means than the session's: brute force, in double precision."""
+"""Check the promises about regions independently of the session: by brute force, in double precision."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_lab.stress.case import Case
 
-AT_SAMPLES = 0.05  # relative error of `ok` at samples: 10 % of the pressure
-FORCE, RMS, HOLE = 0.05, 0.10, 0.5  # and between them
-NEIGHBOURS = 1.5  # times as far as the nearest sample elsewhere
-ELSEWHERE = 1e-4  # [m]; nearer samples are in one place
-ON = 2e-5  # [m]: so near to a transducer nothing is looked at
-TURNED = 1e-6  # [rad]: what double precision may do to phases, besides the rounding of k d
+AT_SAMPLES = 0.05  # maximum relative error of `ok` at samples; 10 % of the radiation pressure
+FORCE, RMS, HOLE = 0.05, 0.10, 0.5  # limits between the samples
+NEIGHBOURS = 1.5  # neighbours are within this many times the distance of the nearest sample
+ELSEWHERE = 1e-4  # [m]; samples closer than this count as one place
+ON = 2e-5  # [m]; places closer than this to a transducer are skipped
+TURNED = 1e-6  # [rad] phase error of double precision, besides the rounding of k d
 
 
 def split(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
-    """The promises `together` and `even`, where they are broken, and the figure."""
+    """Yield the broken ones of the promises `together` and `even`, with figures."""
     if case.targets.regions is None or not case.targets.norm:
         return
     yield from _together(case, solution)
@@ -35,11 +35,11 @@ def split(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, s
 
 
 def _together(case: Case, solution: Solution) -> Iterator[tuple[str, str]]:
-    """Whether phases given stay, and the others of a region are those of one wave, turned as a whole."""
+    """Check that given phases stay, and that the others of a region are those of one wave with a common phase."""
     asked, given, regions = solution.asked_phases, ~case.targets.free, case.targets.regions
     assert regions is not None
     if asked is None or not np.isfinite(asked).all():
-        yield "together", "no phases are told"
+        yield "together", "no phases are reported"
         return
     if not np.array_equal(asked[given], case.targets.phases[given]):
         yield "together", "phases that were given are changed"
@@ -59,18 +59,18 @@ def _together(case: Case, solution: Solution) -> Iterator[tuple[str, str]]:
 
 
 def _even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
-    """Whether `ok` holds at the samples and half way between those of each region."""
+    """Check `ok` at the samples of each region and half way between them."""
     regions, sounding = case.targets.regions, ~case.targets.beside
     assert regions is not None
     p, t = np.where(sounding, case.B @ g, 0.0), case.targets.amplitudes
     strength = 1.0 if case.scale == "exact" else float(np.linalg.norm(p) / np.linalg.norm(t))
     t = strength * t
-    doubt = case.blur * float(np.linalg.norm(g)) / float(np.linalg.norm(t))  # by rounding
+    doubt = case.blur * float(np.linalg.norm(g)) / float(np.linalg.norm(t))  # due to rounding
     asked = strength * case.targets.complex(np.angle(p))
     missed = float(np.linalg.norm(asked - p) / np.linalg.norm(t))
     if missed > AT_SAMPLES + doubt:
         yield "even", f"{missed:.2%} off at the samples"
-    unit = float(t.max())  # so that squares neither vanish nor overflow
+    unit = float(t.max())  # keeps squares from underflow and overflow
     for number in range(int(regions.max()) + 1):
         own = np.flatnonzero((regions == number) & sounding)
         if not len(own):
@@ -88,7 +88,7 @@ def _even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, s
 
 
 def _between(case: Case, q: Floats, P: Floats) -> tuple[Floats, Floats]:
-    """Places (K, 3) half way between neighbours, but for those on a transducer, and what is asked there, (K,)."""
+    """Return places (K, 3) half way between neighbours, except on transducers, and the targets there, (K,)."""
     _, some = np.unique(np.round(q / ELSEWHERE), axis=0, return_index=True)
     d = np.sqrt(((q[some][:, None] - q[some]) ** 2).sum(axis=2))
     apart = np.where(d > ELSEWHERE, d, np.inf)

@@ -1,12 +1,12 @@
 """Studies: how the arrangement of an array shapes the image. Needs `pip install "pacinian[study]"`.
 
-What is asked        file.py      studies and their files          sweep.py    lists that stand for each of their values
-                     layouts.py, arrangements.py                   planes.py, patterns.py
-What is done         tasks.py     the tasks, and their keys        work.py     what is missing is computed
-                     engine.py    by Dask                          store.py    and kept
-What a worker does   worker.py    solves and measures              stage.py    what the tasks of one place share
-                     measures.py  every column of the results      focus.py    how large a focus is
-What is told         report.py    in Markdown                      images.py, charts.py
+Definition   file.py      studies and their files          sweep.py    lists that are swept
+             layouts.py, arrangements.py                   planes.py, patterns.py
+Execution    tasks.py     the tasks, and their keys        work.py     computes missing tasks
+             engine.py    runs them with Dask              store.py    stores the results
+Worker       worker.py    solves and measures              stage.py    data shared by the tasks of one place
+             measures.py  the columns of the results       focus.py    the size of a focus
+Report       report.py    Markdown                         images.py, charts.py
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Arrangements in a plane: where transducers are [m], (N, 2), about the origin."""
+"""Arrangements in a plane: positions of transducers [m], (N, 2), about the origin."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats
 
 GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # [rad], the golden angle
-DARTS = 1000  # that are thrown at once
+DARTS = 1000  # darts thrown at once
 
 
 def hexagonal(width: float, height: float, pitch: float) -> Floats:
-    """Rows along x that are pitch sqrt(3) / 2 apart, every other one shifted by half a pitch."""
+    """Return rows along x that are pitch sqrt(3) / 2 apart, with every other one shifted by half a pitch."""
     rise = pitch * math.sqrt(3.0) / 2.0
     below = math.floor(height / 2.0 / rise + 1e-9)
     rows: list[Floats] = []
@@ -31,14 +31,14 @@ def hexagonal(width: float, height: float, pitch: float) -> Floats:
 
 
 def sunflower(count: int, diameter: float) -> Floats:
-    """Fermat's spiral: number n at the radius (diameter / 2) sqrt((n + 1/2) / count), at n golden angles."""
+    """Return Fermat's spiral: number n at radius (diameter / 2) sqrt((n + 1/2) / count) and at n golden angles."""
     n = np.arange(count)
     radius, angle = diameter / 2.0 * np.sqrt((n + 0.5) / count), n * GOLDEN
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
 
 def rings(diameter: float, pitch: float) -> Floats:
-    """One in the middle; ring k has the radius k pitch and as many as fit at the pitch along it."""
+    """Return concentric rings: ring k has the radius k pitch, and as many places as fit at this pitch."""
     places = [np.zeros((1, 2))]
     for k in range(1, math.floor(diameter / 2.0 / pitch + 1e-9) + 1):
         count = math.floor(2.0 * math.pi * k)
@@ -50,9 +50,9 @@ def rings(diameter: float, pitch: float) -> Floats:
 def scattered(
     width: float, height: float, count: int, apart: float, rng: np.random.Generator
 ) -> Floats:
-    """Darts at a rectangle: one that lands nearer than `apart` [m] to an earlier one is thrown again.
+    """Throw darts at a rectangle, and reject those nearer than `apart` [m] to an earlier one.
 
-    Raises ArgumentError where they do not fit: so many in a row find no room.
+    Raises ArgumentError if none of `DARTS` darts finds room.
     """
     half = np.array([width, height]) / 2.0
     places = np.empty((0, 2))
@@ -70,7 +70,7 @@ def scattered(
 
 
 def _first(darts: Floats, apart: float) -> Flags:
-    """Which darts land: those that are near to none that has landed before them, (K,)."""
+    """Return which darts are not near an earlier accepted one, (K,)."""
     landed = np.ones(len(darts), dtype=np.bool_)
     pairs = cKDTree(darts).query_pairs(apart, output_type="ndarray")
     for i, j in pairs[np.argsort(pairs[:, 0], kind="stable")].tolist():

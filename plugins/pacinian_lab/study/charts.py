@@ -1,4 +1,4 @@
-"""Charts of what was measured: of each layout, and against what layouts have in numbers."""
+"""Charts of the measures: by layout, and against the layouts' dimensions."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ SHOWN = (
     "condition",
 )
 AGAINST = ("aperture", "spacing", "transducers")
-ACROSS = 4  # panels beside each other
-SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # of the units that are drawn otherwise
+ACROSS = 4  # panels per row
+SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # units that are drawn in another unit
 LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across_x", *AGAINST)
 
 
 def measures(rows: Sequence[Row], path: Path) -> None:
-    """Each measure of each layout: a dot for every task, a mark at the median, a colour for each plane."""
+    """Draw each measure by layout: a dot for every task, a mark at the median, a colour for each plane."""
     at = _grouped(rows)
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
     names.reverse()
@@ -65,7 +65,7 @@ def measures(rows: Sequence[Row], path: Path) -> None:
 
 
 def trends(rows: Sequence[Row], path: Path) -> None:
-    """Measures against what layouts have in numbers: a mark for the median of each layout in each plane."""
+    """Draw measures against layout dimensions: a mark for the median of each layout in each plane."""
     at, shown = _grouped(rows), SHOWN[:4]
     planes = list(dict.fromkeys(plane for _, plane in at))
     kinds = list(dict.fromkeys(found[0]["layout.type"] for found in at.values()))
@@ -93,20 +93,20 @@ def trends(rows: Sequence[Row], path: Path) -> None:
 
 
 def values(rows: Iterable[Row], measure: str) -> list[float]:
-    """A measure where it is finite, in the unit that is drawn."""
+    """Return the finite values of a measure, in the unit that is drawn."""
     factor, _ = _unit(measure)
     found = (row[measure] for row in rows)
     return [factor * v for v in found if v is not None and np.isfinite(v)]
 
 
 def titled(measure: str) -> str:
-    """A measure's name, and the unit in which it is drawn."""
+    """Return the name of a measure, with the unit that is drawn."""
     unit = _unit(measure)[1]
     return measure.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
 def _grouped(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
-    """The rows of each layout in each plane, of those that are drawn."""
+    """Return the rows of each drawn layout and plane."""
     at: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         at[row["layout"], row["plane"]].append(row)

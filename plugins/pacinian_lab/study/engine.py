@@ -1,4 +1,4 @@
-"""Dask does the work: local processes unless a scheduler's address is given."""
+"""Run tasks with Dask: on local processes, unless the address of a scheduler is given."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from pacinian_lab.study.tasks import Plan, Task
     from pacinian_lab.study.worker import Row
 
-PATIENCE = 30.0  # [s] for a scheduler to answer, and for a first worker
-GONE = "the Dask scheduler is gone; what was done is kept"
-AHEAD = 2  # batches for each thread that are sent before they are needed
+PATIENCE = 30.0  # [s] longest wait for a scheduler to answer, and for a first worker
+GONE = "the connection to the Dask scheduler is lost; finished tasks are kept"
+AHEAD = 2  # batches per thread that are sent in advance
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 QUIET: dict[str, list[str]] = {
     "distributed.scheduler.http.routes": [],
@@ -44,7 +44,7 @@ def start(
     dashboard: Callable[[str], object] | None,
     batches: int,
 ) -> AbstractContextManager[Client]:
-    """The engine that is asked for, as in `pacinian_lab.study.run`; no more local processes than batches."""
+    """Start the engine, as in `pacinian_lab.study.run`, with at most one local process per batch."""
     if scheduler is not None:
         return remote(scheduler)
     return local(min(batches, CPU_COUNT if workers is None else workers), dashboard)
@@ -52,10 +52,11 @@ def start(
 
 @contextmanager
 def local(workers: int, dashboard: Callable[[str], object] | None = None) -> Generator[Client]:
-    """A scheduler of one's own with so many processes, one thread each, on the loopback alone.
+    """Start a local scheduler with `workers` processes of one thread each, on the loopback interface only.
 
-    Both ends of every connection must have the certificate that is made for it: its scheduler runs what it is told.
-    dashboard: told where Dask's page is, on a port of the loopback. Raises ArgumentError.
+    Both ends of every connection must present a certificate made for this scheduler, because a scheduler executes any
+    code that it receives. dashboard: called with the address of Dask's dashboard, on a loopback port. Raises
+    ArgumentError.
     """
     if dashboard is not None and importlib.util.find_spec("bokeh") is None:
         raise ArgumentError("dashboard", "needs bokeh: pip install bokeh")
@@ -88,7 +89,7 @@ def local(workers: int, dashboard: Callable[[str], object] | None = None) -> Gen
 
 @contextmanager
 def remote(address: str) -> Generator[Client]:
-    """The scheduler at an address, such as `tcp://host:8786`. Raises ServerError."""
+    """Connect to the scheduler at an address, such as `tcp://host:8786`. Raises ServerError."""
     try:
         client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
@@ -104,9 +105,9 @@ def remote(address: str) -> Generator[Client]:
 
 
 def results(client: Client, plan: Plan, batches: Iterable[Sequence[Task]]) -> Iterator[list[Row]]:
-    """The rows of batches as they are done, in no order. Raises ServerError where the scheduler is lost.
+    """Yield the rows of batches as they finish, in any order. Raises ServerError if the scheduler is lost.
 
-    What a worker had that dies is done again by another; where that happens again and again, rows say so.
+    If a worker dies, another worker takes over its tasks. If that happens repeatedly, the rows report the failure.
     """
     waiting = iter(batches)
     running: dict[Future[list[Row]], Sequence[Task]] = {}
@@ -136,20 +137,20 @@ def _rows(future: Future[list[Row]], plan: Plan, tasks: Sequence[Task]) -> list[
     except CancelledError as error:
         raise ServerError(GONE) from error
     except KilledWorker:
-        reason = "KilledWorker: the processes that did it have died, again and again"
+        reason = "KilledWorker: the worker processes died repeatedly"
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
     return [failed(job, reason) for job in plan.batch(tasks).jobs]
 
 
 def _alike(client: Client, address: str) -> None:
-    """Refuse workers without this Pacinian: their numbers would be others."""
+    """Refuse workers with another version of Pacinian, because their results would differ."""
     ours = importlib.metadata.version("pacinian")
     told = cast("dict[str, object]", client.run(_version, on_error="return"))
     for worker, found in told.items():
         if found != ours:
             raise ServerError(
-                f"worker {worker} of {address} must have Pacinian {ours}: it says {found!r}"
+                f"worker {worker} of {address} must have Pacinian {ours}: it reports {found!r}"
             )
 
 

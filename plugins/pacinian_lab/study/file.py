@@ -1,4 +1,4 @@
-"""Study files: TOML or JSON, decoded and checked by msgspec; the schema comes from the same classes."""
+"""Study files: TOML or JSON, decoded and checked by msgspec. The schema comes from the same classes."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from pacinian_lab.study.sweep import Entry, chosen, described
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
 
-LONGEST = 1000  # pixels along a side of the picture
+LONGEST = 1000  # maximum number of pixels along a side of the picture
 
 Option = bool | int | float | str
 
 
 class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A solver by name, and its settings; those that are lists are swept.
+    """A solver and its settings. Settings that are lists are swept.
 
-    phases: of the pressures asked [rad], the same at all points; free unless given.
-    precision: "single", or "double" for ill-conditioned problems.
+    phases: of the target pressures [rad], the same at all points; free by default. precision: "single", or "double"
+    for ill-conditioned problems.
     """
 
     name: str
@@ -49,11 +49,11 @@ class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
                 raise ArgumentError(f"options.{name}", "is swept over nothing: give a value")
 
     def make(self) -> Solver:
-        """The solver. Raises UnknownPlugin, PluginError, ArgumentError."""
+        """Return the solver. Raises UnknownPlugin, PluginError, ArgumentError."""
         return registry.solver(self.name, **self.options)
 
     def entries(self) -> list[Entry[Method]]:
-        """All that it stands for."""
+        """Return all combinations of the swept settings."""
         made: list[Entry[Method]] = []
         for values in chosen(self.options):
             item = replace(self, options={**self.options, **values})
@@ -67,7 +67,7 @@ class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Picture(Struct, frozen=True, forbid_unknown_fields=True):
-    """The part of a plane in which the field is looked at: a square of `side` [m], a pixel every `step` [m]."""
+    """The part of a plane in which the field is evaluated: a square of `side` [m], with a pixel every `step` [m]."""
 
     side: float = 0.3
     step: float = 0.002
@@ -82,10 +82,10 @@ class Picture(Struct, frozen=True, forbid_unknown_fields=True):
 class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A study: every layout with every plane, pattern, solver and level.
 
-    levels: how loud, ||t||_2 over what one focus could reach, `gain` times the mean over the points asked of
-    sum_n |B_mn|; `inf` is as strong as can be in these proportions. seed: of all that is random.
-    gain: the limit of |g_n|, `inf` for none. emitted: phases and amplitudes of a device, to which gains are
-    rounded before they are judged. picture: where the field is looked at. Raises ArgumentError.
+    levels: ||t||_2 relative to what one focus can reach, `gain` times the mean of sum_n |B_mn| over the points with a
+    target; `inf` means as strong as possible in these proportions. seed: of all random choices. gain: the limit of
+    |g_n|, `inf` for none. emitted: phases and amplitudes of a device, to which gains are quantised before they are
+    evaluated. picture: where the field is evaluated. Raises ArgumentError.
     """
 
     layouts: tuple[AnyLayout, ...]
@@ -125,10 +125,10 @@ class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def read(path: str | Path) -> Study:
-    """Read a study file, and the devices' descriptions that it names.
+    """Read a study file, and the device descriptions that it names.
 
-    path: a file that ends in .toml or .json; all numbers in SI units ([m], [deg], [degC]).
-    Raises SceneFileError, which names the file, the key and the fix.
+    path: a file that ends in .toml or .json; all numbers in SI units ([m], [deg], [degC]). Raises SceneFileError,
+    which names the file, the key and the fix.
     """
     path = Path(path)
     study = decode_document(path, Study)
@@ -137,5 +137,5 @@ def read(path: str | Path) -> Study:
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of study files."""
+    """Return the JSON Schema of study files."""
     return json_schema(Study, "Pacinian study")

@@ -1,4 +1,4 @@
-"""How large a focus is: its widths along the way of the sound and across it, and its main lobe in a plane."""
+"""The size of a focus: its widths along the sound's direction and across it, and its main lobe in a plane."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ import pacinian as pc
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
-STEPS = 40  # of a profile, a wavelength
-FIRST, LAST = 4.0, 128.0  # wavelengths looked at on each side
-SPREAD = 0.1  # of the mean direction of the sound; below, it has none
+STEPS = 40  # samples of a profile per wavelength
+FIRST, LAST = 4.0, 128.0  # range of a profile on each side, first and last try [wavelengths]
+SPREAD = 0.1  # length of the mean direction of the sound below which there is no direction
 
 
 class Widths(NamedTuple):
-    """Full widths at half of the largest radiation pressure [m]; infinite where it does not fall so far.
+    """Full widths at half of the largest radiation pressure [m]; infinite if it does not fall that far.
 
-    along: in the mean direction of the sound that arrives at the focus, weighted with |B|^2, or in z where it comes
-    from all sides. across_x: square to that, and to y. across_y: square to both.
+    along: in the mean direction of the sound that arrives at the focus, weighted with |B|^2, or in z if the sound
+    comes from all sides. across_x: perpendicular to that, and to y. across_y: perpendicular to both.
     """
 
     along: float
@@ -31,10 +31,10 @@ class Widths(NamedTuple):
 
 
 def widths(array: pc.Array, point: Floats, medium: pc.Air) -> Widths:
-    """Of the focus at a point (3,) [m], all transducers at full drive and in phase there.
+    """Return the widths of the focus at a point (3,) [m], with all transducers at full drive and in phase there.
 
     The profile P(s) ~ |p|^2 is followed from the focus up to its nearest maximum, and from there down on both sides
-    until it is half of that; half a wavelength from a transducer it ends. Raises PointOnTransducer.
+    until it is half of the maximum. It ends half a wavelength from a transducer. Raises PointOnTransducer.
     """
     B = pc.matrix(array, point[None], medium)[0]
     size = np.abs(B)
@@ -43,7 +43,7 @@ def widths(array: pc.Array, point: Floats, medium: pc.Air) -> Widths:
 
 
 def ways(array: pc.Array, point: Floats, size: Floats) -> Floats:
-    """The directions of the three widths, (3, 3), each square to the others; size: |B|, (N,)."""
+    """Return the directions of the three widths, (3, 3), perpendicular to each other; size: |B|, (N,)."""
     d = point - array.positions
     d = d / np.maximum(np.sqrt((d * d).sum(axis=1)), 1e-30)[:, None]
     w = size**2 / max(float((size**2).sum()), 1e-300)
@@ -51,7 +51,7 @@ def ways(array: pc.Array, point: Floats, size: Floats) -> Floats:
     length = float(np.sqrt(along @ along))
     along = along / length if length > SPREAD else np.array([0.0, 0.0, 1.0])
     x = np.cross([0.0, 1.0, 0.0], along)
-    if x @ x < SPREAD**2:  # the sound goes along y
+    if x @ x < SPREAD**2:  # the sound travels along y
         x = np.array([1.0, 0.0, 0.0]) - along[0] * along
     x /= np.sqrt(x @ x)
     return np.stack([along, x, np.cross(along, x)])
@@ -79,14 +79,14 @@ def _width(array: pc.Array, gains: Complexes, point: Floats, way: Floats, medium
 
 
 def _ends(near: Flags, middle: int) -> tuple[int, int]:
-    """The part about the middle in which no point is near a transducer."""
+    """Return the range around the middle in which no point is near a transducer."""
     before, after = np.flatnonzero(near[:middle]), np.flatnonzero(near[middle + 1 :])
     below = int(before[-1]) + 1 if len(before) else 0
     return below, middle + 1 + int(after[0]) if len(after) else len(near)
 
 
 def full_width(s: Floats, P: Floats, start: int) -> float:
-    """How far apart P(s) is half of its maximum nearest uphill from `start`; infinite where it is not.
+    """Return the width of P(s) at half of its maximum nearest uphill from `start`, or infinity if there is none.
 
     s: ascending, (K,). P: (K,).
     """
@@ -105,10 +105,10 @@ def full_width(s: Floats, P: Floats, start: int) -> float:
 
 
 def lobes(array: pc.Array, points: Floats, axes: Floats, medium: pc.Air) -> Floats:
-    """For each point the matrix S, (M, 2, 2) [1/m^2]: the main lobe of its focus is d^T S d < 1, d in the plane.
+    """Return the matrix S of each point, (M, 2, 2) [1/m^2]: the focus's main lobe is d^T S d < 1, d in the plane.
 
-    Near a focus the pressure is 1 - k^2 d^T C d / 2 of its largest, C being the covariance of the unit vectors
-    to the transducers, weighted with |B|^2 (`pacinian.resolution`). Directions that spread evenly with the
+    Near a focus, the pressure relative to its maximum is 1 - k^2 d^T C d / 2, where C is the covariance of the unit
+    vectors to the transducers, weighted with |B|^2 (`pacinian.resolution`). Directions that spread evenly with the
     variance sigma^2 make the first null at lambda / (2 sqrt(3) sigma), so that S = 12 C / lambda^2 in the plane.
 
     points: (M, 3) [m]. axes: of the plane, (2, 3).
@@ -126,7 +126,7 @@ def lobes(array: pc.Array, points: Floats, axes: Floats, medium: pc.Air) -> Floa
 
 
 def within(pixels: Floats, uv: Floats, shapes: Floats) -> Flags:
-    """Which pixels (..., 2) [m] are in the main lobe of a point, uv (M, 2) [m], of its shape S, (M, 2, 2)."""
+    """Return which pixels (..., 2) [m] are in the main lobe S, (M, 2, 2), of a point uv, (M, 2) [m]."""
     inside = np.zeros(pixels.shape[:-1], dtype=np.bool_)
     for centre, S in zip(uv, shapes, strict=True):
         u, v = pixels[..., 0] - centre[0], pixels[..., 1] - centre[1]

@@ -1,4 +1,4 @@
-"""Pictures of what a study is about: its layouts, and the images that their arrays make."""
+"""Pictures of a study: its layouts, and the images that their arrays make."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
     from pacinian_lab.study.tasks import Plan, Task
 
-ACROSS = 6  # panels beside each other
-LAYOUTS, PLANES, PATTERNS = 48, 8, 4  # the first so many are drawn
-MARKED = 64  # points at most that are marked
+ACROSS = 6  # panels per row
+LAYOUTS, PLANES, PATTERNS = 48, 8, 4  # maximum numbers drawn
+MARKED = 64  # maximum number of marked points
 TINY = 6.5  # [pt]
 
 
 def layouts(plan: Plan, path: Path) -> None:
-    """The layouts from above; a colour is a height."""
+    """Draw the layouts from above, coloured by height."""
     entries = list({t.place.layout.label: t.place.layout for t in plan.tasks}.values())[:LAYOUTS]
     arrays = [plan.array(entry.value) for entry in entries]
     columns = min(ACROSS, len(arrays))
@@ -56,7 +56,7 @@ def layouts(plan: Plan, path: Path) -> None:
 
 
 def images(plan: Plan, folder: Path, advance: Callable[[], object]) -> list[Path]:
-    """|p| of the first solver at the first level, a page for each plane and some layouts; the files."""
+    """Draw |p| of the first solver at the first level, a page for each plane and some layouts; return the files."""
     files: list[Path] = []
     for tasks in pages(plan):
         files.append(folder / f"images-{len(files) + 1}.png")
@@ -65,7 +65,7 @@ def images(plan: Plan, folder: Path, advance: Callable[[], object]) -> list[Path
 
 
 def pages(plan: Plan) -> Iterator[list[list[Task]]]:
-    """The tasks of the images of each page: a row for each pattern, a column for each layout."""
+    """Yield the tasks of each page of images: a row for each pattern, a column for each layout."""
     at: dict[tuple[str, str, str], Task] = {}
     for task in plan.tasks:
         place = task.place
@@ -81,7 +81,7 @@ def _images(
     plan: Plan, tasks: Sequence[Sequence[Task]], path: Path, advance: Callable[[], object]
 ) -> None:
     page = figure(1.4 + 1.4 * len(tasks[0]), 1.0 + 1.3 * len(tasks))
-    page.set_layout_engine("compressed")  # as all panels are square
+    page.set_layout_engine("compressed")  # because all panels are square
     grid = page.subplots(len(tasks), len(tasks[0]), squeeze=False, sharex=True, sharey=True)
     half = 500.0 * plan.study.picture.side  # [mm]
     image = None
@@ -105,14 +105,14 @@ def _images(
             )  # fmt: skip
             if len(points) <= MARKED:
                 panel.plot(*(1e3 * points.T), "o", mfc="none", mec="white", ms=2.4, mew=0.3)
-            panel.set_title(f"largest {1e-3 * most:.3g} kPa", fontsize=TINY, pad=2)
+            panel.set_title(f"maximum {1e-3 * most:.3g} kPa", fontsize=TINY, pad=2)
         panels[0].set_ylabel(f"{_wrapped(row[0].place.pattern.label)}\nv [mm]", fontsize=SMALL)
     for task, panel in zip(tasks[0], grid[0], strict=True):
         panel.set_title(f"{_wrapped(task.place.layout.label)}\n{panel.get_title()}", fontsize=SMALL)
     for panel in grid[-1]:
         panel.set_xlabel("u [mm]", fontsize=SMALL)
     if image is not None:
-        _bar(page, image, grid.ravel().tolist(), "|p| over its largest")
+        _bar(page, image, grid.ravel().tolist(), "|p| relative to its maximum")
     first = tasks[0][0]
     title = f"{first.place.plane.label}: {first.method.label}, level {first.level:g}"
     page.suptitle(title, fontsize=TEXT)
@@ -120,7 +120,7 @@ def _images(
 
 
 def _field(plan: Plan, task: Task) -> tuple[Floats, Floats]:
-    """|p| [Pa] in the picture, and the points asked in its plane [m]."""
+    """Return |p| [Pa] in the picture, and the points with a target in its plane [m]."""
     batch = plan.batch([task])
     stage = batch.stage()
     gains = emitted(batch, solve(batch, stage, batch.jobs[0]).gains)
@@ -128,12 +128,12 @@ def _field(plan: Plan, task: Task) -> tuple[Floats, Floats]:
 
 
 def _bar(page: Any, image: Any, panels: Sequence[Panel], label: str) -> None:
-    """One scale of colours for all panels."""
+    """Draw one colour scale for all panels."""
     made = page.colorbar(image, ax=panels, shrink=0.7)
     made.set_label(label, fontsize=SMALL)
     made.ax.tick_params(labelsize=TINY)
 
 
 def _wrapped(label: str, width: int = 18) -> str:
-    """A label on as many lines as it needs."""
+    """Return a label, wrapped to several lines."""
     return "\n".join(textwrap.wrap(label, width))

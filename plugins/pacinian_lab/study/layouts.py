@@ -1,4 +1,4 @@
-"""The layouts of a study: arrangements in a plane, and what bends them into space."""
+"""The layouts of a study: arrangements in a plane, and transforms that bend them into space."""
 
 from __future__ import annotations
 
@@ -22,22 +22,21 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-MOST = 20_000  # transducers
+MOST = 20_000  # maximum number of transducers
 FLAT = 1e-9  # [m]
 
 
 class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
-    """What all layouts have; each lies on the xy-plane, centred on the origin, and points to +z, until it is bent.
+    """The base of all layouts. Before it is bent, a layout lies on the xy-plane, centred, and points to +z.
 
-    name: what it is called; its type unless given.
-    bowl: bent to a sphere of this radius that touches the xy-plane [m]; 0 leaves it flat.
-    fold: each half raised by this angle [deg] about the axis `hinge`, "x" or "y".
-    facing: a second array like it, so far above, that points down [m]; 0 for none.
-    pose: of all that. Numbers may be lists: they are swept. Raises ArgumentError.
+    name: its label; the type by default. bowl: bends it to a sphere of this radius that touches the xy-plane [m]; 0
+    leaves it flat. fold: raises each half by this angle [deg] about the axis `hinge`, "x" or "y". facing: adds a
+    second, identical array at this height that points down [m]; 0 for none. pose: of all that. Numbers may be lists,
+    which are swept. Raises ArgumentError.
     """
 
     drawn: ClassVar[bool] = False
-    """Whether it is drawn at random."""
+    """Whether the layout is random."""
 
     name: str = ""
     bowl: Number = 0.0
@@ -53,16 +52,16 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
         each("hinge", self.hinge, _axis)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        """Where the transducers are in the plane [m], (N, 2); rng: of the study, for this layout."""
+        """Return the positions of the transducers in the plane [m], (N, 2); rng: of the study, for this layout."""
         raise NotImplementedError
 
     def _flat(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
-        """The array before it is bent."""
+        """Return the array before it is bent."""
         xy = self._places(rng)
         return pc.Array(np.pad(xy, ((0, 0), (0, 1))), transducer=kind)
 
     def make(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
-        """The array, of this kind of transducer. Raises ArgumentError."""
+        """Return the array, with this kind of transducer. Raises ArgumentError."""
         array = self._flat(kind, rng)
         if len(array) > MOST:
             raise ArgumentError("layout", f"has {len(array)} transducers: more than {MOST}")
@@ -108,7 +107,7 @@ class Spread(Layout, frozen=True, kw_only=True):
 
 
 class Lattice(Spread, frozen=True, tag="lattice"):
-    """A square lattice, both ends included: as `pacinian.lattice`."""
+    """A square lattice, including both ends, as `pacinian.lattice`."""
 
     pitch: Number = 0.01
 
@@ -121,7 +120,7 @@ class Lattice(Spread, frozen=True, tag="lattice"):
 
 
 class Hexagonal(Spread, frozen=True, tag="hexagonal"):
-    """A triangular lattice, in which each has six neighbours at the pitch [m]; rows along x."""
+    """A triangular lattice with six neighbours at the pitch [m]; its rows lie along x."""
 
     pitch: Number = 0.01
 
@@ -134,7 +133,7 @@ class Hexagonal(Spread, frozen=True, tag="hexagonal"):
 
 
 class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
-    """At random over the rectangle, no two nearer than `apart` [m]; another seed is another draw."""
+    """Random positions over the rectangle, at least `apart` [m] from each other; each seed gives another draw."""
 
     drawn: ClassVar[bool] = True
 
@@ -153,7 +152,7 @@ class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
 
 
 class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
-    """Fermat's spiral by the golden angle: evenly spread over a disc, in no row."""
+    """Fermat's spiral with the golden angle: evenly spread over a disc, without rows."""
 
     count: Count
     diameter: Number
@@ -168,7 +167,7 @@ class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
 
 
 class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
-    """One in the middle and rings about it, as far apart as their transducers: `pitch` [m]."""
+    """Concentric rings around one transducer. Rings, and transducers on a ring, are `pitch` [m] apart."""
 
     diameter: Number
     pitch: Number = 0.01
@@ -185,7 +184,7 @@ class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
 class Device(Layout, frozen=True, tag="device"):
     """A real device: its description (`pacinian.DeviceDescription`), or the file that holds it.
 
-    Its transducers are of its own kind, whatever the study's.
+    It has its own kind of transducer instead of the study's.
     """
 
     file: str = ""
@@ -197,13 +196,13 @@ class Device(Layout, frozen=True, tag="device"):
             raise ArgumentError("file", "must be given, or `device`, and not both")
 
     def _flat(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
-        """The array as it is described."""
+        """Return the array of the description."""
         if self.device is None:
             raise ArgumentError("file", "has not been read: use `pacinian_lab.study.read`")
         return self.device.array()
 
     def found(self, folder: Path) -> Device:
-        """This layout with its description, looked for in `folder`. Raises SceneFileError."""
+        """Return this layout with its description, read from a file in `folder`. Raises SceneFileError."""
         if not self.file:
             return self
         return replace(self, file="", device=DeviceDescription.load(folder / self.file))
@@ -213,11 +212,11 @@ AnyLayout = Autd | Lattice | Hexagonal | Scattered | Sunflower | Rings | Device
 
 
 def bent(array: pc.Array, radius: float) -> pc.Array:
-    """A flat array bent to a sphere of that radius [m], which keeps the ways from its middle.
+    """Bend a flat array to a sphere of this radius [m], which keeps distances from its centre.
 
         (s cos a, s sin a, 0) -> R (sin(s/R) cos a, sin(s/R) sin a, 1 - cos(s/R))
 
-    All point to the sphere's centre. Raises ArgumentError.
+    All transducers point to the sphere's centre. Raises ArgumentError.
     """
     r, n = array.positions - array.centre, array.normals
     if np.ptp(r[:, 2]) > FLAT or np.abs(n - (0.0, 0.0, 1.0)).max() > FLAT:

@@ -1,4 +1,4 @@
-"""What is measured, and how: each is a function of asked and achieved pressures, and of the field."""
+"""The measures: functions of the target and achieved pressures, and of the field."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
 
-TURNS = 4096  # steps of cos(theta) over which a directivity is integrated
+TURNS = 4096  # steps of cos(theta) for the integral of a directivity
 
 
 @dataclass(frozen=True)
 class Measure:
     """A column of the results.
 
-    unit: "" where it has none. better: "low", "high", or "" where neither is. meaning: in a few words.
+    unit: "" if it has none. better: "low", "high", or "" for neither. meaning: a short description.
     """
 
     unit: str
@@ -30,29 +30,29 @@ class Measure:
 
 
 MEASURES = {
-    "error": Measure("", "low", "||a - t|| / ||t||, amplitudes achieved and asked"),
+    "error": Measure("", "low", "||a - t|| / ||t||, achieved and target amplitudes"),
     "shape_error": Measure("", "low", "||a - s t|| / ||s t||, with the best multiple s"),
     "scale": Measure("", "high", "s = a.t / t.t"),
     "correlation": Measure("", "high", "Pearson's, of a and t"),
-    "maximum": Measure("Pa", "high", "the largest a"),
-    "reach": Measure("Pa", "high", "what one focus could make at the best of the points"),
-    "efficiency": Measure("", "high", "of the picture's |p|^2, what is in the pattern's main lobes"),
+    "maximum": Measure("Pa", "high", "largest a"),
+    "reach": Measure("Pa", "high", "highest |p| that one focus could make, over the points"),
+    "efficiency": Measure("", "high", "fraction of the picture's |p|^2 in the pattern's main lobes"),
     "yield": Measure("Pa/W", "high", "mean radiation pressure at the points, per sound power emitted"),
-    "side_lobe": Measure("dB", "low", "the loudest outside the main lobes, over the loudest inside"),
+    "side_lobe": Measure("dB", "low", "highest |p| outside the main lobes, over the highest inside"),
     "contrast": Measure("", "high", "(P_in - P_out) / (P_in + P_out), mean radiation pressures"),
     "width_along": Measure("m", "low", "full width of a focus at half its radiation pressure, along the sound"),
-    "width_across_x": Measure("m", "low", "the same across it"),
-    "width_across_y": Measure("m", "low", "the same across it, in the other direction"),
+    "width_across_x": Measure("m", "low", "the same, perpendicular to the sound and to y"),
+    "width_across_y": Measure("m", "low", "the same, perpendicular to both"),
     "condition": Measure("", "low", "of B: s_1 / s_min(M, N)"),
-    "saturation": Measure("", "low", "the share of transducers at the limit"),
-    "run_time": Measure("", "low", "of the solver, over that of a fixed product of matrices beside it"),
+    "saturation": Measure("", "low", "fraction of transducers at the limit"),
+    "run_time": Measure("", "low", "of the solver, over that of a fixed matrix product on the same machine"),
 }  # fmt: skip
 
 
 def amplitudes(a: Floats, t: Floats, *, exact: bool) -> dict[str, float]:
-    """Error, shape error, scale, correlation and maximum of amplitudes a for targets t [Pa], (M,).
+    """Return error, shape error, scale, correlation and maximum of amplitudes a for targets t [Pa], (M,).
 
-    exact: whether these pressures are asked, not only their proportions; else there is no error.
+    exact: whether the targets are absolute; if only proportions are, error and scale are NaN.
     """
     size = float(np.linalg.norm(t))
     s = float(a @ t) / size**2
@@ -67,10 +67,10 @@ def amplitudes(a: Floats, t: Floats, *, exact: bool) -> dict[str, float]:
 
 
 def image(a: Floats, field: Floats, lobes: Flags) -> dict[str, float]:
-    """Efficiency, side lobe and contrast of a picture.
+    """Return efficiency, side lobe and contrast of a picture.
 
-    a: |p| at the points asked [Pa], (M,). field: |p| [Pa], (K, K), NaN where it does not count. lobes: which
-    pixels are in main lobes, (K, K). NaN where there is no sound, or nothing outside.
+    a: |p| at the points with a target [Pa], (M,). field: |p| [Pa], (K, K), NaN where it does not count. lobes: which
+    pixels are in main lobes, (K, K). Returns NaN if there is no sound, or no pixel outside.
     """
     P, counts = field**2, np.isfinite(field)
     inside, outside = P[lobes & counts], P[~lobes & counts]
@@ -88,11 +88,11 @@ def image(a: Floats, field: Floats, lobes: Flags) -> dict[str, float]:
 
 
 def emitted_power(array: pc.Array, gains: Complexes, medium: pc.Air) -> float:
-    """The sound power that transducers of these gains, (N,), emit, as if each were alone [W].
+    """Return the sound power that transducers of these gains, (N,), emit, as if each were alone [W].
 
         W = P0^2 / (2 rho c) sum_n |g_n s_n|^2 int D^2 dOmega
 
-    NaN where sound does not fade as 1/r: then there is no such power.
+    NaN if sound does not decay as 1/r, because this power is then undefined.
     """
     if medium.power != 1.0:
         return math.nan

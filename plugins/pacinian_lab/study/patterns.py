@@ -1,4 +1,4 @@
-"""What a study asks for: points in a plane, and how loud each is to be beside the others."""
+"""The patterns of a study: points in a plane, and the proportions of their targets."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from pacinian_lab.study.sweep import Count, Number, Word, each, one
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MOST = 10_000  # points
+MOST = 10_000  # maximum number of points
 FORMS = ("ring", "disc", "cross", "square")
 
 Made = tuple["Floats", "Floats"]
 
 
 class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
-    """What all patterns have; u and v are the axes of the plane that it lies in, and 0, 0 its origin.
+    """The base of all patterns. u and v are the axes of the pattern's plane, and 0, 0 is its origin.
 
-    name: what it is called; its type unless given. Numbers may be lists: they are swept. Raises ArgumentError.
+    name: its label; the type by default. Numbers may be lists, which are swept. Raises ArgumentError.
     """
 
     whole: ClassVar[tuple[str, ...]] = ()
     """Fields that are lists, not sweeps."""
 
     drawn: ClassVar[bool] = False
-    """Whether it is drawn at random."""
+    """Whether the pattern is random."""
 
     name: str = ""
 
     def make(self, rng: np.random.Generator) -> Made:
-        """Points [m], (M, 2), and proportions, (M,), not negative; rng: of the study, for this pattern.
+        """Return points [m], (M, 2), and proportions, (M,), not negative; rng: of the study, for this pattern.
 
         Raises ArgumentError.
         """
@@ -44,7 +44,7 @@ class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
         if len(uv) > MOST:
             raise ArgumentError("pattern", f"has {len(uv)} points: more than {MOST}")
         if not proportions.any():
-            raise ArgumentError("pattern", "asks for silence: no point is in it")
+            raise ArgumentError("pattern", "is silent: none of its points has a target")
         return uv, proportions
 
     def _make(self, rng: np.random.Generator) -> Made:
@@ -59,7 +59,7 @@ class Focus(Pattern, frozen=True, tag="focus"):
 
 
 class Circle(Pattern, frozen=True, tag="circle"):
-    """Points on a circle, as far apart as each other."""
+    """Points evenly spaced on a circle."""
 
     radius: Number
     count: Count
@@ -94,7 +94,7 @@ class PointGrid(Pattern, frozen=True, tag="grid"):
 
 
 class Letters(Pattern, frozen=True, tag="letters"):
-    """A line of text in dots; a capital letter is `height` high [m], `dots` of them. The font is Pillow's own."""
+    """A line of text in dots. A capital letter is `height` high [m], or `dots` dots. The font is Pillow's default."""
 
     text: Word
     height: Number = 0.06
@@ -114,7 +114,7 @@ class Letters(Pattern, frozen=True, tag="letters"):
 
 
 class RandomPoints(Pattern, frozen=True, tag="random"):
-    """Points at random in a square of `side` [m], `low` to 1 in proportion; another seed is another draw."""
+    """Random points in a square of `side` [m], with proportions `low` to 1; each seed gives another draw."""
 
     drawn: ClassVar[bool] = True
 
@@ -135,7 +135,7 @@ class RandomPoints(Pattern, frozen=True, tag="random"):
 
 
 class Shape(Pattern, frozen=True, tag="shape"):
-    """One of the paper's patterns, on a lattice over a square of `side` [m]: 1 in it, and silence about it.
+    """One of the paper's patterns, on a lattice over a square of `side` [m]: 1 inside, silence outside.
 
     form: with u and v in -1..1 over the square and r = hypot(u, v), "ring" (|r - 0.5| < 0.08), "disc" (r < 0.3),
     "cross" (|u| or |v| < 0.06, both < 0.6), "square" (|max(|u|, |v|) - 0.5| < 0.08).
@@ -166,7 +166,7 @@ class Shape(Pattern, frozen=True, tag="shape"):
 
 
 class Points(Pattern, frozen=True, tag="points"):
-    """Any points (u, v) [m], with `proportions`; alike unless given."""
+    """Any points (u, v) [m], with `proportions`, which are equal by default."""
 
     whole: ClassVar[tuple[str, ...]] = ("points", "proportions")
 
@@ -194,7 +194,7 @@ AnyPattern = Focus | Circle | PointGrid | Letters | RandomPoints | Shape | Point
 
 
 def _dots(text: str, height: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
-    """A line of text as rows of dots, a capital letter being `height` rows high."""
+    """Return a line of text as rows of dots, with capital letters `height` rows high."""
     from PIL import Image, ImageDraw, ImageFont
 
     fonts = (ImageFont.load_default(size) for size in range(height, 3 * height))

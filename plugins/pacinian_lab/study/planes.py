@@ -1,4 +1,4 @@
-"""Where a study's patterns are: planes with axes of their own."""
+"""The planes of a study's patterns, with their own axes."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A plane through (x, y, z) [m], parallel to the xy-plane unless tilted.
 
-    tilt: by how much its axis v is raised [deg]; 90 is upright. azimuth: turned about z after that [deg].
+    tilt: angle by which its axis v is raised [deg]; 90 is upright. azimuth: rotation about z after that [deg].
 
         u = (cos azimuth, sin azimuth, 0)
         v = (-sin azimuth cos tilt, cos azimuth cos tilt, sin tilt)
 
-    name: what it is called. Numbers may be lists: they are swept. Raises ArgumentError.
+    name: its label. Numbers may be lists, which are swept. Raises ArgumentError.
     """
 
     drawn: ClassVar[bool] = False
@@ -42,7 +42,7 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     @property
     def origin(self) -> Floats:
-        """(3,) [m]."""
+        """Origin of the plane, (3,) [m]."""
         return np.array([one(self.x), one(self.y), one(self.z)])
 
     @property
@@ -57,5 +57,5 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         )
 
     def points(self, uv: Floats) -> Floats:
-        """Points (..., 3) [m] of the plane at uv, (..., 2) [m]."""
+        """Return the points (..., 3) [m] of the plane at uv, (..., 2) [m]."""
         return np.asarray(self.origin + uv @ self.axes)

@@ -1,4 +1,4 @@
-"""The report of a study: Markdown, with pictures beside it."""
+"""The report of a study: Markdown, with pictures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ IN_TABLE = (
     "condition",
 )  # fmt: skip
 OF_SOLVERS = ("error", "shape_error", "scale", "efficiency", "contrast", "saturation", "run_time")
-FAILURES = 20  # told one by one
+FAILURES = 20  # maximum number of reasons listed
 
 
 def write(
@@ -46,7 +46,7 @@ def write(
 
 
 def text(plan: Plan, rows: Sequence[Row], files: Iterable[str]) -> str:
-    """The report in Markdown. rows: of the tasks that are done. files: its pictures."""
+    """Return the report in Markdown. rows: of the finished tasks. files: its pictures."""
     good = [row for row in rows if row["failure"] is None]
     bad = [row for row in rows if row["failure"] is not None]
     parts = [f"# {_plain(plan.study.title) or 'A study'}", _head(plan, rows, bad)]
@@ -59,9 +59,9 @@ def text(plan: Plan, rows: Sequence[Row], files: Iterable[str]) -> str:
     if good:
         parts += ["## Solvers", "Medians over everything else."]
         parts.append(_table("solver", OF_SOLVERS, good))
-        parts += ["## What is measured", _meanings()]
+        parts += ["## Measures", _meanings()]
     if bad:
-        parts += ["## What failed", _failures(bad)]
+        parts += ["## Failures", _failures(bad)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -111,12 +111,12 @@ def _table(by: str, columns: Sequence[str], rows: Sequence[Row], *, sizes: bool 
 
 
 def figure(found: Sequence[float]) -> str:
-    """The median of what is finite."""
+    """Return the median of finite values as text."""
     return f"{median(found):.3g}" if found else "-"
 
 
 def _plain(text: str) -> str:
-    """A name on one line, in which nothing is taken for Markdown."""
+    """Return a name on one line, with Markdown's special characters escaped."""
     return re.sub(r"([\\`*_|<>#\[\]])", r"\\\1", " ".join(text.split()))
 
 

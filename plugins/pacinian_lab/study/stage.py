@@ -1,4 +1,4 @@
-"""What all tasks of one place share, each computed when it is first asked for."""
+"""Data that all tasks of one place share, each item computed on first use."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from pacinian_lab.study.file import Picture
     from pacinian_lab.study.planes import Plane
 
-CHUNK = 100_000  # elements of B at a time: the kernel starts no second thread
+CHUNK = 100_000  # elements of B at a time, few enough that the kernel starts no second thread
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """An array, and points of a plane at which something is asked of it.
+    """An array, and points of a plane with targets.
 
-    uv: the points in the plane [m], (M, 2). proportions: (M,), 0 where silence is asked.
+    uv: the points in the plane [m], (M, 2). proportions: (M,), 0 for silence.
     """
 
     array: pc.Array
@@ -38,29 +38,29 @@ class Stage:
 
     @functools.cached_property
     def points(self) -> Floats:
-        """(M, 3) [m]."""
+        """The points, (M, 3) [m]."""
         return self.plane.points(self.uv)
 
     @functools.cached_property
     def asked(self) -> Flags:
-        """Where sound is asked, (M,)."""
+        """Which points have a target above 0, (M,)."""
         return self.proportions > 0.0
 
     @functools.cached_property
     def B(self) -> Complexes:
-        """(M, N) [Pa], in double precision. Raises PointOnTransducer."""
+        """B, (M, N) [Pa], in double precision. Raises PointOnTransducer."""
         return pc.matrix(self.array, self.points, self.medium)
 
     @functools.cached_property
     def reach(self) -> Floats:
-        """What a focus at full drive makes at each point asked [Pa]: sum_n |B_mn|."""
+        """Sound pressure of a focus at full drive, at each point with a target [Pa]: sum_n |B_mn|."""
         return np.asarray(np.abs(self.B[self.asked]).sum(axis=1))
 
     @functools.cached_property
     def spectrum(self) -> tuple[int, float]:
-        """Rank and condition number of B, s_1 / s_min(M, N); infinite where the rank is less than full.
+        """Rank and condition number of B, s_1 / s_min(M, N); infinite if B has less than full rank.
 
-        Singular values count down to max(M, N) times the precision, times the largest.
+        Singular values count towards the rank if they exceed max(M, N) times the precision, times the largest.
         """
         s = linalg.svdvals(self.B)
         rank = int((s > max(self.B.shape) * np.finfo(np.float64).eps * s[0]).sum())
@@ -68,17 +68,17 @@ class Stage:
 
     @functools.cached_property
     def widths(self) -> focus.Widths:
-        """Of a focus at the plane's origin."""
+        """Widths of a focus at the plane's origin."""
         return focus.widths(self.array, self.plane.origin, self.medium)
 
     @functools.cached_property
     def aperture(self) -> float:
-        """The longest side of the array's box [m]."""
+        """Longest side of the array's bounding box [m]."""
         return float(np.ptp(self.array.positions, axis=0).max())
 
     @functools.cached_property
     def spacing(self) -> float:
-        """From a transducer to the nearest other one, the mean [m]; infinite for one alone."""
+        """Mean distance from a transducer to the nearest other one [m]; infinite for a single one."""
         distances, _ = self._tree.query(self.array.positions, k=2)
         return float(np.asarray(distances)[:, 1].mean())
 
@@ -92,20 +92,20 @@ class Stage:
 
     @functools.cached_property
     def seen(self) -> Flags:
-        """Which pixels count, (K, K): all at least half a wavelength from any transducer."""
+        """Which pixels count, (K, K): those at least half a wavelength from any transducer."""
         near = 0.5 * self.medium.wavelength(self.array.transducer.frequency)
         distance, _ = self._tree.query(self.plane.points(self.pixels), distance_upper_bound=near)
         return np.asarray(np.isinf(distance))
 
     @functools.cached_property
     def lobes(self) -> Flags:
-        """Which pixels are in the main lobe of a point asked, (K, K)."""
+        """Which pixels are in the main lobe of a point with a target, (K, K)."""
         uv = self.uv[self.asked]
         shapes = focus.lobes(self.array, self.points[self.asked], self.plane.axes, self.medium)
         return focus.within(self.pixels, uv, shapes)
 
     def field(self, gains: Complexes) -> Floats:
-        """|p| [Pa] in the picture, (K, K); NaN where it is not seen."""
+        """Return |p| [Pa] in the picture, (K, K), with NaN in pixels that do not count."""
         p = np.full(self.seen.shape, np.nan)
         p[self.seen] = amplitude(
             self.array, gains, self.plane.points(self.pixels[self.seen]), self.medium
@@ -118,7 +118,7 @@ class Stage:
 
 
 def amplitude(array: pc.Array, gains: Complexes, points: Floats, medium: pc.Air) -> Floats:
-    """|p| [Pa] at points (M, 3) [m], in single precision, by one thread."""
+    """Return |p| [Pa] at points (M, 3) [m], in single precision, with one thread."""
     rows = max(1, CHUNK // len(array))
     parts = [
         np.abs(pc.field(array, gains, points[first : first + rows], medium))

@@ -1,8 +1,8 @@
-"""The folder of a study: parts as they come, and the table they make. Parquet, by pyarrow.
+"""The folder of a study: parts as they are computed, and the joined table. Parquet, by pyarrow.
 
-tasks.parquet     what is asked: a row a task, and the study's digest
-parts/*.parquet   what was measured: a row a task, written once, whole or not at all
-results.parquet   both, joined, when a run ends
+tasks.parquet     the tasks: a row for each, and the study's digest
+parts/*.parquet   the measurements: a row for each task, each file written once and atomically
+results.parquet   both, joined at the end of a run
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ try:
 except ImportError as error:
     raise MissingExtra("pyarrow", "study") from error
 
-Table = Any  # pyarrow.Table: it has no types
+Table = Any  # pyarrow.Table; pyarrow has no type hints
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,9 +51,9 @@ TIMES = ("run_time", "seconds")
 
 
 class Folder:
-    """What is kept of a study.
+    """The stored results of a study.
 
-    unreadable: parts that could not be read, whose tasks are to be done again. Raises OSError.
+    unreadable: parts that could not be read, whose tasks will run again. Raises OSError.
     """
 
     def __init__(self, path: Path) -> None:
@@ -61,11 +61,11 @@ class Folder:
         self._parts = path / "parts"
 
     def open(self) -> None:
-        """Make the folder, if it is not there."""
+        """Make the folder if it does not exist."""
         self._parts.mkdir(parents=True, exist_ok=True)
 
     def rows(self) -> dict[str, Row]:
-        """All that was measured, by the tasks' keys."""
+        """Return all measurements, by the tasks' keys."""
         self.unreadable.clear()
         found: dict[str, Row] = {}
         for part in sorted(self._parts.glob("*.parquet")):
@@ -80,12 +80,12 @@ class Folder:
         return found
 
     def add(self, rows: Sequence[Row]) -> None:
-        """Keep rows: after a crash they are there whole, or not at all."""
+        """Store rows atomically: after a crash, either all or none of them are there."""
         table = pa.Table.from_pylist(list(rows), schema=MEASURED)
         self._write(table, self._parts / f"{uuid.uuid4().hex}.parquet")
 
     def asked(self) -> tuple[str, set[str]]:
-        """The digest and the keys of the study that was here before; empty if none was, or none that can be read."""
+        """Return the digest and the keys of the previous study, or empty values if there is none that can be read."""
         try:
             table = _table(self.path / "tasks.parquet")
         except RecordingError:
@@ -94,7 +94,7 @@ class Folder:
         return digest, set(table.column("key").to_pylist())
 
     def ask(self, plan: Plan) -> None:
-        """Write down what is asked now."""
+        """Write the tasks of the current study."""
         rows = [described(task) for task in plan.tasks]
         names = dict.fromkeys(name for row in rows for name in row)
         table = pa.table({name: pa.array([row.get(name) for row in rows]) for name in names})
@@ -102,7 +102,7 @@ class Folder:
         self._write(table, self.path / "tasks.parquet")
 
     def table(self) -> Table:
-        """What is asked, beside what was measured so far: a row for each task that is done. Raises RecordingError."""
+        """Return the finished tasks with their measurements, a row for each. Raises RecordingError."""
         asked = _table(self.path / "tasks.parquet")
         rows = self.rows()
         done = asked.filter(
@@ -115,7 +115,7 @@ class Folder:
         return done
 
     def finish(self) -> Table:
-        """Write the table, and return it."""
+        """Write the table and return it."""
         table = self.table()
         self._write(table, self.path / "results.parquet")
         return table
@@ -133,7 +133,7 @@ class Folder:
 
 
 def described(task: Task) -> dict[str, Any]:
-    """The row of a task before it is done: its key, what it is called, and its settings."""
+    """Return the row of a task before it runs: its key, labels and settings."""
     place = task.place
     row: dict[str, Any] = {
         "key": task.key,
@@ -161,4 +161,4 @@ def _table(path: Path) -> Table:
     try:
         return pq.read_table(path)
     except (pa.ArrowException, OSError) as error:
-        raise RecordingError(path, f"is no table of a study: {error}") from error
+        raise RecordingError(path, f"is not a table of a study: {error}") from error

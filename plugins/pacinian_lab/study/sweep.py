@@ -1,4 +1,4 @@
-"""Sweeps: in a study file a list in the place of a value stands for each of its values in turn."""
+"""Sweeps: a list in place of a value in a study file stands for each of its values in turn."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Number: TypeAlias = float | tuple[float, ...]
 Count: TypeAlias = int | tuple[int, ...]
 Word: TypeAlias = str | tuple[str, ...]
 
-MOST = 100_000  # combinations
+MOST = 100_000  # maximum number of combinations
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Struct)
@@ -27,9 +27,9 @@ S = TypeVar("S", bound=Struct)
 
 @dataclass(frozen=True)
 class Entry(Generic[S]):
-    """One of what a part of a study file stands for.
+    """One of the items that a part of a study file stands for.
 
-    label: its name, or its type, with the values that are swept. value: it, without sweeps.
+    label: its name or its type, with the swept values. value: the item, without sweeps.
     """
 
     label: str
@@ -37,14 +37,14 @@ class Entry(Generic[S]):
 
 
 def one(value: T | tuple[T, ...]) -> T:
-    """A value that is not swept. Raises ArgumentError."""
+    """Return a value that is not swept. Raises ArgumentError."""
     if isinstance(value, tuple):
         raise ArgumentError("value", f"must be one, not a sweep: {value}")
     return value
 
 
 def each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]) -> None:
-    """Check a value, or all that are swept. Raises ArgumentError."""
+    """Check a value, or all swept values. Raises ArgumentError."""
     if not isinstance(values, tuple):
         check(name, values)
         return
@@ -57,7 +57,7 @@ def each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]
 
 
 def chosen(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """One value of each that is swept, in all combinations, the last of them the quickest. Raises ArgumentError."""
+    """Yield all combinations of the swept values, with the last one varying fastest. Raises ArgumentError."""
     swept = {name: value for name, value in values.items() if isinstance(value, tuple)}
     if (count := math.prod(map(len, swept.values()))) > MOST:
         raise ArgumentError(
@@ -68,7 +68,7 @@ def chosen(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def entries(item: S, whole: Iterable[str] = ()) -> list[Entry[S]]:
-    """All that a part of a study file stands for.
+    """Return all items that a part of a study file stands for.
 
     whole: fields whose tuples are values, not sweeps.
     """
@@ -80,6 +80,6 @@ def entries(item: S, whole: Iterable[str] = ()) -> list[Entry[S]]:
 
 
 def described(label: str, values: dict[str, Any]) -> str:
-    """A label with values: `lattice pitch=0.01, width=0.2`."""
+    """Return a label with values: `lattice pitch=0.01, width=0.2`."""
     texts = [f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in values.items()]
     return f"{label} {', '.join(texts)}" if texts else label

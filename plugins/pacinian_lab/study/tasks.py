@@ -1,4 +1,4 @@
-"""The tasks of a study: what is to be done, what each is called, and what its numbers depend on."""
+"""The tasks of a study: their inputs, their labels, and the keys of all that their results depend on."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
     from pacinian_lab.study.patterns import Made, Pattern
     from pacinian_lab.study.planes import Plane
 
-MOST = 100_000  # tasks
-LARGEST = 10_000_000  # points times transducers: B, of 16 bytes each, is held several times
-BATCH = 8  # tasks at most
+MOST = 100_000  # maximum number of tasks
+LARGEST = 10_000_000  # points times transducers; several copies of B are held, 16 bytes per element
+BATCH = 8  # maximum number of tasks in a batch
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where something is asked: a layout, a plane, a pattern."""
+    """The place of a task: a layout, a plane and a pattern."""
 
     layout: Entry[Layout]
     plane: Entry[Plane]
@@ -48,7 +48,7 @@ class Place:
 class Task:
     """One row of the results.
 
-    key: of all that its numbers depend on, and of nothing else. level: as in `Study.levels`.
+    key: of all that the results depend on, and of nothing else. level: as in `Study.levels`.
     """
 
     key: str
@@ -58,10 +58,10 @@ class Task:
 
 
 class Plan:
-    """What a study comes to.
+    """The tasks of a study.
 
-    tasks: all of them, layout by layout, the levels quickest. path: what errors name.
-    Raises SceneFileError, which names the key and the fix, before anything is begun.
+    tasks: all of them, layout by layout, with the levels varying fastest. path: the name of the study in errors.
+    Raises SceneFileError, which names the key and the fix, before anything runs.
     """
 
     def __init__(self, study: Study, path: str = "study") -> None:
@@ -96,19 +96,19 @@ class Plan:
 
     @functools.cached_property
     def digest(self) -> str:
-        """Of all tasks' keys: another one is another study."""
+        """Digest of all tasks' keys; it identifies the study."""
         return digest(sorted(task.key for task in self.tasks)).hex()
 
     def array(self, layout: Layout) -> pc.Array:
-        """The array of a layout, the same in whatever task. Raises ArgumentError."""
+        """Return the array of a layout, the same in every task. Raises ArgumentError."""
         return layout.make(self.study.transducer.make(), self._rng(layout))
 
     def points(self, pattern: Pattern) -> Made:
-        """The points and proportions of a pattern. Raises ArgumentError."""
+        """Return the points and proportions of a pattern. Raises ArgumentError."""
         return pattern.make(self._rng(pattern))
 
     def batches(self, keys: Iterable[str] | None = None) -> list[Sequence[Task]]:
-        """The tasks, or only those of some keys, in batches of one place each."""
+        """Return the tasks, or only those with given keys, in batches of one place each."""
         wanted = None if keys is None else set(keys)
         todo = [task for task in self.tasks if wanted is None or task.key in wanted]
         made: list[Sequence[Task]] = []
@@ -118,7 +118,7 @@ class Plan:
         return made
 
     def batch(self, tasks: Sequence[Task]) -> Batch:
-        """What a worker is told of tasks of one place."""
+        """Return the message to a worker for tasks of one place."""
         place, study = tasks[0].place, self.study
         uv, proportions = self.points(place.pattern.value)
         return Batch(
@@ -140,16 +140,16 @@ class Plan:
         return [importlib.metadata.version("pacinian"), *map(msgspec.to_builtins, shared)]
 
     def _said(self, item: Layout | Plane | Pattern) -> list[Any]:
-        """What numbers depend on: the seed, too, of what is drawn at random."""
+        """Return what the results depend on, including the seed if the item is random."""
         return [_plain(item), self.study.seed if item.drawn else None]
 
     def _rng(self, item: Layout | Pattern) -> np.random.Generator:
-        """A generator that follows from the study's seed and from what is drawn, not from any order."""
+        """Return a generator that depends only on the study's seed and on the item, not on any order."""
         own = int.from_bytes(digest(_plain(item)))
         return np.random.default_rng(np.random.SeedSequence([self.study.seed, own]))
 
     def _count(self, pattern: Pattern) -> int:
-        """How many points; all of them are within the picture."""
+        """Return the number of points, and check that all of them are within the picture."""
         uv, _ = self.points(pattern)
         half, reach = self.study.picture.side / 2.0, float(np.abs(uv).max())
         if reach > half * (1.0 + 1e-9):
@@ -162,7 +162,7 @@ class Plan:
     def _expanded(
         self, part: str, items: Sequence[Any], expand: Callable[[Any], list[Entry[Any]]]
     ) -> dict[str, Entry[Any]]:
-        """All that a part of the file stands for, by what errors name: the key, and the label."""
+        """Expand a part of the file. Returns the items, by the name for errors: the key and the label."""
         made: dict[str, Entry[Any]] = {}
         labels: set[str] = set()
         for i, item in enumerate(items):
@@ -173,14 +173,14 @@ class Plan:
                 raise SceneFileError(self._path, key, str(error)) from error
             for entry in found:
                 if entry.label in labels:
-                    problem = f"is called {entry.label!r}, as another one: give `name`"
+                    problem = f"is called {entry.label!r}, as another one is: set `name`"
                     raise SceneFileError(self._path, key, problem)
                 labels.add(entry.label)
                 made[f"{key}: {entry.label}" if len(found) > 1 else key] = entry
         return made
 
     def _checked(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
-        """What a check says of each. Raises SceneFileError."""
+        """Return the results of a check of each item. Raises SceneFileError."""
         told: list[T] = []
         for key, entry in made.items():
             try:
@@ -198,11 +198,11 @@ class Plan:
                     f"{t.method.label}, level {t.level:g}"
                     for t in (same, task)
                 )
-                raise SceneFileError(self._path, "$", f"asks for the same twice: {labels}")
+                raise SceneFileError(self._path, "$", f"has the same task twice: {labels}")
 
 
 def _typed(study: Study, path: str) -> Study:
-    """A study with the types that its fields have: 1 is 1.0 where a length is meant."""
+    """Return a study with its values converted to the fields' types, so that 1 becomes 1.0 for a length."""
     try:
         return msgspec.convert(msgspec.to_builtins(study), type(study))
     except msgspec.ValidationError as error:
@@ -210,15 +210,15 @@ def _typed(study: Study, path: str) -> Study:
 
 
 def digest(value: Any) -> bytes:
-    """16 bytes that follow from a value that JSON can hold."""
+    """Return a 16-byte digest of a value that JSON can represent."""
     return hashlib.blake2b(msgspec.json.encode(value, order="sorted"), digest_size=16).digest()
 
 
 def _plain(item: Layout | Plane | Pattern) -> Any:
-    """A part without what it is called."""
+    """Return a part without its name, as plain data."""
     return msgspec.to_builtins(replace(item, name=""))
 
 
 def _source(solver: str) -> str:
-    """Who ships a solver, and which version."""
+    """Return the distribution that ships a solver, with its version."""
     return registry.installed().find("solver", solver).distribution

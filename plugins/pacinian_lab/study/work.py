@@ -1,4 +1,4 @@
-"""A study, done: what is missing in its folder is computed, and nothing else."""
+"""Run a study: compute the tasks that its folder lacks."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def run(
     dashboard: Callable[[str], object] | None = None,
     advance: Callable[[int], object] = lambda done: None,
 ) -> Table:
-    """Do what is not done yet of a study; return the table of all of it, a pyarrow.Table.
+    """Run the missing tasks of a study, and return the whole table, a pyarrow.Table.
 
-    study: or its file, or its plan. out: the folder that keeps results, part by part as they come: the same call goes
-    on where it was stopped. workers: local processes at most, as many as cores unless given; 0 for none but this one.
-    scheduler: the address of a Dask scheduler instead. retry: also what failed before.
-    dashboard: told where Dask's page of the local processes is, which needs bokeh; none unless given.
-    advance: told how many tasks were done at once.
+    study: a study, its file, or its plan. out: the folder for the results, which are stored as they are computed, so
+    that the same call resumes an interrupted run. workers: maximum number of local processes, by default one per
+    core; 0 uses only this process. scheduler: the address of a Dask scheduler to use instead. retry: also run failed
+    tasks again. dashboard: called with the address of Dask's dashboard of the local workers, which needs bokeh; None
+    for no dashboard. advance: called with the number of tasks that have just finished.
 
-    Local processes import the program that calls this: guard it with `if __name__ == "__main__"`.
-    Raises SceneFileError, ArgumentError, ServerError, MissingExtra, OSError.
+    Local processes import the calling program, so guard it with `if __name__ == "__main__"`. Raises SceneFileError,
+    ArgumentError, ServerError, MissingExtra, OSError.
     """
     plan = study if isinstance(study, Plan) else planned(study)
     if workers is not None:
@@ -55,19 +55,19 @@ def run(
 
 
 def load(out: str | Path) -> Table:
-    """The pyarrow.Table of a study's folder: a row for each task that is done, in order. Raises RecordingError."""
+    """Return the pyarrow.Table of a study's folder: a row for each finished task, in order. Raises RecordingError."""
     return Folder(Path(out)).table()
 
 
 def planned(study: Study | str | Path) -> Plan:
-    """The tasks of a study, or of its file. Raises SceneFileError."""
+    """Return the tasks of a study, or of its file. Raises SceneFileError."""
     if isinstance(study, Study):
         return Plan(study)
     return Plan(read(study), str(study))
 
 
 def todo(plan: Plan, folder: Folder, *, retry: bool = False) -> list[Sequence[Task]]:
-    """The batches that are not done yet; with `retry` also what failed."""
+    """Return the batches of unfinished tasks; with `retry`, also of failed ones."""
     done = {key for key, row in folder.rows().items() if row["failure"] is None or not retry}
     return plan.batches(task.key for task in plan.tasks if task.key not in done)
 
@@ -79,7 +79,7 @@ def _work(
     scheduler: str | None,
     dashboard: Callable[[str], object] | None,
 ) -> Generator[list[Row]]:
-    """Rows as they come."""
+    """Yield the rows as they are computed."""
     if not batches:
         return
     if workers == 0 and scheduler is None:

@@ -1,4 +1,4 @@
-"""What a worker does: solves the tasks of one place, and measures. Dask loads it before anything is timed."""
+"""The worker: solves the tasks of one place, and measures. Dask loads this module before any timing."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 
-TIMED = 5  # runs of the reference, and of a solver that is quick
-SLOW = 0.2  # [s]; no run is begun after so long
+TIMED = 5  # maximum number of timed runs of the reference, and of a fast solver
+SLOW = 0.2  # [s] total time after which no further run starts
 
 _warm: set[str] = set()
 
 
 def dask_setup(worker: Worker) -> None:
-    """Of a local process, by Dask: Ctrl-C is for the command, which ends its workers."""
+    """Let a local Dask process ignore Ctrl-C, because the command ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)
 class Job:
-    """What differs between the tasks of one place."""
+    """The settings that differ between the tasks of one place."""
 
     key: str
     method: Method
@@ -51,10 +51,10 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """The tasks of one place, with all that they depend on: it travels.
+    """The tasks of one place, with all their inputs, for sending to a worker.
 
     uv, proportions: of the pattern, (M, 2) [m] and (M,). gain: the limit; None for none. emitted: levels of the
-    device that is stood for, if any.
+    emulated device, if any.
     """
 
     array: pc.Array
@@ -68,19 +68,19 @@ class Batch:
     jobs: tuple[Job, ...]
 
     def stage(self) -> Stage:
-        """What the tasks share."""
+        """Return the data that the tasks share."""
         return Stage(self.array, self.plane, self.uv, self.proportions, self.medium, self.picture)
 
 
 def measure(batch: Batch) -> list[Row]:
-    """A row for each task; what fails is a row that says why."""
+    """Return a row for each task. The row of a failed task has the reason."""
     with threadpool_limits(1):
         stage = batch.stage()
         return [_row(batch, stage, job) for job in batch.jobs]
 
 
 def failed(job: Job, reason: str) -> Row:
-    """The row of a task that cannot be done."""
+    """Return the row of a task that failed."""
     return {"key": job.key, "failure": reason}
 
 
@@ -127,19 +127,19 @@ def _measured(batch: Batch, stage: Stage, job: Job) -> Row:
 
 
 def targets(batch: Batch, stage: Stage, level: float) -> Floats:
-    """The sound pressures asked [Pa], (M,), with ||t|| = level x gain limit x mean of what a focus reaches.
+    """Return the target sound pressures [Pa], (M,), with ||t|| = level x gain limit x mean reach of a focus.
 
-    Raises ArgumentError where nothing does.
+    Raises ArgumentError if no sound reaches the points.
     """
     level = 1.0 if level == math.inf else level
     size = level * (batch.gain or 1.0) * float(stage.reach.mean())
     if not size > 0.0:
-        raise ArgumentError("points", "cannot be reached: no sound of any transducer gets there")
+        raise ArgumentError("points", "cannot be reached by the sound of any transducer")
     return batch.proportions * (size / float(np.linalg.norm(batch.proportions)))
 
 
 def solve(batch: Batch, stage: Stage, job: Job) -> pc.Solution:
-    """The solution of one task. Raises what solvers raise."""
+    """Return the solution of one task. Raises the errors of solvers."""
     return pc.solve(
         batch.array,
         stage.points,
@@ -154,7 +154,7 @@ def solve(batch: Batch, stage: Stage, job: Job) -> pc.Solution:
 
 
 def emitted(batch: Batch, gains: Gains | Complexes) -> Complexes:
-    """The gains as the device emits them; as they are where none is stood for."""
+    """Return the gains as the device emits them, or unchanged if no device is emulated."""
     if batch.emitted is None:
         return gains
     can = pc.Capability(phases=batch.emitted.phases, amplitudes=batch.emitted.amplitudes)
@@ -163,8 +163,8 @@ def emitted(batch: Batch, gains: Gains | Complexes) -> Complexes:
 
 
 def _timed(batch: Batch, stage: Stage, job: Job) -> tuple[pc.Solution, float]:
-    """The solution, and the median of its run times, from points to gains [s]."""
-    if job.method.name not in _warm:  # it may have something to load or to compile
+    """Return the solution, and the median of its run times, from points to gains [s]."""
+    if job.method.name not in _warm:  # the solver may have to load or compile something
         solve(batch, stage, job)
         _warm.add(job.method.name)
     times: list[float] = []
@@ -183,7 +183,7 @@ def _factors() -> tuple[Gains, Gains]:
 
 
 def _reference() -> float:
-    """How long the product of 64 x 2241 by 2241 x 64 takes here and now [s]."""
+    """Return the run time of the product of 64 x 2241 by 2241 x 64 on this machine now [s]."""
     times: list[float] = []
     first, second = _factors()
     for _ in range(TIMED):

@@ -1,4 +1,4 @@
-"""A message of each kind, and all that can be in one: what the byte vectors are made of."""
+"""Messages of each kind, with all that a message can contain: the source of the byte vectors."""
 
 from __future__ import annotations
 
@@ -72,13 +72,13 @@ TECHNIQUES: tuple[time.Technique, ...] = (
 
 
 def kind_of(item: object) -> str:
-    """What it is called on the wire: its `type`."""
+    """Return the wire name of an item: its `type`."""
     config = getattr(type(item), "__struct_config__", None)
     return str(config.tag) if config is not None else str(item)
 
 
 def make_examples() -> Iterator[tuple[str, str, Struct]]:
-    """Name, socket ("command", "control", "reply", "state") and message."""
+    """Yield name, socket ("command", "control", "reply", "state") and message."""
     for message in _commands():
         yield kind_of(message), "command", message
     for name, item in _objects():

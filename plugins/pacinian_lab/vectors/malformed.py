@@ -1,4 +1,4 @@
-"""Bytes that are no message, and bytes that are one though nobody should write it so."""
+"""Bytes that are not a message, and unusual bytes that must still be accepted."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 NAN_F4 = b"\x00\x00\xc0\x7f"
-DEEP = 40  # arrays in arrays: enough for a reader that counts
+DEEP = 40  # nested arrays; enough to test a reader that limits the depth
 BOMBS = {
     "array": b"\xdd\xff\xff\xff\xff",
     "map": b"\xdf\xff\xff\xff\xff",
@@ -25,7 +25,7 @@ BOMBS = {
 
 
 def make_tolerated() -> Iterator[tuple[str, str, bytes]]:
-    """Name, socket and bytes of messages that must be understood."""
+    """Yield name, socket and bytes of messages that a reader must accept."""
     stop: dict[str, Any] = {"type": "stop", "id": 5}
     yield "unknown fields", "control", _pack(stop | {"later": {"a": [1, "b", None]}})
     yield (
@@ -61,7 +61,7 @@ def make_tolerated() -> Iterator[tuple[str, str, bytes]]:
 
 
 def make_malformed() -> Iterator[tuple[str, str, bytes]]:
-    """Name, socket and bytes of what must be refused."""
+    """Yield name, socket and bytes of messages that a reader must refuse."""
     stop = _pack({"type": "stop", "id": 5})
     yield "nothing", "control", b""
     yield "no map", "control", _pack([1, 2])
@@ -174,7 +174,7 @@ def _set(item: dict[str, Any], place: tuple[str, ...], value: object) -> None:
 
 
 def _example(name: str) -> Any:
-    """An example as plain values, to be changed."""
+    """Return an example as plain values, for changes."""
     return next(msgpack.unpackb(codec.encode(m)) for n, _, m in make_examples() if n == name)
 
 

@@ -1,4 +1,4 @@
-"""What the server sends, of each kind: see examples.py."""
+"""One message of each kind that the server sends: see examples.py."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SIMULATED = replies.Plugin(name="simulated")
 
 
 def make_answers() -> tuple[Struct, ...]:
-    """A reply of each kind."""
+    """Return a reply of each kind."""
     return (
         replies.Welcome(
             id=1,

@@ -1,6 +1,6 @@
-"""Byte vectors: messages as bytes, and what they say, for readers and writers in any language.
+"""Byte vectors: messages as bytes, and their meaning, for readers and writers in any language.
 
-`python adapters/generate/main.py` writes them to tests/wire; tests/wire/README.md says how to read them.
+`python adapters/generate/main.py` writes them to tests/wire; tests/wire/README.md describes their format.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ DECODE: dict[str, Callable[[bytes], Any]] = {
 
 
 def make_lines(value: Any, path: str = "$") -> Iterator[str]:
-    """A value as lines of path, kind and content, in the order of its bytes."""
+    """Yield a value as lines of path, kind and content, in the order of its bytes."""
     if isinstance(value, dict):
         yield f"{path} map {len(value)}"
         for key, item in value.items():
@@ -49,7 +49,7 @@ def make_lines(value: Any, path: str = "$") -> Iterator[str]:
 
 
 def make_vectors() -> dict[str, list[dict[str, Any]]]:
-    """All vectors, by the file that they are in."""
+    """Return all vectors, by file."""
     files: dict[str, list[dict[str, Any]]] = {
         name: [] for name in ("command", "control", "reply", "state", "tolerated", "malformed")
     }
@@ -80,5 +80,5 @@ def _path(socket: str, data: bytes) -> str:
 
 
 def make_text(made: list[dict[str, Any]]) -> str:
-    """The content of a file."""
+    """Return the content of a file."""
     return json.dumps(made, indent=1, ensure_ascii=False) + "\n"

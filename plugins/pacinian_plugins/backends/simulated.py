@@ -1,4 +1,4 @@
-"""The simulated array: keeps what was emitted, evaluates its field, and fails on request."""
+"""The simulated array: stores emitted frames, evaluates their field, and fails on request."""
 
 from __future__ import annotations
 
@@ -25,12 +25,11 @@ Levels = Annotated[int, Meta(ge=2, le=1 << 16)]
 class Simulated(pc.Backend):
     """An array that exists in memory only.
 
-    phases, amplitudes: levels, as of `pacinian.Capability`; 256 of each, as AUTD3 (the paper's device has 320
-    amplitudes).
-    rate: frames per second [Hz]. keep: how many of the last frames stay in `frames`. wait: what a delayed
-    or stalled frame calls with its seconds.
+    phases, amplitudes: levels, as in `pacinian.Capability`; 256 of each by default, like AUTD3 (the paper's device
+    has 320 amplitudes). rate: frames per second [Hz]. keep: number of recent frames stored in `frames`.
+    wait: function called with the delay [s] of a delayed frame.
 
-    To test what is built on it: `drop`, `delay`, `stall`, `refuse_silence` and `disconnect`.
+    Use `drop`, `delay`, `stall`, `refuse_silence` and `disconnect` to inject faults in tests.
     """
 
     name: ClassVar[str] = "simulated"
@@ -45,7 +44,7 @@ class Simulated(pc.Backend):
         self.keep = check_integer("keep", self.keep, low=1)
         self._capability = pc.Capability(
             self.phases, self.amplitudes, self.rate
-        )  # which checks them
+        )  # checks its arguments
         self.frames: deque[pc.Frame] = deque(maxlen=self.keep)
         """The last frames emitted."""
         self.array: pc.Array | None = None
@@ -56,11 +55,11 @@ class Simulated(pc.Backend):
 
     @property
     def capability(self) -> pc.Capability:
-        """As set; it has no watchdog."""
+        """The capability, as configured; there is no watchdog."""
         return self._capability
 
     def open(self, array: pc.Array) -> None:
-        """Stand for `array`. Raises BackendError if disconnected."""
+        """Open the backend for `array`. Raises BackendError if disconnected."""
         self._require()
         self.array, self._open, self.silent = array, True, True
 
@@ -83,7 +82,7 @@ class Simulated(pc.Backend):
         self.frames.append(kept)
 
     def silence(self) -> None:
-        """Stop all sound. A disconnected array is silent: it has no drive. Raises BackendError as told."""
+        """Stop all sound. A disconnected array is already silent. Raises BackendError after `refuse_silence`."""
         if self._refusals:
             self._refusals -= 1
             raise pc.BackendError("the simulated array refuses to be silent, as it was told")
@@ -98,13 +97,13 @@ class Simulated(pc.Backend):
         self.frames.append(quiet)
 
     def close(self) -> None:
-        """Silence."""
+        """Silence the array and close it."""
         self._open = False
         self.silence()
 
     @property
     def gains(self) -> pc.Gains:
-        """The gains that sound now, (N,). Raises BackendError before `open`."""
+        """The gains emitted now, (N,). Raises BackendError before `open`."""
         if self.array is None:
             raise pc.BackendError("the simulated array is not open")
         if self.silent:
@@ -112,13 +111,13 @@ class Simulated(pc.Backend):
         return np.asarray(self.frames[-1].gains(self.capability)[-1])
 
     def field(self, points: ArrayLike, medium: pc.Air | None = None) -> Complexes:
-        """Complex sound pressure [Pa] that sounds now at points [m], (..., 3): see `pacinian.field`."""
+        """Return the current complex sound pressure [Pa] at points [m], (..., 3); see `pacinian.field`."""
         gains = self.gains
-        assert self.array is not None  # `gains` has asked
+        assert self.array is not None  # checked by `gains`
         return pc.field(self.array, gains, points, medium)
 
     def drop(self, count: int) -> None:
-        """Lose the next `count` frames without a word."""
+        """Drop the next `count` frames without an error."""
         self._drops = check_integer("count", count, low=0)
 
     def delay(self, seconds: float, count: int = 1) -> None:
@@ -134,15 +133,15 @@ class Simulated(pc.Backend):
         self._stalled = False
 
     def refuse_silence(self, count: int = 1) -> None:
-        """Fail the next `count` calls of `silence`, and go on sounding."""
+        """Fail the next `count` calls of `silence`; the sound continues."""
         self._refusals = check_integer("count", count, low=0)
 
     def disconnect(self) -> None:
-        """Be gone, as if unplugged, until `reconnect`."""
+        """Disconnect the array, as if unplugged, until `reconnect`."""
         self._gone, self.silent = True, True
 
     def reconnect(self) -> None:
-        """Be there again, silent."""
+        """Connect the array again; it is silent."""
         self._gone = False
 
     def _require(self) -> None:
@@ -152,5 +151,5 @@ class Simulated(pc.Backend):
 
 @pc.hookimpl
 def register_backends() -> Iterable[type[pc.Backend]]:
-    """This plug-in's backend."""
+    """Return this plug-in's backend."""
     return [Simulated]

@@ -1,4 +1,4 @@
-// The plug-ins' kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
+// The plug-ins' kernels as a Python module, compiled once for each instruction set (-DMODULE=_v4, ...).
 #include "pacinian_plugins/solvers/greedy.hpp"
 #include "pacinian_plugins/solvers/gs/alternation.hpp"
 #include "pacinian_plugins/solvers/lagrange/dual_newton.hpp"

@@ -1,4 +1,4 @@
-// Kernels compiled without the assumption that all numbers are finite.
+// Kernels that must handle NaN and infinity, compiled without the assumption that all numbers are finite.
 #define NO_IMPORT_ARRAY
 #include "pacinian_plugins/solvers/lagrange/begin.hpp"
 #include "pacinian_plugins/solvers/lagrange/convex/kernels.hpp"

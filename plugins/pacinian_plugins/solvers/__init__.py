@@ -1,1 +1,1 @@
-"""Solvers, one algorithm each."""
+"""Solvers: one module or package per algorithm."""

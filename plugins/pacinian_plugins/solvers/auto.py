@@ -1,4 +1,4 @@
-"""Chooses the cheapest solver that meets the asked error."""
+"""Chooses the cheapest solver that meets the requested error."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from pacinian.native import solving as kernels
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-LARGE = 200_000_000  # M M N from which another solver is asked where `lagrange` misses
+LARGE = 200_000_000  # M M N above which another solver is tried if `lagrange` misses the error
 
 
 @dataclass(frozen=True)
 class Auto(pc.Solver):
-    """One point: `single-focus`. Regions, and no more points than transducers: `lagrange`. Else others.
+    """Selects a solver: `single-focus` for one point, `lagrange` for regions or several points, sometimes others.
 
-    error: relative error that will do; a cheaper solver's answer is kept where it is met without a
-    limit broken. focus, several, many, dense: the solvers that it passes on to, by name.
+    error: relative error that suffices; the solution of a cheaper solver is kept if it meets this error and
+    no limit is broken. focus, several, many, dense: names of the solvers to select from.
 
-    `lagrange` is the pseudo-inverse while no limit is touched, and costs less than any other solver that
-    meets 1 %. With more samples than transducers, without regions, `pseudo-inverse` is asked first: it is
-    2 to 3 times cheaper, and the optimum too where it keeps the limits. Hundreds of samples closer than
-    the array resolves are where `lagrange` gives up at some percent and `lbfgs` gets on, in seconds.
+    `lagrange` is the pseudo-inverse while no limit is reached, and costs less than any other solver that
+    meets 1 %. With more samples than transducers and no regions, `pseudo-inverse` runs first: it is
+    2 to 3 times cheaper, and also optimal if it keeps the limits. For hundreds of samples closer together
+    than the array resolves, `lagrange` stops at an error of some percent; `lbfgs` then improves it, in seconds.
     """
 
     name: ClassVar[str] = "auto"
@@ -72,7 +72,7 @@ class Auto(pc.Solver):
         budget: pc.Budget,
         out: pc.Gains,
     ) -> pc.Result:
-        """Pass the problem on; see `pacinian.Solver.solve`."""
+        """Solve with the selected solver; see `pacinian.Solver.solve`."""
         count = len(targets.amplitudes)
         solver, why = self._several, "several points"
         if limits.solver_limits or limits.power is not None:
@@ -100,7 +100,7 @@ class Auto(pc.Solver):
         self, first: pc.Result, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         budget: pc.Budget, out: pc.Gains,
     ) -> pc.Result:  # fmt: skip
-        """The better of the first answer and, where that misses `error`, another."""
+        """Return the first result; if it misses `error`, try the dense solver and return the better one."""
         missed = targets.relative_error(propagator.apply(out))
         if missed <= self.error:
             return _named(first, self._several, "several points")
@@ -115,7 +115,7 @@ class Auto(pc.Solver):
     def _enough(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
-        """Whether gains, (N,), need no limit, and are optimal (all phases given) or near enough."""
+        """Return whether gains, (N,), keep their limit, and are optimal (all phases given) or meet `error`."""
         top = np.inf if limits.gain is None else limits.gain
         if not kernels.peak(out) <= top * top:
             return False
@@ -129,5 +129,5 @@ def _named(result: pc.Result, solver: pc.Solver, why: str) -> pc.Result:
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [Auto]

@@ -1,4 +1,4 @@
-// Transducer by transducer, the phase that helps most.
+// Greedy search: gives one transducer after the other the phase with the least error.
 #pragma once
 #include <cmath>
 #include <limits>
@@ -24,7 +24,7 @@ inline i8 choose(View<const f4, 3> B, View<const f4, 1> t, View<const i8, 1> ord
             pi[m] -= br[m] * hi + bi[m] * hr;
             size += br[m] * br[m] + bi[m] * bi[m];
         }
-        if (size == 0.0f) continue;  // it reaches no point
+        if (size == 0.0f) continue;  // the transducer reaches no point
         f4 least = std::numeric_limits<f4>::max();
         Index best = 0;
         for (Index l = 0; l < L; ++l) {

@@ -1,4 +1,4 @@
-"""Transducer by transducer, the phase that helps most."""
+"""Greedy search: gives one transducer after the other the phase with the least error."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes, Floats, Singles
 
-BLOCK = 2_000_000  # pressures tried between two looks at the clock: some milliseconds
-AIM = 0.7  # targets over what a focus reaches at the drive that all transducers are given
+BLOCK = 2_000_000  # pressures evaluated between two checks of the clock: some milliseconds
+AIM = 0.7  # targets relative to a focus at the common drive
 LOUD = 0.9  # the same for scale="max", at full drive
-FAR = 10.0  # the same, at most: single precision must see what one transducer changes
+FAR = 10.0  # largest value of that ratio, so that single precision resolves one transducer
 
 AT_LIMIT = 1.0 - 1e-6
 
@@ -29,13 +29,13 @@ AT_LIMIT = 1.0 - 1e-6
 class Greedy(pc.Solver):
     """The greedy method with brute-force search (Suzuki et al., IEEE Trans. Haptics 14(4), 2021).
 
-    levels: of the phase, for each transducer. passes: over the array, at most; 1 as published, more
-    choose each transducer's phase anew, given all others. seed: of the order, drawn anew each pass.
+    levels: number of phases tried per transducer. passes: maximum number of passes over the array; 1 as published,
+    further passes choose each transducer's phase again, given all others. seed: of the random order of each pass.
 
-    In random order each transducer takes, of `levels` phases, the one of least sum_m (|p_m| - t_m)^2, p
-    being what the others make; at first they are silent. (AUTD3 sums | |p_m| - t_m |, which does worse.) All are
-    driven alike, so that a focus as strong as all targets together would take 70 % of it. A fixed phase
-    counts as |p_m - t_m exp(j phi_m)|^2; an amplitude of 0 is made silent.
+    In random order, each transducer takes the one of `levels` phases with the least sum_m (|p_m| - t_m)^2, where
+    p includes the pressures of the others, which are silent at first. (AUTD3 sums | |p_m| - t_m |, which performs
+    worse.) All transducers have the same drive: a focus as strong as all targets together would need 70 % of it.
+    A fixed phase counts as |p_m - t_m exp(j phi_m)|^2. Points with amplitude 0 are silenced.
     """
 
     name: ClassVar[str] = "greedy"
@@ -70,7 +70,7 @@ class Greedy(pc.Solver):
             return pc.Result(note="no transducer reaches the points")
         t, drive = _relative(t, float(reach[t > 0.0].mean()), targets.scale, limits.gain)
         given = np.exp(1j * np.where(targets.free, 0.0, targets.phases))
-        fixed = np.where(targets.free, 0.0, t) * given  # p starts from their opposite
+        fixed = np.where(targets.free, 0.0, t) * given  # subtracted, so that their target becomes 0
         h = np.zeros(N, np.complex64) if warm is None else _unit(warm.gains)
         p = B @ h - fixed
         parts = np.array([h.real, h.imag], np.float32), np.array([p.real, p.imag], np.float32)
@@ -86,7 +86,7 @@ class Greedy(pc.Solver):
     def _go(
         self, B: Singles, t: Floats, h: Singles, p: Singles, budget: pc.Budget
     ) -> tuple[int, bool]:
-        """Pass over the array until nothing changes; return the passes begun, and whether it is late."""
+        """Pass over the array until nothing changes; return the number of passes begun, and whether it is late."""
         N, _, M = B.shape
         angle = 2.0 * np.pi * np.arange(self.levels) / self.levels
         E = np.array([np.cos(angle), np.sin(angle)], np.float32)
@@ -104,9 +104,9 @@ class Greedy(pc.Solver):
 
 
 def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
-    """Targets [Pa] at a drive of 1 for all transducers, and the drive that they are given.
+    """Return the targets [Pa] at a drive of 1, and the common drive of the transducers.
 
-    reach: of a focus at a drive of 1 [Pa].
+    reach: pressure of a focus at a drive of 1 [Pa].
     """
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
@@ -116,12 +116,12 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
 
 
 def _unit(g: pc.Gains) -> Complexes:
-    """g / |g|, 0 where g is 0."""
+    """Return g / |g|, 0 where g is 0."""
     size = np.abs(g)
     return np.asarray(g / np.where(size > 0.0, size, 1.0), np.complex64)
 
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [Greedy]

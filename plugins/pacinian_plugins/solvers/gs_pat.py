@@ -1,4 +1,4 @@
-"""Gerchberg-Saxton on the Gram matrix (GS-PAT): quick, approximate, for phase-free targets."""
+"""Gerchberg-Saxton on the Gram matrix (GS-PAT): fast and approximate, for targets of free phase."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes
 
-BLOCK = 100_000  # products between two looks at the clock
-LOST = 1e-6  # |R z| over |z|: below it only rounding is left
+BLOCK = 100_000  # products between two checks of the clock
+LOST = 1e-6  # |R z| / |z| below which only rounding is left
 
 
 @dataclass(frozen=True)
 class GsPat(pc.Solver):
     """GS-PAT (Plasencia, Hirayama, Montano-Murillo & Subramanian, ACM Trans. Graph. 39(4), 2020).
 
-    steps: Gerchberg-Saxton steps.
+    steps: number of Gerchberg-Saxton steps.
 
-    Back-propagation is B^H D^-1, D the diagonal of B B^H: a focus of 1 Pa at each point. With
-    R = B B^H D^-1, (M, M), z <- t exp(j arg(R z)) `steps` times, then z <- z t / |R z| and g = B^H D^-1 z,
-    brought as a whole to the asked strength; each gain above the limit is cut to it (for `scale="max"`
-    all are scaled). No equations are solved, so neighbouring points disturb each other by some percent. Fixed
-    phases are kept as targets and met as roughly; an amplitude of 0 is not sent to, and not silenced.
+    Back-propagation is B^H D^-1, where D is the diagonal of B B^H: a focus of 1 Pa at each point. With
+    R = B B^H D^-1, (M, M), it repeats z <- t exp(j arg(R z)) `steps` times, then sets z <- z t / |R z| and
+    g = B^H D^-1 z. The gains are scaled as a whole to the target strength, and each gain above the limit is
+    clipped (for `scale="max"`, all gains are scaled). No equations are solved, so neighbouring points disturb
+    each other by some percent. Fixed phases are kept as targets and met equally roughly. Points with
+    amplitude 0 get no sound, but are not silenced.
     """
 
     name: ClassVar[str] = "gs-pat"
@@ -53,18 +54,18 @@ class GsPat(pc.Solver):
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
         M, B = len(targets.amplitudes), propagator.B
-        tall = len(out) < M  # then through the transducers, of which there are fewer
+        tall = len(out) < M  # fewer transducers than points: multiply through them instead of by R
         parts = B.view(B.real.dtype)
-        d = np.einsum("mn,mn->m", parts, parts, dtype=np.float64)  # of B B^H
+        d = np.einsum("mn,mn->m", parts, parts, dtype=np.float64)  # diagonal of B B^H
         t = np.where(d > 0.0, targets.amplitudes, 0.0)
         if not (scale := float(t.max())):
             return pc.Result(note="no transducer reaches the points")
-        t /= scale  # neither tiny nor huge targets leave the range
+        t /= scale  # avoids underflow and overflow
         d = np.where(d > 0.0, d, 1.0)
         R = None if tall else propagator.gram / d
 
         def sent(z: Complexes) -> Complexes:
-            """R z."""
+            """Return R z."""
             return propagator.apply(propagator.adjoint(z / d)) if R is None else R @ z
 
         m = np.arange(M)
@@ -99,5 +100,5 @@ class GsPat(pc.Solver):
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [GsPat]

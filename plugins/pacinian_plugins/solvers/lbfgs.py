@@ -1,4 +1,4 @@
-"""All phases and amplitudes at once by L-BFGS."""
+"""Minimises over all phases and amplitudes at once by L-BFGS."""
 
 from __future__ import annotations
 
@@ -18,26 +18,28 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes, Floats
 
-FLAT = 1e-5  # relative decrease of f in one step at which it ends
-ROOM, FAR = 10.0, 100.0  # drive looked at, over what a focus needs; targets, over what it reaches
-OPEN, AT_LIMIT = 0.99, 0.999  # |h|: at most so much at the start, where sines are flat; held above
-MAX_GRAM_POINTS = 256  # points from which the Gram matrix costs more than the steps that it saves
+FLAT = 1e-5  # relative decrease of f in one step below which it ends
+# largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
+ROOM, FAR = 10.0, 100.0
+# largest |h| at the start, because the sine is flat at 1; |h| that counts as at the limit
+OPEN, AT_LIMIT = 0.99, 0.999
+MAX_GRAM_POINTS = 256  # points above which the Gram matrix costs more than the steps that it saves
 IN_PROPORTION = 1e-3  # error up to which `scale="max"` counts proportions as kept
-ROUNDS = 12  # of lower and lower targets for `scale="max"`
+ROUNDS = 12  # maximum number of times that targets are lowered for `scale="max"`
 
 
 @dataclass(frozen=True)
 class Lbfgs(pc.Solver):
     """Quasi-Newton descent on phases and amplitudes of all transducers, as in levitate's `minimize`.
 
-    steps: at most so many. tolerance: error || |p| - t || / ||t|| at which it ends. memory: how many
-    past steps and gradients are kept.
+    steps: maximum number of steps. tolerance: error || |p| - t || / ||t|| at which it ends. memory: number of
+    past steps and gradients that are kept.
 
     Minimises 1/2 sum_m (|p_m| - t_m)^2, with |p_m - t_m exp(j phi_m)|^2 where a phase is fixed, by SciPy's
-    L-BFGS (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995). Gains are limit sin(v_n) exp(j theta_n):
-    the limit is kept without bounds (levitate bounds amplitudes: no better, and slower). It starts from
-    back-propagation with Gerchberg-Saxton phases, or from the last gains, and ends in a local minimum.
-    `scale="max"`: targets as strong as one focus, lowered until they are met within 0.1 %.
+    L-BFGS (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995). Gains are limit sin(v_n) exp(j theta_n),
+    which keeps the limit without bounds (levitate bounds the amplitudes; this is slower and no better). It starts
+    from back-propagation with Gerchberg-Saxton phases, or from the last gains, and ends in a local minimum.
+    `scale="max"`: starts with targets as strong as one focus and lowers them until they are met within 0.1 %.
     """
 
     name: ClassVar[str] = "lbfgs"
@@ -94,7 +96,7 @@ class Lbfgs(pc.Solver):
         return pc.Result(iterations=steps, limited=held, late=end.late)
 
     def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
-        """From h, (N,), down to a minimum, or as far as the budget goes."""
+        """Descend from h, (N,), to a local minimum, or until the budget is spent."""
         late = False
 
         def look(intermediate_result: optimize.OptimizeResult) -> None:
@@ -116,7 +118,7 @@ class Lbfgs(pc.Solver):
 
 
 class End(NamedTuple):
-    """Where a descent ended."""
+    """Outcome of a descent."""
 
     h: Complexes  # (N,), |h| <= 1
     error: float  # || |p| - t || / ||t||
@@ -126,9 +128,9 @@ class End(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """f of v and theta, and its gradient.
+    """The objective f of v and theta, and its gradient.
 
-    t: (M,) [Pa] at |h| = 1. phases: (M,), NaN where free. unit: [Pa] of the residual: f = 1/2 where it is met.
+    t: targets, (M,) [Pa] at |h| = 1. phases: (M,), NaN where free. unit: residual at which f = 1/2 [Pa].
     """
 
     propagator: pc.Propagator
@@ -138,12 +140,12 @@ class Problem:
 
     @staticmethod
     def gains(x: Floats) -> Complexes:
-        """h = sin(v) exp(j theta), (N,), for x = v, theta, (2 N,)."""
+        """Return h = sin(v) exp(j theta), (N,), for x = v, theta, (2 N,)."""
         v, theta = np.split(x, 2)
         return np.asarray(np.sin(v) * np.exp(1j * theta))
 
     def value(self, x: Floats) -> tuple[float, Floats]:
-        """f = 1/2 ||r||^2 and df/dx: with B^H r = y, df = Re(y^H dh)."""
+        """Return f = 1/2 ||r||^2 and df/dx. With B^H r = y, df = Re(y^H dh)."""
         v, theta = np.split(x, 2)
         sine, turn = np.sin(v), np.exp(1j * theta)
         p = self.propagator.apply(sine * turn).astype(np.complex128)
@@ -154,7 +156,7 @@ class Problem:
         return float(np.vdot(r, r).real) / 2.0, slope
 
     def back(self, z: Complexes) -> Complexes:
-        """The multiple of B^H z whose strength is that of t."""
+        """Return the multiple of B^H z whose pressures are as strong as t."""
         h = self.propagator.adjoint(z)
         made = np.abs(self.propagator.apply(h)).astype(np.float64)
         square = float(made @ made)
@@ -162,7 +164,7 @@ class Problem:
 
 
 def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
-    """Targets [Pa] at |h| = 1, and that unit of h as a gain; `reach`: of a focus at a gain of 1 [Pa]."""
+    """Return the targets [Pa] at |h| = 1, and the unit of h as a gain. reach: pressure of a focus at gain 1 [Pa]."""
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
         return t / need, limit or 1.0
@@ -172,5 +174,5 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [Lbfgs]

@@ -1,4 +1,4 @@
-"""Equation (9) made safe: least squares, of those the least gains."""
+"""The paper's equation (9), made numerically safe: the least-squares solution of least norm."""
 
 from __future__ import annotations
 
@@ -18,24 +18,22 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes
 
-MAX_CHOLESKY_POINTS = (
-    256  # samples up to which the propagator's own Cholesky factor is the quickest
-)
-# and its reciprocal condition number from which it is used
+MAX_CHOLESKY_POINTS = 256  # samples up to which the propagator's own Cholesky factor is fastest
+# least reciprocal condition number with which that factor is used
 TRUSTED = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
 
 
 @dataclass(frozen=True)
 class PseudoInverse(pc.Solver):
-    """min ||B g - p||, of those min ||g||: the paper's equation (9), safe for any rank.
+    """min ||B g - p||, and among these min ||g||: the paper's equation (9), safe for any rank.
 
     rcond: singular values below this share of the largest count as zero; None for
     max(M, N) times the precision of B.
 
-    Well-conditioned problems go through the Cholesky factor of the smaller Gram matrix (B B^H for
-    M <= N, B^H B else) and steps of refinement; others through a singular value decomposition of B
-    in double precision: see `pacinian.solving.least_squares`. Free phases are chosen by
-    Gerchberg-Saxton on B B^H. It knows no gain limit: the session scales its answer down as a whole.
+    Well-conditioned problems use the Cholesky factor of the smaller Gram matrix (B B^H for
+    M <= N, else B^H B) and steps of refinement. Others use a singular value decomposition of B
+    in double precision; see `pacinian.solving.least_squares`. Free phases are chosen by
+    Gerchberg-Saxton on B B^H. This solver ignores the gain limit; the session scales its solution down as a whole.
     """
 
     name: ClassVar[str] = "pseudo-inverse"
@@ -61,11 +59,11 @@ class PseudoInverse(pc.Solver):
             p = choose_phases(propagator, targets, None if warm is None else warm.phases)
         else:
             p = targets.complex(targets.phases)
-        scale = float(np.abs(p).max())  # so that neither tiny nor huge targets leave the range
+        scale = float(np.abs(p).max())  # avoids underflow and overflow
         g, note = self._least_squares(propagator, p / scale)
         with np.errstate(over="ignore", under="ignore"):
             g *= scale
-            if out.dtype == np.complex64:  # it ends at 3e38; the session scales anyway
+            if out.dtype == np.complex64:  # overflows at 3e38; the session scales the gains anyway
                 g /= max(1.0, float(np.abs(g).max()) / 1e37)
             out[:] = g
         return pc.Result(note=note)
@@ -85,5 +83,5 @@ class PseudoInverse(pc.Solver):
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [PseudoInverse]

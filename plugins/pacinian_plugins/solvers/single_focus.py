@@ -1,4 +1,4 @@
-"""One point, in closed form."""
+"""A single focus in closed form."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SingleFocus(pc.Solver):
-    """All transducers in phase at the focus: g = t u* / sum |u| with u = b / |b|, equal strength for all.
+    """All transducers in phase at the focus, with equal strength: g = t u* / sum |b|, where u = b / |b|.
 
-    Nothing makes a focus stronger within |g| <= limit. Of several points only the strongest that sound reaches is made.
-    Transducers that do not reach it stay off. A fixed phase is met; a free one is 0.
+    No other gains with |g| <= limit make a stronger focus. Of several points, only the strongest one that sound
+    reaches is made. Transducers that do not reach it stay off. A fixed phase is met; a free one is 0.
     """
 
     name: ClassVar[str] = "single-focus"
@@ -42,7 +42,7 @@ class SingleFocus(pc.Solver):
         reach = float(size.sum(dtype=np.float64))  # [Pa] at full drive
         if not reach:
             return pc.Result(note="no transducer reaches the focus")
-        wanted = targets.complex(np.zeros(len(targets.amplitudes)))[m] / reach  # complex gain
+        wanted = targets.complex(np.zeros(len(targets.amplitudes)))[m] / reach  # as a complex gain
         top = np.inf if limits.gain is None else limits.gain
         limited = bool(abs(wanted) > top)
         if limited:
@@ -55,5 +55,5 @@ class SingleFocus(pc.Solver):
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [SingleFocus]

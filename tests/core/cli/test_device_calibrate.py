@@ -236,10 +236,10 @@ def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
     ):
         code, told = run("calibrate", bench.file, scan, "--out", out)
         assert code == 2
-        assert "none of the files read" in told
+        assert "none of the input files" in told
     assert run("calibrate", bench.file, "--out", "o.csv")[0] == 2  # no scan
     assert (
-        "in a folder"
+        "existing folder"
         in run("calibrate", bench.file, scan, "--out", bench.folder / "no" / "o.csv")[1]
     )
     assert "twice" in run("calibrate", bench.file, scan, scan, "--out", bench.folder / "o.csv")[1]

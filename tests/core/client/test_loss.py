@@ -85,7 +85,7 @@ def test_a_wrong_token_is_told(server: Fake) -> None:
 def test_a_server_of_something_else_is_told() -> None:
     with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
         at = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        with pytest.raises(pc.ConnectionLost, match="no Pacinian server"):
+        with pytest.raises(pc.ConnectionLost, match="not a Pacinian server"):
             pc.Client(Connection(pid=1, control=at, command=at, state=at, token="x"))
 
 
@@ -96,7 +96,7 @@ def test_an_address_that_is_none_is_told() -> None:
 
 @pytest.mark.parametrize("secrets", [{}, {"server_key": "x" * 40}, {"server_key": "short"}])
 def test_a_connection_without_secrets_is_told(secrets: dict[str, str]) -> None:
-    with pytest.raises(pc.ConnectionLost, match="no token"):
+    with pytest.raises(pc.ConnectionLost, match="neither a token"):
         pc.Client(Connection(pid=1, control="", command="", state="", **secrets))
 
 
@@ -367,7 +367,7 @@ def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:
         create_certificates(tmp_path, "other")
         with pytest.raises(pc.ArgumentError, match=r"2 .*key_secret"):
             pc.Client(server.connection, keys=tmp_path)
-        with pytest.raises(pc.ArgumentError, match="is no key"):
+        with pytest.raises(pc.ArgumentError, match="is not a key file"):
             pc.Client(server.connection, keys=tmp_path / "none")
 
 

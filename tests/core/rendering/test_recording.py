@@ -229,7 +229,7 @@ def test_settings_of_no_array_are_told(tmp_path: Path, bad: dict[str, Any]) -> N
     record(tmp_path / "run.pac", ticks=1)
     recording = changed(tmp_path / "run.pac", lambda header: header["settings"].update(bad))
     assert len(list(recording)) == 1
-    with pytest.raises(pc.RecordingError, match="settings of no array"):
+    with pytest.raises(pc.RecordingError, match="no array can be made"):
         recording.array  # noqa: B018
 
 

@@ -24,7 +24,7 @@ def test_it_tells_what_was_noted_instead_and_no_more() -> None:
     made = tape()
     made.tell([7.0, 5.0])
     assert [made.now(), made.now()] == [7.0, 5.0]
-    with pytest.raises(LookupError, match="not read so often"):
+    with pytest.raises(LookupError, match="read more often"):
         made.now()
     made.tell([9.0])
     assert made.now() == 9.0

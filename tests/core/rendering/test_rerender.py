@@ -286,5 +286,5 @@ def test_a_changed_clock_that_changes_what_is_done_is_told(tmp_path: Path) -> No
     recording = pc.Recording(path)
     ticks = [dataclasses.replace(tick, clock=tick.clock[:1]) for tick in recording.ticks()]
     recording.ticks = lambda **_: iter(ticks)  # type: ignore[method-assign]
-    with pytest.raises(pc.RecordingError, match="not read so often"):
+    with pytest.raises(pc.RecordingError, match="read more often"):
         rerender(recording)

@@ -330,7 +330,7 @@ def test_a_workspace_holds_its_corners() -> None:
 
 def test_a_workspace_without_volume_is_refused() -> None:
     for upper in ((0.0, 1.0, 1.0), (1.0, -0.1, 1.0), (1.0, 1.0, 0.0)):
-        with pytest.raises(pc.ArgumentError, match=r"^`workspace` must have each of `lower` below"):
+        with pytest.raises(pc.ArgumentError, match=r"^`workspace` must have `lower` below `upper`"):
             pc.Workspace((0.0, 0.0, 0.0), upper)
 
 

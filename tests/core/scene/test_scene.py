@@ -131,14 +131,14 @@ def test_it_tells_when_all_stand_still() -> None:
 
 def test_names_are_unique() -> None:
     a = made(0, "ball", (0.0, 0.0, 0.1), None)
-    with pytest.raises(pc.ArgumentError, match=r"^`objects` must have names of their own.*'ball'"):
+    with pytest.raises(pc.ArgumentError, match=r"^`objects` must have unique names.*'ball'"):
         pc.Scene((a, a))
     unnamed = made(0, "", (0.0, 0.0, 0.1), None)
     assert len(pc.Scene((unnamed, unnamed)).objects) == 2
 
 
 def test_hands_have_names_of_their_own_too() -> None:
-    with pytest.raises(pc.ArgumentError, match=r"^`hands` must have names of their own"):
+    with pytest.raises(pc.ArgumentError, match=r"^`hands` must have unique names"):
         pc.Scene(hands=(Hand.open(), Hand.open()))
     assert len(pc.Scene(hands=(Hand.open(name="mine"), Hand.open(name="yours"))).hands) == 2
 

@@ -86,7 +86,7 @@ def test_of_servers_that_start_at_the_same_moment_one_has_the_connection_file(
     (first,) = (process for process, text in zip(both, said, strict=True) if "ready" in text)
     (other,) = (process for process in both if process is not first)
     assert other.wait(PATIENCE) == 1
-    assert any(f"{path} is of a server that runs (process {first.pid})" in text for text in said)
+    assert any(f"{path} belongs to a running server (process {first.pid})" in text for text in said)
     assert Connection.read(path).pid == first.pid
 
 

@@ -269,7 +269,7 @@ def test_a_hang_ends_the_trial() -> None:
         def silence(self) -> None:
             end.wait()
 
-    with pytest.raises(NotConforming, match=r"silence\(\) has not come back"):
+    with pytest.raises(NotConforming, match=r"silence\(\) has not returned"):
         check_backend(Hangs, ARRAY, limit=3.0)  # much longer than any other call takes
     end.set()
 

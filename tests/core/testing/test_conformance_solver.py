@@ -13,7 +13,7 @@ import pacinian as pc
 from pacinian.plugins.registry import installed
 from pacinian.solving.phases import choose_phases
 from pacinian.testing import NotConforming, check_solver, conformance_solver
-from pacinian.testing.problems import find_problem
+from pacinian.testing.problems import make_problems
 
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
 RIGHT = pc.solver("pseudo-inverse")
@@ -185,8 +185,8 @@ def test_a_right_one_passes() -> None:
 
 @pytest.mark.parametrize("how", WRONG)
 def test_a_wrong_one_is_caught(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    few = [problem for problem in find_problem(ARRAY) if len(problem[1].q) <= 4]
-    monkeypatch.setattr(conformance_solver, "find_problem", lambda _: few)
+    few = [problem for problem in make_problems(ARRAY) if len(problem[1].q) <= 4]
+    monkeypatch.setattr(conformance_solver, "make_problems", lambda _: few)
     rule, given = WRONG[how]
     with pytest.raises(NotConforming) as raised:
         check_solver(make_wrong(given), ARRAY)
@@ -195,7 +195,7 @@ def test_a_wrong_one_is_caught(how: str, monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_hang_ends_the_trial() -> None:
     end = threading.Event()
-    with pytest.raises(NotConforming, match="has not come back"):
+    with pytest.raises(NotConforming, match="has not returned"):
         check_solver(make_wrong({"spoil": lambda _: end.wait() and None}), limit=1.0)
     end.set()
 

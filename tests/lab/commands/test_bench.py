@@ -205,7 +205,7 @@ def test_pictures_of_scenes_are_drawn_into_a_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("scenes", "--scene", "magic"), "'magic' is none of static-focus"),
+        (("scenes", "--scene", "magic"), "'magic' is not one of static-focus"),
         (("scenes", "--units", "2"), "--units"),
         (("scenes", "--units", "-1"), "--units"),
         (("scenes", "--seconds", "0"), "--seconds"),

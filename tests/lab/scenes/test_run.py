@@ -213,22 +213,22 @@ def test_with_the_skips_less_is_done() -> None:
     *_, on, off = frames(SKIPS["one focus: nothing changed"])
     assert on.renderer.report.solves == 1
     assert off.renderer.report.solves == 12
-    *_, on, off = frames(SKIPS["1 sample of 41 moved: only its row"])
+    *_, on, off = frames(SKIPS["1 of 41 samples moved: update one row"])
     built = [side.renderer.session.propagator.work.rows_built for side in (on, off)]
     assert built[1] == 12 * 41
     assert built[0] == 41 + 11
-    *_, on, off = frames(SKIPS["1000 balls, 3 near: only these asked"], ticks=2)
+    *_, on, off = frames(SKIPS["1000 balls, 3 near: skip distant balls"], ticks=2)
     far = [side.renderer.report.skipped["objects out of reach"] for side in (on, off)]
     assert far == [2 * 997, 0]
-    *_, on, off = frames(SKIPS["STM: a known step, not solved again"], ticks=30)
+    *_, on, off = frames(SKIPS["STM: reuse solutions of known steps"], ticks=30)
     assert (on.renderer.report.solves, off.renderer.report.solves) == (10, 30)
-    *_, on, off = frames(SKIPS["a hand out of reach, not touching"], ticks=2)
+    *_, on, off = frames(SKIPS["skip a hand that is out of reach"], ticks=2)
     assert on.renderer.samples is not None
     assert not len(on.renderer.samples)
 
 
 def test_a_saving_is_a_ratio_of_medians() -> None:
-    found = savings.measure(ONE, SKIPS["STM: a known step, not solved again"], ticks=5)
+    found = savings.measure(ONE, SKIPS["STM: reuse solutions of known steps"], ticks=5)
     assert found.on_ms > 0.0
     assert found.ratio == found.on_ms / found.off_ms
     assert found.limit is None

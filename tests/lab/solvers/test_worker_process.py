@@ -53,13 +53,13 @@ def test_one_that_works_is_measured(made: list[Worker]) -> None:
         ("crashes", "crashed: last words"),
         ("fails", "failed: ValueError: not today"),
         ("is short", r"gains of shape \(5,\), not \(249,\)"),
-        ("is ragged", "nonsense"),
+        ("is ragged", "gave an invalid answer"),
         ("is not finite", "gains that are not finite"),
         ("moves", r"points of shape \(2, 3\)"),
-        ("forgets", "nonsense"),
-        ("says text", "nonsense"),
-        ("is a list", "nonsense"),
-        ("is no JSON", "nonsense"),
+        ("forgets", "gave an invalid answer"),
+        ("says text", "gave an invalid answer"),
+        ("is a list", "gave an invalid answer"),
+        ("is no JSON", "gave an invalid answer"),
     ],
 )
 def test_what_goes_wrong_is_the_rows_status(made: list[Worker], how: str, says: str) -> None:

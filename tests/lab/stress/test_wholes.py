@@ -45,7 +45,7 @@ def test_phases_of_more_than_one_wave_are_found() -> None:
     assert "together" not in broken(FINE, asked_phases=asked + 1.0)  # turned as a whole
     one = asked + np.where(np.arange(len(asked)) == 3, 0.01, 0.0)
     assert "0.01 rad off one wave" in broken(FINE, asked_phases=one)["together"]
-    assert broken(FINE, asked_phases=None)["together"] == "no phases are told"
+    assert broken(FINE, asked_phases=None)["together"] == "no phases are reported"
 
 
 def test_given_phases_that_are_changed_are_found() -> None:

@@ -55,13 +55,13 @@ def test_it_runs_reports_and_goes_on_after_a_change(
     path, out = write(TINY), tmp_path / "out"
     result = run(path, "--out", out, "--workers", 0)
     assert result.exit_code == 0, result.output
-    assert "2 tasks, 2 of them done now, 0 failed" in result.stdout
+    assert "2 tasks, 2 of them run now, 0 failed" in result.stdout
     for name in ("results.parquet", "report.md", "layouts.png", "images-1.png", "trends.png"):
         assert f"wrote {out / name}" in result.stdout
         assert (out / name).exists()
     path.write_text(TINY.replace("0.12", "0.14"))
     result = run(path, "--out", out, "--workers", 0, "--no-pictures", "--json")
-    assert "the study has changed: 1 tasks are new, 1 no longer asked" in result.stderr
+    assert "the study has changed: 1 tasks are new, 1 no longer needed" in result.stderr
     assert "1 of 2 tasks were done before" in result.stderr
     told = json.loads(result.stdout)
     assert (told["tasks"], told["done_now"], told["failures"]) == (2, 1, 0)
@@ -72,7 +72,7 @@ def test_a_failure_is_told_by_the_exit_code(write: Callable[..., Path], tmp_path
     path = write(TINY.replace("0.12", "0.0"))
     result = run(path, "--out", tmp_path / "out", "--workers", 0, "--no-pictures")
     assert result.exit_code == 1
-    assert "2 tasks, 2 of them done now, 1 failed" in result.stdout
+    assert "2 tasks, 2 of them run now, 1 failed" in result.stdout
 
 
 def test_a_part_that_cannot_be_read_is_told(write: Callable[..., Path], tmp_path: Path) -> None:
@@ -81,8 +81,8 @@ def test_a_part_that_cannot_be_read_is_told(write: Callable[..., Path], tmp_path
     part = next((out / "parts").iterdir())
     part.write_text("no table")
     result = run(path, "--out", out, "--workers", 0, "--no-pictures")
-    assert f"its tasks are done again: {part}" in result.stderr
-    assert "2 tasks, 1 of them done now" in result.stdout
+    assert f"cannot read results, so their tasks run again: {part}" in result.stderr
+    assert "2 tasks, 1 of them run now" in result.stdout
 
 
 def test_an_interruption_says_how_to_go_on(
@@ -94,7 +94,7 @@ def test_an_interruption_says_how_to_go_on(
     monkeypatch.setattr(work, "measure", interrupted)
     result = run(write(TINY), "--out", tmp_path / "out", "--workers", 0)
     assert result.exit_code != 0
-    assert "what is done is kept: the same command goes on" in result.stderr
+    assert "finished tasks are kept: run the same command to continue" in result.stderr
 
 
 def test_the_schema_needs_no_file() -> None:

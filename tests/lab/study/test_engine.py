@@ -140,7 +140,7 @@ def test_a_command_that_is_killed_and_then_interrupted_goes_on_where_it_stopped(
         _, stderr = run.communicate(timeout=WAIT)
     assert run.returncode == 130
     assert "tasks were done before" in stderr
-    assert "what is done is kept: the same command goes on" in stderr
+    assert "finished tasks are kept: run the same command to continue" in stderr
     assert "Traceback" not in stderr
     assert not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE
     assert 0 < len(ps.load(out)) < len(undisturbed)
@@ -214,7 +214,7 @@ def test_a_scheduler_elsewhere_without_workers_with_one_and_gone(
             for process in scheduler.processes[::-1]:
                 process.kill()
 
-    with pytest.raises(pc.ServerError, match="the Dask scheduler is gone; what was done is kept"):
+    with pytest.raises(pc.ServerError, match="Dask scheduler is lost; finished tasks are kept"):
         ps.run(path, out, scheduler=scheduler.address, advance=end)
     assert sum(done) <= len(ps.load(out)) < len(undisturbed)
     assert same(ps.run(path, out, workers=0)) == same(undisturbed)
@@ -290,7 +290,7 @@ def test_what_kills_its_workers_again_and_again_is_a_row(
     with config.set({"distributed.scheduler.allowed-failures": 0}), engine.local(1) as client:
         (rows,) = engine.results(client, plan, plan.batches()[:1])
     assert [row["key"] for row in rows] == [task.key for task in plan.batches()[0]]
-    assert all("have died, again and again" in row["failure"] for row in rows)
+    assert all("died repeatedly" in row["failure"] for row in rows)
 
 
 def _die(batch: object) -> None:

@@ -1,1 +1,1 @@
-"""Hands: joints or a mesh, and the skin on them."""
+"""Hands, given by joints or by a mesh, and their skin."""

@@ -1,4 +1,4 @@
-"""The bones of a hand, and what fills its palm, as lines between its joints."""
+"""The bones of a hand, and the lines that fill its palm, as lines between its joints."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 
 class Bone(NamedTuple):
-    """A line from one end to the other; an end is a joint, or the middle of two.
+    """A line between two ends. Each end is the middle of two joints, or one joint given twice.
 
-    parent: the bone whose frame this one turns with, -1 for the palm. finger: 1 to 5 for what stands
-    free of the palm, from the thumb on, else 0.
+    parent: the bone whose frame this one moves with, -1 for the palm. finger: 1 to 5, from the thumb on, for bones that
+    are free of the palm, else 0.
     """
 
     base: tuple[int, int]
@@ -29,13 +29,13 @@ def _hand() -> list[Bone]:
         for base, tip in pairwise(chain[1:]):
             bones.append(Bone(base, tip, len(bones) - 1, finger))
     between = [(joint, joint + 5) for joint in (6, 11, 16)]
-    bones += [Bone(pair, (pair[0] + 1, pair[1] + 1)) for pair in between]  # among the metacarpals
+    bones += [Bone(pair, (pair[0] + 1, pair[1] + 1)) for pair in between]  # between the metacarpals
     bones += [Bone((1, 1), (joint, joint)) for joint in (2, 6, 11, 21)]  # the wrist
     return [*bones, Bone((2, 3), (6, 7))]  # the web of the thumb
 
 
 BONES = _hand()
 ENDS = np.array([bone.base + bone.tip for bone in BONES], dtype=np.intp)
-"""The two joints of each end, (C, 4)."""
+"""The two joints of each end of each bone, (C, 4)."""
 PARENTS = np.array([bone.parent for bone in BONES], dtype=np.intp)
 FINGERS = np.array([bone.finger for bone in BONES], dtype=np.intp)

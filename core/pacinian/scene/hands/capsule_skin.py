@@ -1,4 +1,4 @@
-"""The skin of a hand of 26 joints: points that stick to the capsules around its bones."""
+"""The skin of a hand of 26 joints: points fixed to the capsules around its bones."""
 
 from __future__ import annotations
 
@@ -25,26 +25,27 @@ from pacinian.scene.shapes import Capsule
 if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
-ON = 1e-10  # [m]; nearer to a surface than this is on it
-TINY = 1e-12  # [m]; what is shorter has no direction
+ON = 1e-10  # a point this near to a surface lies on it [m]
+TINY = 1e-12  # a shorter vector has no direction [m]
 
 
 class CapsuleSkin(Skin):
     """The skin of a hand of 26 joints.
 
-    Each point keeps its place along the axis of its bone's capsule, the side of the axis it is on in the bone's own
-    frame, and of a cap the share of it that lies beyond, so that it lies on the capsule however long and thick that is,
-    and however much it tapers. A bone's frame is
-    that of its parent, turned by the smallest rotation which takes the bone from its direction at rest to
-    the one it has: it never spins about the bone, and jumps only where a joint is bent by 180 degrees.
-    The palm's frame has y from the wrist to the middle finger's proximal joint, and x from the index's
-    to the little finger's. A bone of no length keeps its parent's frame; a palm of no extent the world's.
-    A left hand is placed as the mirror image of a right one.
+    Each point keeps three coordinates: its relative position along the axis of its bone's capsule; its direction from
+    the axis in the bone's own frame; and, on a cap, the fraction of the cap's area beyond it. Therefore it stays on the
+    capsule for every length, thickness and taper.
 
-    At rest the fingers are straight. Bending them uncovers skin on the backs of the joints: the sphere there.
-    Its points are of the finest level only, and inside of the flesh at rest.
+    The frame of a bone is that of its parent, rotated by the smallest rotation that takes the bone from its direction
+    at rest to its current one. This frame never spins about the bone, and jumps only if a joint bends by 180 degrees.
+    The y-axis of the palm's frame points from the wrist to the middle finger's proximal joint, and the x-axis from the
+    index finger's to the little finger's. A bone without length keeps its parent's frame, and a palm without extent
+    keeps the world's. A left hand is placed as the mirror image of a right one.
 
-    spacing: between points, [m]. grain: between those that they are chosen from [m].
+    At rest, the fingers are straight. Bending them uncovers skin on the backs of the joints, which is part of the
+    sphere there. The points of this skin are inside the flesh at rest, and belong to the finest level only.
+
+    spacing: between points [m]. grain: between the candidates for points [m].
     """
 
     def __init__(self, spacing: float = FINEST, grain: float = GRAIN) -> None:
@@ -69,7 +70,7 @@ class CapsuleSkin(Skin):
         self.axes = axes / self.length[:, None]
 
     def place(self, hand: Hand) -> Placed:
-        """Where the points are on a hand of this kind, which is not lost."""
+        """Place the points on a hand of this kind, which must not be lost."""
         if hand.joints is None:
             raise ArgumentError("hand", "must have joints")
         K, shapes = len(self), flesh.make_capsules(hand)
@@ -84,19 +85,20 @@ class CapsuleSkin(Skin):
         return placed
 
     def exposed(self, placed: Placed, which: Indices) -> Flags:
-        """Which of the points `which`, (I,), are not deeper inside of other flesh than their slack, (I,)."""
+        """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
         return ~flesh.are_buried(placed.capsules, placed.points, self.bone, self.slack, which)
 
     def closest(self, hand: Hand, points: Floats) -> flesh.Nearest:
-        """The hand's nearest skin to points, (P, 3) [m]."""
+        """Find the nearest skin of the hand to points, (P, 3) [m]."""
         return flesh.find_closest(flesh.make_capsules(hand), points)
 
 
 class _Around(NamedTuple):
     """Points around a capsule.
 
-    points, normals: (N, 3). area: of each, (N,) [m^2]. along: from 0 to 1 along the axis, (N,). axial: of the normal,
-    if the capsule did not taper; 0 on the mantle, (N,). sides: unit vectors across the axis, (N, 3).
+    points, normals: (N, 3). area: of each point, (N,) [m^2]. along: position along the axis, 0 to 1, (N,). axial: axial
+    component of the normal if the capsule did not taper; 0 on the mantle, (N,). sides: unit vectors across the axis,
+    (N, 3).
     """
 
     points: Floats
@@ -107,12 +109,12 @@ class _Around(NamedTuple):
     sides: Floats
 
     def only(self, kept: Flags) -> _Around:
-        """Those of its points."""
+        """Return the points `kept`."""
         return _Around(*(values[kept] for values in self))
 
 
 class _Spread(NamedTuple):
-    """K points that are evenly spread, as for `Skin`, each with its place on its bone's capsule."""
+    """K evenly spread points, as for `Skin`, with their coordinates on the capsules of their bones."""
 
     surface: SkinNodes
     apart: Floats
@@ -124,7 +126,7 @@ class _Spread(NamedTuple):
 
     @classmethod
     def of(cls, parts: list[_Around], spacing: float) -> _Spread:
-        """Choose among points around each bone."""
+        """Choose evenly spread points from the candidates around each bone."""
         bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
         points, normals, area, *place = map(np.concatenate, zip(*parts, strict=True))
         surface = SkinNodes(points, normals, FINGERS[bone])
@@ -134,7 +136,7 @@ class _Spread(NamedTuple):
 
 
 def _around(shapes: Floats, c: int, grain: float) -> _Around:
-    """Points evenly spread around a capsule of its mean radius, moved to where it tapers."""
+    """Spread points evenly around a capsule of the mean radius, and move them onto the tapered one."""
     a, b, radii = shapes[c, :3], shapes[c, 3:6], shapes[c, 6:]
     length, mean = float(np.linalg.norm(b - a)), float(radii.mean())
     shape = Capsule(mean, length)
@@ -159,17 +161,17 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
 
 
 def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
-    """Which of a capsule's points are not inside of others; where two surfaces coincide the skin is of the first."""
+    """Return which points of a capsule are not inside others. Where surfaces coincide, the first owns the skin."""
     free = flesh.distance_to_skin(shapes[:c], points) > ON
     free &= flesh.distance_to_skin(shapes[c + 1 :], points) > -ON
     return free
 
 
 def _back(shapes: Floats, c: int, around: _Around) -> Flags:
-    """Which points of a capsule's caps bending may uncover: those that are inside of nothing but what moves there.
+    """Return which points of a capsule's caps may be uncovered by bending: only moving flesh hides them at rest.
 
-    Of the palm's capsules all points that only fingers hide; of a finger's those at its tip that the next bone hides,
-    whose sphere there is the same.
+    On the capsules of the palm, these are the points that only fingers hide. On a finger's bone, these are the points
+    at its tip that only the next bone hides, which has the same sphere there.
     """
     every = np.arange(len(shapes))
     if not FINGERS[c]:

@@ -11,10 +11,10 @@ namespace pacinian::scene {
 using acoustics::from_axis;
 using acoustics::FromAxis;
 
-constexpr f8 ROUNDING = 1e-10;  // [m]: what lies so deep inside may be on it
-constexpr i8 TURNS = 50;        // steps that may each go out of the capsule that is deepest there
-constexpr f8 ARRIVED = 1e-12;   // [m]
-constexpr f8 NO_LENGTH = 1e-15; // [m]; nearer to an axis than this, there is no direction away from it
+constexpr f8 ROUNDING = 1e-10;  // a point at most this deep inside counts as on the surface [m]
+constexpr i8 TURNS = 50;        // steps before the search stops changing its direction
+constexpr f8 ARRIVED = 1e-12;   // the search ends at this depth below the surface [m]
+constexpr f8 NO_LENGTH = 1e-15; // a point this near to an axis has no direction away from it [m]
 
 inline void require_capsules(View<const f8, 2> capsules) { require(capsules.shape[1] == 8, "capsules have eight columns"); }
 
@@ -46,7 +46,7 @@ inline void bounds(View<const f8, 2> capsules, View<f8, 2> out) {
     }
 }
 
-// Signed distance to a union [m], and the capsule that is nearest there or deepest.
+// Signed distance to the union [m], and the nearest capsule or, inside, the one in which the point is deepest.
 struct Union {
     f8 away;
     Index bone;
@@ -61,7 +61,7 @@ inline Union of_union(View<const f8, 2> capsules, const f8 (&p)[3]) {
     return best;
 }
 
-// The direction from a capsule's axis to a point, to n; how far that way its surface is [m].
+// Write the direction from a capsule's axis to a point to n, and return the distance to the surface that way [m].
 inline f8 outward(View<const f8, 2> capsules, Index c, const f8 (&p)[3], f8 (&n)[3]) {
     const FromAxis way = from_axis(capsules, c, p[0], p[1], p[2]);
     if (way.away > NO_LENGTH) {
@@ -69,7 +69,7 @@ inline f8 outward(View<const f8, 2> capsules, Index c, const f8 (&p)[3], f8 (&n)
         return way.radius - way.away;
     }
     const f8 ux = capsules(c, 3) - capsules(c, 0), uy = capsules(c, 4) - capsules(c, 1), uz = capsules(c, 5) - capsules(c, 2);
-    if (std::abs(ux) > std::abs(uz)) {  // to some side
+    if (std::abs(ux) > std::abs(uz)) {  // any direction across the axis
         const f8 size = std::sqrt(ux * ux + uy * uy);
         n[0] = -uy / size, n[1] = ux / size, n[2] = 0.0;
     } else {
@@ -109,7 +109,7 @@ inline void nearest(View<const f8, 2> capsules, View<const f8, 2> points, i8 ste
     }
 }
 
-// `from_axis`, but what is the same for all points is done once.
+// As `from_axis`, but the values that are the same for all points are computed once.
 inline void buried(View<const f8, 2> capsules, View<const f8, 2> points, View<const i8, 1> bone, View<const f8, 1> slack,
                    View<const i8, 1> which, View<bool, 1> out) {
     const Index C = capsules.shape[0];
@@ -133,7 +133,7 @@ inline void buried(View<const f8, 2> capsules, View<const f8, 2> points, View<co
         now.reach = std::sqrt(squared) / 2.0 + std::max(a[6], a[7]);
         now.radius = std::max(a[6], a[7]);
         int first = difference > 0.0 ? 3 : 0;
-        if (squared > difference * difference) {  // else one sphere holds the other
+        if (squared > difference * difference) {  // otherwise, one sphere contains the other
             first = 0;
             now.radius = a[6];
             now.grows = difference;

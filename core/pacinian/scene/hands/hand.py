@@ -1,4 +1,4 @@
-"""A hand as a tracker gives it: 26 joints, or a mesh of its skin."""
+"""A hand as a tracker reports it: 26 joints, or a mesh of its skin."""
 
 from __future__ import annotations
 
@@ -17,32 +17,29 @@ if TYPE_CHECKING:
 
 Side = Literal["left", "right"]
 
-MAX_SIZE = 1.0  # [m] across; nothing longer is a hand
-MIN_SIZE = 0.01  # [m] across; nothing smaller is
-MAX_COORDINATE = 1e6  # [m], or [m/s]; what is farther or faster was not measured
-MAX_RADIUS = 0.1  # [m]
+MAX_SIZE = 1.0  # largest extent of a hand [m]
+MIN_SIZE = 0.01  # smallest extent of a hand; a smaller hand is lost [m]
+MAX_COORDINATE = 1e6  # larger coordinates [m] and velocities [m/s] count as not measured
+MAX_RADIUS = 0.1  # largest radius of a joint [m]
 HERE = Pose()
-PALM, WRIST, KNUCKLE = (
-    0,
-    1,
-    11,
-)  # KNUCKLE: the middle finger's metacarpal, and then its proximal joint
+# Indices of joints. KNUCKLE is the middle finger's metacarpal joint; its proximal joint follows.
+PALM, WRIST, KNUCKLE = 0, 1, 11
 
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """A hand at one moment, in metres and in the world's frame.
+    """A hand at one moment, in the world's frame.
 
-    joints: (26, 3) [m], in the order of OpenXR's XrHandJointEXT: palm, wrist, four of the thumb
-    (metacarpal, proximal, distal, tip), five of each finger from the index on (metacarpal, proximal,
-    intermediate, distal, tip). radii: from each joint to the skin, (26,) [m]; an adult's unless given.
-    side: "left" or "right". velocities: of the joints, (26, 3) [m/s], or (3,) for all; unknown unless
-    given and finite. time: when it was measured [s]. vertices, faces: a mesh of the skin, (V, 3) [m] and
-    (F, 3), in place of joints and radii. name: its side unless given.
+    joints: (26, 3) [m], in the order of OpenXR's XrHandJointEXT: palm, wrist, four of the thumb (metacarpal, proximal,
+    distal, tip), and five of each finger from the index on (metacarpal, proximal, intermediate, distal, tip). radii:
+    from each joint to the skin, (26,) [m]; by default those of an adult. side: "left" or "right". velocities: of the
+    joints, (26, 3) [m/s], or (3,) for all; unknown unless given and finite. time: when the hand was measured [s].
+    vertices, faces: a mesh of the skin, (V, 3) [m] and (F, 3), which replaces joints and radii. name: by default, the
+    side.
 
-    A tracker that loses the hand may give joints or vertices that are NaN, infinite, 1000 km away, or all
-    within a centimetre, as zeros are: such a hand is `lost`, its radii are not looked at, and it must not
-    be placed. Raises ArgumentError for anything else that cannot be meant.
+    A tracker that loses the hand may report joints or vertices that are NaN, infinite, 1000 km away, or all within a
+    centimetre (for example, zeros). Such a hand is `lost`: its radii are ignored, and it must not be placed. Raises
+    ArgumentError for other invalid values.
     """
 
     joints: Floats | None
@@ -93,11 +90,11 @@ class Hand:
 
     @classmethod
     def open(cls, side: Side = "right", pose: Pose = HERE, **given: Any) -> Hand:
-        """An adult's flat hand, fingers straight and slightly spread, its palm joint at the pose's position.
+        """Make an adult's flat hand with straight, slightly spread fingers. Its palm joint is at the pose's position.
 
-        In the pose's frame the fingers point along +y and the palm faces -z, so that with the identity
-        rotation the hand looks down on an array that sends up; seen from above the thumb of the right
-        hand is at -x, of the left at +x. given: radii, velocities, time or name.
+        In the pose's frame, the fingers point along +y and the palm faces -z. Without a rotation, the palm therefore
+        faces an array that emits upwards. Seen from above, the thumb of a right hand is at -x, and that of a left hand
+        at +x. given: radii, velocities, time or name.
         """
         check_kind("pose", pose, Pose)
         local = rest_pose.rest_joints()
@@ -109,15 +106,17 @@ class Hand:
     def leap(
         cls, bones: ArrayLike, widths: ArrayLike, wrist: ArrayLike, side: Side, **given: Any
     ) -> Hand:
-        """A hand in the layout of Ultraleap's LeapC (LEAP_HAND), lengths in metres: LeapC's times 1e-3.
+        """Make a hand from the layout of Ultraleap's LeapC (LEAP_HAND), with lengths in metres (LeapC's times 1e-3).
 
-        bones: both ends (prev_joint, next_joint) of the four bones (metacarpal, proximal, intermediate,
-        distal) of the five digits from the thumb on, (5, 4, 2, 3) [m]; the thumb's metacarpal, which has
-        no length there, is not looked at: its anatomical one is LeapC's proximal. widths: of the flesh
-        around each bone, (5, 4) [m]; a joint's radius is a quarter of those of its two bones together.
-        wrist: the arm's next_joint, (3,) [m], whose radius is an adult's, as LeapC has only the
-        forearm's width. The palm is the middle of the middle finger's metacarpal, as OpenXR puts it; it
-        lies a little beside LEAP_PALM's. given: velocities, time or name.
+        bones: both ends (prev_joint, next_joint) of the four bones (metacarpal, proximal, intermediate, distal) of the
+        five digits from the thumb on, (5, 4, 2, 3) [m]. The thumb's metacarpal is ignored, because it has no length in
+        LeapC; the anatomical one is LeapC's proximal. widths: of the flesh around each bone, (5, 4) [m]; the radius of
+        a joint is a quarter of the sum of the widths of its two bones. wrist: the arm's next_joint, (3,) [m]; its
+        radius is that of an adult, because LeapC reports only the width of the forearm. given: velocities, time or
+        name.
+
+        The palm joint is the middle of the middle finger's metacarpal, as in OpenXR, which differs a little from
+        LEAP_PALM.
         """
         B, lost = _measured("bones", bones, (5, 4, 2, 3))
         W = np.full((5, 4), 0.02) if lost else check_numbers("widths", widths, (5, 4))
@@ -136,7 +135,7 @@ class Hand:
         return cls(joints, radii, side=side, **given)
 
     def moved(self, pose: Pose) -> Hand:
-        """This hand moved by `pose`: turned about the world's origin, then shifted; velocities turn too."""
+        """Return this hand moved by `pose`: rotated about the world's origin, with its velocities, then shifted."""
         return self._with(
             joints=None if self.joints is None else pose.points(self.joints),
             velocities=None if self.velocities is None else pose.directions(self.velocities),
@@ -144,9 +143,9 @@ class Hand:
         )
 
     def after(self, seconds: float) -> Hand:
-        """This hand `seconds` later, if its joints' velocities last; itself if they are not known.
+        """Return this hand `seconds` later, at constant velocities, or the hand itself if these are unknown.
 
-        Vertices move with the palm joint's velocity.
+        All vertices move with the velocity of the palm joint.
         """
         if self.velocities is None:
             return self
@@ -159,13 +158,13 @@ class Hand:
 
     @property
     def carriers(self) -> Floats:
-        """The points that carry its skin: vertices if there are any, or else joints, (P, 3) [m]."""
+        """The points that carry the skin: the vertices or, without a mesh, the joints, (P, 3) [m]."""
         points = self.joints if self.vertices is None else self.vertices
         assert points is not None  # one of them was given
         return points
 
     def same(self, other: Hand) -> bool:
-        """Whether it is the other, seen at the same time in the same place."""
+        """Return whether this hand equals `other` in all its values, time and name included."""
         return (self.side, self.time, self.name) == (other.side, other.time, other.name) and all(
             a is b or (a is not None and b is not None and np.array_equal(a, b, equal_nan=True))
             for a, b in (
@@ -178,12 +177,12 @@ class Hand:
         )
 
     def shifted(self, d: Floats) -> Hand:
-        """With each of its carriers moved by d, (P, 3) [m]."""
+        """Return this hand with each of its carriers moved by d, (P, 3) [m]."""
         name = "joints" if self.vertices is None else "vertices"
         return self._with(**{name: self.carriers + d})
 
     def _with(self, **changes: Any) -> Hand:
-        """The same but for `changes`, which are not checked again."""
+        """Return this hand with `changes`, which are not checked."""
         hand = object.__new__(Hand)
         hand._set(**{**self.__dict__, **changes})
         return hand
@@ -196,9 +195,9 @@ class Hand:
 
 
 def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tuple[Floats, bool]:
-    """A copy of `value` as numbers of that shape, with NaN for each that is none, and whether any is."""
+    """Return a copy of `value` with NaN for each number that was not measured, and whether there are any."""
     try:
-        known = np.abs(cast("Floats", value)) < MAX_COORDINATE  # not if NaN
+        known = np.abs(cast("Floats", value)) < MAX_COORDINATE  # False for NaN
     except (TypeError, ValueError):
         return check_numbers(name, value, shape).copy(), False
     array = check_numbers(name, np.where(known, cast("Floats", value), 0.0), shape)
@@ -206,9 +205,9 @@ def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tup
 
 
 def _collapsed(name: str, points: Floats) -> bool:
-    """Whether this is too small for a hand. Refuses what is too large, so was meant in millimetres."""
+    """Return whether the points are too small for a hand. Raises ArgumentError if they are too large (millimetres)."""
     across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
-    if across > MAX_SIZE:  # not if NaN
+    if across > MAX_SIZE:  # False for NaN
         raise ArgumentError(
             name, f"span {across:.4g} m: lengths are in metres (were millimetres given?)"
         )

@@ -1,4 +1,4 @@
-"""The skin of a hand given as a triangle mesh: points that stick to its faces."""
+"""The skin of a hand given as a triangle mesh: points fixed to its faces."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
     from pacinian.types import Flags, Floats, Indices
 
-PATCHES = 24
+PATCHES = 24  # number of patches, which take the place of bones
 TINY = 1e-300
 
 
 class MeshSkin(Skin):
-    """The skin of all hands that have the faces of this one, which is at rest.
+    """The skin of all hands that have the same faces as `hand`, which gives the rest pose.
 
-    Each point keeps its barycentric coordinates on its face. Outward is where most of the faces look away
-    from the middle. A patch, in place of a bone, is the faces nearest to one of the first 24 points.
-    Nothing tells fingers apart but their normals, so that on coarse levels points on neighbouring fingers
-    may share. A face that has lost its area has the normal 0.
+    Each point keeps its barycentric coordinates on its face. Outward is the side on which most faces look away from the
+    middle. Patches take the place of bones: each consists of the faces nearest to one of the first 24 points. Only the
+    normals distinguish fingers, so on coarse levels, points on neighbouring fingers may share nodes. A face without
+    area has the normal 0.
     """
 
     def __init__(self, hand: Hand) -> None:
@@ -63,7 +63,7 @@ class MeshSkin(Skin):
         )
 
     def place(self, hand: Hand) -> Placed:
-        """Where the points are on a hand of this kind, which is not lost."""
+        """Place the points on a hand of this kind, which must not be lost."""
         V, F = _mesh(hand)
         K, C = len(self), int(self.bone.max()) + 1
         placed = Placed(
@@ -76,11 +76,11 @@ class MeshSkin(Skin):
         return placed
 
     def exposed(self, placed: Placed, which: Indices) -> Flags:
-        """Which of the points `which`, (I,), are skin, (I,): all of a mesh's."""
+        """Return which of the points `which`, (I,), are exposed, (I,): on a mesh, all of them."""
         return np.ones(len(which), dtype=np.bool_)
 
     def closest(self, hand: Hand, points: Floats) -> Nearest:
-        """The hand's nearest skin to points, (P, 3) [m]."""
+        """Find the nearest skin of the hand to points, (P, 3) [m]."""
         import igl
 
         V, F = _mesh(hand)

@@ -1,4 +1,4 @@
-"""The canonical hand: a right one, flat, its fingers straight and slightly spread."""
+"""The canonical hand: a flat right hand with straight, slightly spread fingers."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
 JOINTS = 26
 
-# [mm] x to the little finger, y to the fingertips, z out of the back of the hand. An adult between the
-# median woman and the median man, 19 cm from the wrist to the tip of the middle finger; the lengths are
-# plainly chosen, from joint to joint, near those that headsets report.
+# Coordinates in [mm]: x to the little finger, y to the fingertips, z out of the back of the hand. The size is an
+# adult's, between the median woman and the median man: 19 cm from the wrist to the tip of the middle finger. We chose
+# the lengths between joints near those that headsets report.
 WRIST = (0.0, -60.0, 0.0)
-# Of each finger: both ends of its metacarpal in x and y, its direction from +y towards +x [deg], and the
-# lengths of its phalanges.
+# For each finger: both ends of its metacarpal in x and y, its direction from +y towards +x [deg], and the lengths of
+# its phalanges.
 FINGERS = (
     ((-14.0, -32.0), (-22.5, 31.0), -7.0, (41.0, 24.0, 18.0)),
     ((0.0, -32.0), (0.0, 32.0), 0.0, (45.0, 28.0, 19.0)),
@@ -25,8 +25,8 @@ FINGERS = (
 )
 THUMB = ((-22.0, -44.0, -6.0), (-52.0, -14.0, -14.0), (-74.0, 8.0, -17.0), (-88.0, 25.0, -18.0))
 
-# [mm] at each joint, from the centre to the skin: those of Meta's hand in the WebXR emulation runtime
-# (github.com/meta-quest/immersive-web-emulation-runtime, device/configs/hand), rounded; it has no palm.
+# Radius at each joint, from its centre to the skin [mm]: rounded from Meta's hand in the WebXR emulation runtime
+# (github.com/meta-quest/immersive-web-emulation-runtime, device/configs/hand), which has no palm joint.
 THICKNESS = (
     (20.0, 21.0),
     (19.0, 12.5, 10.0, 8.5),
@@ -38,7 +38,7 @@ THICKNESS = (
 
 
 def rest_joints() -> Floats:
-    """The joints of the canonical right hand in OpenXR's order, (26, 3) [m], the palm at the origin."""
+    """Return the joints of the canonical right hand in OpenXR's order, (26, 3) [m], with the palm at the origin."""
     rows = [(0.0, 0.0, 0.0), WRIST, *THUMB]
     for base, knuckle, angle, lengths in FINGERS:
         forward = np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
@@ -48,5 +48,5 @@ def rest_joints() -> Floats:
 
 
 def rest_radii() -> Floats:
-    """The radii at those joints, (26,) [m]."""
+    """Return the radii of the canonical hand's joints, (26,) [m]."""
     return np.array([r for part in THICKNESS for r in part]) / 1e3

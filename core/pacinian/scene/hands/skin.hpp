@@ -1,4 +1,4 @@
-// Where the points of a skin are: those that stick to capsules, and those that stick to the faces of a mesh.
+// Place the points of a skin that are fixed to capsules, or to the faces of a mesh.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,19 +7,19 @@
 
 namespace pacinian::scene {
 
-constexpr f8 SHORT = 1e-12;     // [m]; what is shorter has no direction
-constexpr f8 STRAIGHT = 1e-18;  // squared sine of an angle
+constexpr f8 SHORT = 1e-12;     // a shorter vector has no direction [m]
+constexpr f8 STRAIGHT = 1e-18;  // squared sine below which two directions are parallel
 
 struct Tilted {
     f8 axial, area;
 };
 
-using Frame = f8[3][3];  // its axes are the columns
+using Frame = f8[3][3];  // the axes are the columns
 
-// The axial part of a normal where a capsule tapers, and what the area there is proportional to [m^2].
+// Return the axial component of a normal on a tapered capsule, and a value proportional to the area there [m^2].
 //
-// axial, along: as for `capsule_skin._Around`. first, last: radii [m]. A cap grows or shrinks as far as the mantle leans;
-// equal parts of its axis are of equal area (Archimedes), so that its points stay evenly spread.
+// axial, along: as for `capsule_skin._Around`. first, last: radii [m]. A cap grows or shrinks as the mantle tilts. Equal
+// steps along the axis of a cap have equal areas (Archimedes), so its points stay evenly spread.
 inline Tilted tilted(f8 axial, f8 along, f8 first, f8 last, f8 length) {
     f8 lean = first - last;
     lean = std::abs(lean) < length ? lean / length : lean > 0.0 ? 1.0 : lean < 0.0 ? -1.0 : 0.0;
@@ -46,7 +46,7 @@ inline void cross(const f8 (&a)[3], const f8 (&b)[3], f8 (&out)[3]) {
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// The palm's frame: y from the wrist to the middle finger's proximal joint, x from the index's to the little finger's.
+// Make the palm's frame: y from the wrist to the middle finger's proximal joint, x from the index's to the little one's.
 inline void palm(View<const f8, 2> joints, f8 mirror, Frame& out) {
     f8 x[3], y[3], z[3];
     for (int i = 0; i < 3; ++i) {
@@ -70,7 +70,7 @@ inline void palm(View<const f8, 2> joints, f8 mirror, Frame& out) {
         for (int j = 0; j < 3; ++j) out[i][j] = i == j ? 1.0 : 0.0;
 }
 
-// The frame `parent` turned by the smallest rotation that takes `rest`, in it, to `now`.
+// Rotate the frame `parent` by the smallest rotation that takes `rest`, given in this frame, to `now`.
 inline void turn(const Frame& parent, const f8 (&rest)[3], const f8 (&now)[3], Frame& out) {
     std::copy(&parent[0][0], &parent[0][0] + 9, &out[0][0]);
     const f8 size = std::sqrt(dot(now, now));
@@ -85,7 +85,7 @@ inline void turn(const Frame& parent, const f8 (&rest)[3], const f8 (&now)[3], F
     if (cosine > 0.0 || squared > STRAIGHT) {
         half = cosine > 0.0 ? 1.0 / (1.0 + cosine) : (1.0 - cosine) / squared;
         R[0][1] = -v[2], R[1][0] = v[2], R[0][2] = v[1], R[2][0] = -v[1], R[1][2] = -v[0], R[2][1] = v[0];
-    } else {  // half a turn about an axis across
+    } else {  // half a turn about any axis across `rest`
         int least = 0;
         for (int i = 1; i < 3; ++i)
             if (std::abs(rest[i]) < std::abs(rest[least])) least = i;
@@ -138,7 +138,7 @@ inline void place_on_capsules(View<const f8, 2> joints, f8 mirror, View<const f8
         f8 s = along[k];
         const Tilted now = tilted(axial[k], s, first, last, own.length);
         const f8 rest = tilted(axial[k], s, radii(c, 0), radii(c, 1), length[c]).area;
-        if (own.length <= std::abs(first - last) && std::abs(first - last) > 0.0) s = first > last ? 0.0 : 1.0;  // one holds the other
+        if (own.length <= std::abs(first - last) && std::abs(first - last) > 0.0) s = first > last ? 0.0 : 1.0;  // one sphere contains the other
         const f8 aside = std::sqrt(std::max(1.0 - now.axial * now.axial, 0.0)), r = first + s * (last - first);
         for (int i = 0; i < 3; ++i) {
             const auto& F = own.frame[i];

@@ -1,4 +1,4 @@
-"""Points fixed on the skin of a hand: where each is now, and what they share when fewer are wanted."""
+"""Points fixed on the skin of a hand: where they are at each pose, and how coarser levels share their forces."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.skin_lod import SkinNodes
     from pacinian.types import Flags, Floats, Indices
 
-CREASE = 5e-4  # [m]; what lies deeper within another part of the hand is not skin
+CREASE = 5e-4  # a point deeper than this inside another part of the hand is not exposed [m]
 
 
 class Placed(NamedTuple):
-    """A skin's K points now.
+    """The K points of a skin on a posed hand.
 
-    points: (K, 3) [m]. normals: outward, (K, 3). area: of the skin that each stands for, (K,) [m^2].
-    capsules: of the hand, (C, 8) [m]; none if it is a mesh. bounds: spheres around each bone's points, a
-    centre and a radius, (C, 4) [m].
+    points: (K, 3) [m]. normals: outward, (K, 3). area: of skin that each point represents, (K,) [m^2]. capsules: of the
+    hand, (C, 8) [m]; empty for a mesh. bounds: centre and radius of the bounding sphere of each bone's points, (C, 4)
+    [m].
     """
 
     points: Floats
@@ -35,13 +35,13 @@ class Placed(NamedTuple):
 
 
 class Skin(ABC):
-    """K points fixed on a kind of hand, in an order of which every beginning is evenly spread.
+    """K points fixed on the skin of a kind of hand. They are ordered so that any first part is evenly spread.
 
-    levels: how far apart the nodes of each level are at rest, fine to coarse, (9,) [m]. counts: how many
-    points from the first on are its nodes, (9,). share: what each point gives to a level's nodes. bone:
-    the capsule, or the patch of a mesh, that each point is of, (K,). hidden: whether it is inside of the flesh
-    at rest, (K,). slack: how deep inside of other flesh each is skin still, (K,) [m]. surface, area: the points, and
-    the area that each stands for, (K,) [m^2], at rest.
+    levels: spacing of the nodes of each level of detail at rest, fine to coarse, (9,) [m]. counts: number of points,
+    from the first on, that are the nodes of each level, (9,). share: how the nodes of each level share the force of
+    each point. bone: the capsule, or the patch of a mesh, to which each point belongs, (K,). hidden: whether a point is
+    inside the flesh at rest, (K,). slack: depth inside other flesh down to which a point is still exposed, (K,) [m].
+    surface, area: the points at rest, and the area that each represents, (K,) [m^2].
     """
 
     levels: Floats = SPACINGS
@@ -57,14 +57,14 @@ class Skin(ABC):
     def __len__(self) -> int:
         return len(self.area)
 
-    @lru_cache(maxsize=64)  # noqa: B019  (skins are few and kept)
+    @lru_cache(maxsize=64)  # noqa: B019  (skins are few and live long)
     def level(self, spacing: float) -> int:
-        """The level whose nodes are nearest to `spacing` [m] apart."""
+        """Return the level whose spacing is nearest to `spacing` [m]."""
         return int(np.abs(np.log(self.levels / spacing)).argmin())
 
     @cached_property
     def node_area(self) -> tuple[Floats, ...]:
-        """For each level, the area at rest that each node stands for, (count,) [m^2]."""
+        """For each level, the area that each node represents at rest, (count,) [m^2]."""
         shown = np.where(self.hidden, 0.0, self.area)[:, None]
         coarser = zip(self.share[1:], self.counts[1:], strict=True)
         return self.area[: self.counts[0]], *(
@@ -74,33 +74,33 @@ class Skin(ABC):
 
     @cached_property
     def of_bone(self) -> tuple[Indices, ...]:
-        """The points of each bone, in their order."""
+        """The indices of the points of each bone, in order."""
         return tuple(np.flatnonzero(self.bone == c) for c in range(int(self.bone.max()) + 1))
 
     @abstractmethod
     def place(self, hand: Hand) -> Placed:
-        """Where the points are on a hand of this kind, which is not lost."""
+        """Place the points on a hand of this kind, which must not be lost."""
 
     @abstractmethod
     def exposed(self, placed: Placed, which: Indices) -> Flags:
-        """Which of the points `which`, (I,), are not deeper inside of other flesh than their slack, (I,)."""
+        """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
 
     @abstractmethod
     def closest(self, hand: Hand, points: Floats) -> Nearest:
-        """The hand's nearest skin to points, (P, 3) [m]."""
+        """Find the nearest skin of the hand to points, (P, 3) [m]."""
 
 
 def skin_of(hand: Hand) -> Skin:
-    """The skin of a hand's kind, built when first asked for.
+    """Return the skin of a hand's kind, which is built at first use.
 
-    All hands of joints are of one kind, left and right; meshes are of one kind if their faces are the
-    same, and the first of them gives the rest pose: it must not be lost.
+    All hands made of joints are of one kind, left and right. Meshes are of one kind if their faces are the same. The
+    first mesh of a kind gives the rest pose, so it must not be lost.
     """
     return _skin(_Kind(hand))
 
 
 class _Kind:
-    """What hands that have the same skin have in common."""
+    """Cache key that is equal for all hands with the same skin."""
 
     def __init__(self, hand: Hand) -> None:
         self.hand, self.key = hand, None if hand.faces is None else hand.faces.tobytes()

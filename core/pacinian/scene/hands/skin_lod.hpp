@@ -1,7 +1,7 @@
-// Points spread evenly over a skin, coarse ones among the fine, and what fine ones share with coarse.
+// Levels of detail of a skin: evenly spread points, of which coarse levels use a part, and how nodes share forces.
 //
 // Two points are on the same side of the skin if their normals are less than 90 degrees apart and they are not on two
-// different fingers. Only points on the same side keep their distance, and only they share.
+// different fingers. Points keep their distance from, and share forces with, only points on the same side.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 
 namespace pacinian::scene {
 
-constexpr f8 ENDLESS = 1e150;  // its square is a number
-constexpr int SHARERS = 3;     // nodes that a point is shared among
+constexpr f8 ENDLESS = 1e150;  // stands for infinity; its square is finite
+constexpr int SHARERS = 3;     // number of nodes that share a point's force
 
-// N points of a skin at rest: points (N, 3) [m], normals (N, 3), fingers (N,), 0 for none.
+// N points of a skin at rest: points (N, 3) [m], normals (N, 3), fingers (N,), 0 for the palm.
 struct Surface {
     View<const f8, 2> points, normals;
     View<const i8, 1> fingers;
@@ -26,7 +26,7 @@ struct Surface {
     f8 squared(Index i, Index j) const {
         return square(points(i, 0) - points(j, 0)) + square(points(i, 1) - points(j, 1)) + square(points(i, 2) - points(j, 2));
     }
-    // Between the normals of two points on the same side, else 0.
+    // Return the cosine between the normals of two points on the same side, else 0.
     f8 cosine(Index i, Index j) const {
         if (fingers[i] != fingers[j] && fingers[i] && fingers[j]) return 0.0;
         const f8 dot = normals(i, 0) * normals(j, 0) + normals(i, 1) * normals(j, 1) + normals(i, 2) * normals(j, 2);
@@ -81,7 +81,7 @@ inline void share(View<const f8, 2> points, View<const f8, 2> normals, View<cons
         for (Index n = 0; n < nodes; ++n) {
             const f8 squared = surface.squared(k, n);
             int i = SHARERS;
-            if (best[i] * best[i] <= squared) continue;  // D is no less
+            if (best[i] * best[i] <= squared) continue;  // because D is at least the distance
             const f8 cosine = surface.cosine(k, n);
             if (cosine <= 0.0) continue;
             const f8 D = std::sqrt(squared / cosine);

@@ -1,7 +1,7 @@
-"""Points spread evenly over a skin, coarse ones among the fine, and what fine ones share with coarse.
+"""Levels of detail of a skin: evenly spread points, of which coarse levels use a part, and how nodes share forces.
 
-Two points are on the same side of the skin if their normals are less than 90 degrees apart and they are
-not on two different fingers. Only points on the same side keep their distance, and only they share.
+Two points are on the same side of the skin if their normals are less than 90 degrees apart and they are not on two
+different fingers. Points keep their distance from, and share forces with, only points on the same side.
 """
 
 from __future__ import annotations
@@ -15,37 +15,42 @@ from pacinian.native import scene as kernels
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
-FINEST = 1.75e-3  # [m], a fifth of a wavelength: pressure falls from full to nothing within 3 mm of a rim
+# Finest spacing, a fifth of a wavelength [m]. Pressure falls from full to 0 within 3 mm of a rim.
+FINEST = 1.75e-3
 SPACINGS = FINEST * np.sqrt(2.0) ** np.arange(9)
-"""Of the levels, fine to coarse, (9,) [m]."""
-GRAIN = 0.9e-3  # [m] between the points that those of a skin are chosen from
-SHARERS = 3  # nodes that a point is shared among
+"""Spacings of the levels, fine to coarse, (9,) [m]."""
+GRAIN = 0.9e-3  # spacing of the candidates for the points of a skin [m]
+SHARERS = 3  # number of nodes that share a point's force
 
 
 class SkinNodes(NamedTuple):
-    """N points of a skin at rest. points: (N, 3) [m]. normals: (N, 3). fingers: 0 if none, (N,)."""
+    """N points of a skin at rest. points: (N, 3) [m]. normals: (N, 3). fingers: 0 for the palm, (N,)."""
 
     points: Floats
     normals: Floats
     fingers: Indices
 
     def only(self, kept: Indices) -> SkinNodes:
-        """Those points, in the order wanted."""
+        """Return the points `kept`, in that order."""
         return SkinNodes(self.points[kept], self.normals[kept], self.fingers[kept])
 
 
 class Share(NamedTuple):
-    """What each of K points gives to the nodes of a level: indices (K, 3), weights (K, 3), summing to 1."""
+    """The nodes of a level that share the force of each of K points: indices, (K, 3), and weights, (K, 3).
+
+    The weights of a point sum to 1.
+    """
 
     indices: Indices
     weights: Floats
 
 
 def spread_pressure(surface: SkinNodes, spacing: float = FINEST) -> tuple[Indices, Floats, Indices]:
-    """Choose points one after the other, each the one farthest from those before it.
+    """Choose points one after the other, each the farthest from those already chosen.
 
-    Stops when none on the same side is `spacing` [m] away from all. Returns which, (K,); how far each
-    then was from those before, (K,) [m], never growing; and of all N points, (N,), the nearest chosen.
+    Stops when no point is `spacing` [m] away from all chosen points on its side. Returns the indices of the chosen
+    points, (K,); the distance of each from those before it, (K,) [m], which never increases; and the nearest chosen
+    point to each of the N points, (N,).
     """
     N = len(surface.points)
     order, apart = np.empty(N, dtype=np.intp), np.empty(N)
@@ -55,16 +60,16 @@ def spread_pressure(surface: SkinNodes, spacing: float = FINEST) -> tuple[Indice
 
 
 def gather_pressure(to: Indices, area: Floats, count: int = 0) -> Floats:
-    """The sums of the areas, (N,), given to each of at least `count` points."""
+    """Sum the areas, (N,), that go to each of at least `count` points."""
     return np.asarray(np.bincount(to, area, count), dtype=np.float64)
 
 
 def share_pressure(surface: SkinNodes, nodes: int) -> Share:
-    """Share every point among the nearest of the first so many.
+    """Share every point among the nearest of the first `nodes` points.
 
-    Weights are (1/D - 1/D_4)^2, normalised, with D the distance over the cosine between the normals, and
-    D_4 that of the fourth nearest node, so that a node counts for nothing when it comes or goes [1]; a
-    node's own point goes to it alone.
+    The weights are (1/D - 1/D_4)^2, normalised. D is the distance over the square root of the cosine between the
+    normals, and D_4 is D of the fourth nearest node, so that the weight of a node is 0 when it enters or leaves the
+    nearest three [1]. A point that is a node belongs to itself alone.
 
     [1] Franke and Nielson, Smooth interpolation of large sets of scattered data, 1980 (modified Shepard).
     """

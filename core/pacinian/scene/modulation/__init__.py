@@ -1,1 +1,1 @@
-"""How strong an object is over time, and how its samples are presented."""
+"""Envelopes, which set an object's amplitude over time, and techniques, which present its samples in time."""

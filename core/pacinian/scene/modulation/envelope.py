@@ -1,4 +1,4 @@
-"""How strong an object is over time: a factor in 0..1 on its radiation pressure."""
+"""Envelopes: a factor in 0..1 on an object's radiation pressure over time."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ __all__ = [
 
 
 class Timed(Protocol):
-    """What an envelope does."""
+    """The interface of envelopes."""
 
     def at(self, t: Floats) -> Floats:
-        """The factor in 0..1 at times t [s], same shape."""
+        """Return the factor, 0..1, at times t [s], in the same shape."""
         ...
 
 
 if TYPE_CHECKING:
     Envelope = PresetName | Timed
-else:  # what a scene file may hold
+else:  # the types that a scene file may hold
     Envelope = PresetName | Constant | Sine | Square | Pulse | Noise | Wave | Preset
 
 STEADY = Constant()
@@ -48,7 +48,7 @@ _PRESETS = {name: Preset(name) for name in PRESETS}
 
 
 def resolve(envelope: Envelope) -> Timed:
-    """An envelope, or the preset of that name. Raises ArgumentError."""
+    """Return the envelope itself, or the preset of that name. Raises ArgumentError."""
     if isinstance(envelope, str):
         return _PRESETS.get(envelope) or Preset(envelope)
     if not callable(getattr(envelope, "at", None)):

@@ -1,4 +1,4 @@
-"""Noise as an envelope."""
+"""Band-limited noise as an envelope."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from pacinian.scene.modulation.waves import between, bounds, frequency
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-LENGTH = 1 << 16  # of the table
-FINE = 16  # values for each period of the highest frequency
+LENGTH = 1 << 16  # number of values in the table
+FINE = 16  # values per period of the highest frequency
 CREST = 2.5  # standard deviations from the middle to low and high
-NARROWEST = 0.01  # band, as a share of its high end
+NARROWEST = 0.01  # smallest bandwidth, as a fraction of the highest frequency
 
 
 class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="noise"):
-    """Random about the middle of low and high, with an even spectrum from low_frequency to high_frequency [Hz].
+    """Noise around the middle of low and high, with a flat spectrum from low_frequency to high_frequency [Hz].
 
-    2.5 standard deviations reach low and high. What goes beyond, 1.2 % of the time, is clipped, and
-    leaves 0.1 to 0.3 % of the power outside of the band. The same seed is the same noise, whatever is
-    asked first; it repeats after 4096 periods of high_frequency. Raises ArgumentError.
+    low and high are 2.5 standard deviations from the middle. Values beyond them (1.2 % of the time) are clipped, which
+    puts 0.1 to 0.3 % of the power outside the band. Equal seeds give equal noise, independent of the order of calls.
+    The noise repeats after 4096 periods of high_frequency. Raises ArgumentError.
     """
 
     low_frequency: float
@@ -48,7 +48,7 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
             )
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         table = _table(self.low_frequency / self.high_frequency, self.seed)
         place = (FINE * self.high_frequency * t) % LENGTH
         return self.low + (self.high - self.low) * between(table, place)
@@ -56,8 +56,11 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
 @functools.lru_cache(maxsize=64)
 def _table(lowest: float, seed: int) -> Floats:
-    """One repeat of noise in 0..1 from `lowest` of its highest frequency on, and two values more."""
-    lines = np.arange(LENGTH // 2 + 1) * FINE / LENGTH  # share of the highest frequency
+    """Return one period of noise in 0..1, and its first two values again.
+
+    lowest: the lowest frequency over the highest one.
+    """
+    lines = np.arange(LENGTH // 2 + 1) * FINE / LENGTH  # frequency over the highest one
     band = (lines >= lowest) & (lines > 0.0) & (lines <= 1.0)
     turns = np.random.default_rng(seed).random(len(lines))
     x = np.fft.irfft(band * np.exp(2j * np.pi * turns), LENGTH)

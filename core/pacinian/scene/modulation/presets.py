@@ -1,4 +1,4 @@
-"""The four textures that the paper names."""
+"""Preset envelopes: the four textures that Hasegawa and Shinoda name."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ THRILL, SWELL = Sine(150.0), Sine(2.0 / 3.0)
 
 
 class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="preset"):
-    """One of the four textures of Hasegawa and Shinoda (their Figure 2), by its name.
+    """One of the four textures of Hasegawa and Shinoda (their Figure 2), by name.
 
-    They show waveforms and give no numbers: these are ours.
+    They show waveforms without numbers, so the numbers are ours.
 
-    impulsive: taps, 4 a second: up within 1.5 ms, and away within about 40 ms (a time constant of 15).
+    impulsive: 4 taps per second. Each rises within 1.5 ms and decays within about 40 ms (time constant 15 ms).
     rapturous: a vibration of 150 Hz that swells and fades once in 1.5 s.
-    trembling: a vibration of 40 Hz whose strength wanders irregularly, some times a second.
-    buzzing: a steady vibration of 250 Hz, where Pacinian corpuscles feel best. Raises ArgumentError.
+    trembling: a vibration of 40 Hz whose strength varies irregularly, several times per second.
+    buzzing: a steady vibration of 250 Hz, where Pacinian corpuscles are most sensitive. Raises ArgumentError.
     """
 
     name: PresetName
@@ -41,23 +41,23 @@ class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
             raise ArgumentError("preset", f"must be one of {names}, not {self.name!r}")
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         return PRESETS[self.name](t)
 
 
 def impulsive(t: Floats) -> Floats:
-    """Taps."""
+    """Return the factor of the preset "impulsive" at times t [s]."""
     s = t % 0.25
     return raise_cosine(s / EDGE) * np.exp(-s / 0.015)
 
 
 def rapturous(t: Floats) -> Floats:
-    """Swells."""
+    """Return the factor of the preset "rapturous" at times t [s]."""
     return THRILL.at(t) * SWELL.at(t)
 
 
 def trembling(t: Floats) -> Floats:
-    """Irregular."""
+    """Return the factor of the preset "trembling" at times t [s]."""
     return TREMBLE.at(t) * WANDER.at(t)
 
 

@@ -19,15 +19,16 @@ from pacinian.scene.modulation.waves import EDGE, between, between_edges
 if TYPE_CHECKING:
     from pacinian.types import Floats, Singles
 
-MAX_DURATION = 600.0  # [s]
-MAX_RATE = 1e6  # [Hz] of samples
-FINE = 16_000.0  # [Hz] at least, of the table: a device at 1, 2, 4 or 8 kHz mostly reads its very values
-FELT = 1000.0  # [Hz]; skin feels nothing above
-SMOOTH = 0.02  # [s]
+MAX_DURATION = 600.0  # longest wave [s]
+MAX_RATE = 1e6  # highest sample rate of a wave [Hz]
+# Lowest sample rate of the table [Hz]. A device at 1, 2, 4 or 8 kHz mostly reads its values without interpolation.
+FINE = 16_000.0
+FELT = 1000.0  # skin feels no higher frequencies [Hz]
+SMOOTH = 0.02  # smoothing time of the mode "loudness" [s]
 
 
 class Table(NamedTuple):
-    """A wave, ready to be read. values: in 0..1 and two more than it lasts. rate: [Hz]. duration: [s]."""
+    """A filtered wave. values: 0..1, two more than the duration needs. rate: of the values [Hz]. duration: [s]."""
 
     values: Singles
     rate: float
@@ -37,20 +38,20 @@ class Table(NamedTuple):
 class Wave(
     Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type", tag="wave"
 ):
-    """A recorded wave: of a WAV file (8 to 32 bits, or float; the mean of its channels), or given here.
+    """A recorded wave from a WAV file (8 to 32 bits, or float; the mean of its channels), or from samples.
 
-    file: its path; in a scene file, from that file's folder. samples: x in -1..1 (more is clipped), at
-    `rate` [Hz]. loop: again and again, else once from t = 0 on, and nothing before and after: it comes and
-    goes within 1.5 ms.
+    file: path; a scene file gives it relative to its own folder. samples: x in -1..1 (larger values are clipped), at
+    `rate` [Hz]. loop: whether the wave repeats. Otherwise it plays once from t = 0, and the factor is 0 before and
+    after, with edges of 1.5 ms.
 
-    mode: "waveform": the radiation pressure follows the wave itself, (1 + x) / 2. It is the default since
-    only it keeps the frequencies, and skin tells waves apart by these; silence is a steady half, which
-    is hardly felt. "loudness": it follows the wave's strength, |x| smoothed over 20 ms, 1 for a tone at
-    full scale; a vibration is then added by the technique (AM).
+    mode: "waveform": the radiation pressure follows the wave itself, (1 + x) / 2. This is the default, because only it
+    keeps the frequencies, by which skin distinguishes waves. Silence is a steady factor of 1/2, which is hardly felt.
+    "loudness": the radiation pressure follows the strength of the wave, which is |x| smoothed over 20 ms, and 1 for a
+    tone at full scale. Add a vibration with a technique (AM).
 
-    A waveform is low-passed once, below 1 kHz (down by 60 dB from there on; even to 900 Hz): that is all
-    that skin feels, and what a device at 2 kHz would fold down. At most 64 MiB and 600 s.
-    Raises ArgumentError; for a file when it is first used, by `duration` or `at`.
+    A waveform is low-pass filtered once, flat to 900 Hz and down by 60 dB from 1 kHz on. Skin feels nothing above, and
+    a device at 2 kHz would alias it. Files are at most 64 MiB, and waves at most 600 s. Raises ArgumentError; for a
+    file, only at its first use by `duration` or `at`.
     """
 
     file: str = ""
@@ -74,11 +75,11 @@ class Wave(
 
     @property
     def duration(self) -> float:
-        """How long it lasts [s]."""
+        """Duration of the wave [s]."""
         return self._table.duration
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         values, rate, duration = self._table
         if self.loop:
             return between(values, (t % duration) * rate)
@@ -100,13 +101,13 @@ class Wave(
 
 @functools.lru_cache(maxsize=16)
 def _load(file: str, time: int, size: int, loop: bool, mode: str) -> Table:
-    """The table of a file in its present state."""
+    """Return the table of a file; `time` and `size` identify its current contents in the cache."""
     rate, x = read_wav(file)
     return _table(x, _rate(f"wave {file}", rate, len(x)), loop, mode)
 
 
 def _rate(name: str, rate: float, count: int) -> float:
-    """The rate of `count` samples [Hz], checked, and with it how long they last."""
+    """Check the rate of `count` samples [Hz], and their duration. Returns the rate."""
     rate = check_number(name, rate, low=1.0, high=MAX_RATE)
     if not 0 < count <= MAX_DURATION * rate:
         raise ArgumentError(name, f"must last up to {MAX_DURATION:g} s, not {count / rate:g} s")
@@ -114,7 +115,7 @@ def _rate(name: str, rate: float, count: int) -> float:
 
 
 def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
-    """The table of samples x, (L,), in -1..1."""
+    """Make the table of samples x, (L,), in -1..1."""
     from scipy.signal import oaconvolve
 
     x = np.clip(x, -1.0, 1.0)
@@ -124,7 +125,7 @@ def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
         x, h = np.abs(x), _hann(rate * up, max(SMOOTH, 2.0 / rate))
     else:
         h = _low_pass(rate * up, min(FELT, rate / 2.0))
-    beyond = len(h) // (2 * up) + 1 + 2 * down  # samples that the filter sees past either end
+    beyond = len(h) // (2 * up) + 1 + 2 * down  # samples that the filter needs beyond either end
     x = np.pad(x, beyond, mode="wrap" if loop else "constant")
     stuffed = np.zeros(len(x) * up, dtype=np.float32)
     stuffed[::up] = up * x
@@ -134,7 +135,7 @@ def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
 
 
 def _low_pass(rate: float, edge: float) -> Singles:
-    """A filter at `rate` [Hz]: even to 0.9 `edge` [Hz], nothing from there on."""
+    """Make a low-pass filter at `rate` [Hz]: flat to 0.9 `edge`, and down by 60 dB from `edge` [Hz] on."""
     from scipy.signal import firwin, kaiserord
 
     taps, beta = kaiserord(60.0, 0.1 * edge / (rate / 2.0))
@@ -143,6 +144,6 @@ def _low_pass(rate: float, edge: float) -> Singles:
 
 
 def _hann(rate: float, seconds: float) -> Singles:
-    """A smooth mean over `seconds` at `rate` [Hz]."""
+    """Make a Hann filter of length `seconds` [s] at `rate` [Hz], whose values sum to 1."""
     h = np.hanning(2 * round(seconds * rate / 2.0) + 1)
     return np.asarray(h / h.sum(), dtype=np.float32)

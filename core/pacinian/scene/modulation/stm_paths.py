@@ -1,4 +1,4 @@
-"""Routes of a single focus that stands for all samples of an object in turn."""
+"""Paths of a single focus that represents all samples of an object in turn."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.curves import Curve
     from pacinian.types import Floats
 
-DIGITS = 9  # of a metre
+DIGITS = 9  # decimal places to which coordinates are rounded, in metres
 
 Route: TypeAlias = "Callable[[int, int], Samples]"
-"""The focus at place i of n on a route."""
+"""Returns the focus at place i of n on a path."""
 
 
 def visit_one_by_one(samples: Samples) -> Route:
-    """From sample to sample, by a short tour from the lowest key on: for an equal time at each.
+    """Move from sample to sample on a short tour, which starts at the lowest key, with equal time at each.
 
-    The focus has that sample's own radiation pressure. With more samples than places, some are left out.
+    The focus has the radiation pressure of the current sample. If there are more samples than places, some are left
+    out.
     """
     from pacinian.scene.modulation import visit_order
 
@@ -42,10 +43,10 @@ def visit_one_by_one(samples: Samples) -> Route:
 
 
 def visit_around(samples: Samples, frame: Floats) -> Route:
-    """Around the samples: along their convex hull in their tangent plane, at constant speed.
+    """Move around the samples at constant speed, along their convex hull in the tangent plane.
 
-    From where the plane's x-axis points to, on towards y. frame: as for `plane`. The radiation pressure
-    is the samples' mean, weighted by itself: those that hardly press do not count.
+    The path starts in the direction of the plane's x-axis, and goes towards y. frame: as for `fit_plane`. The radiation
+    pressure is the mean of the samples, weighted by their pressures, so that samples that hardly press do not count.
     """
     from pacinian.scene.modulation import visit_order
 
@@ -68,9 +69,9 @@ def visit_around(samples: Samples, frame: Floats) -> Route:
 
 
 def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
-    """Along a curve in the samples' tangent plane, about their centre.
+    """Move along a curve in the tangent plane of the samples, around their centre.
 
-    frame: as for `plane`. The radiation pressure is as for `visit_around`.
+    frame: as for `fit_plane`. The radiation pressure is that of `visit_around`.
     """
     w = compute_weights(samples)
     centre, axes, normal = fit_plane(samples, w, frame)
@@ -79,12 +80,12 @@ def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
 
 
 def _named(one: Samples) -> Samples:
-    """One sample with the key of its object's focus: always the same, and no other sample's."""
+    """Return the sample with the key of its object's focus, which never changes and belongs to no other sample."""
     return replace(one, keys=np.asarray(-1 - one.objects, dtype=np.int64))
 
 
 def _mean(samples: Samples, w: Floats, normal: Floats) -> Samples:
-    """One sample for all, with weights w, (M,), and a normal, (3,)."""
+    """Return one sample that represents all, with weights w, (M,), and a normal, (3,)."""
     return replace(
         _named(samples.only(np.zeros(1, dtype=np.intp))),
         radiation_pressure=np.array([w @ samples.radiation_pressure]),
@@ -94,9 +95,9 @@ def _mean(samples: Samples, w: Floats, normal: Floats) -> Samples:
 
 
 def _start(ring: Floats, arc: Floats) -> float:
-    """How far along a ring of corners, (C + 1, 2) [m], it passes the x-axis through its middle.
+    """Return the arc length at which a ring of corners, (C + 1, 2) [m], crosses the x-axis through its middle [m].
 
-    arc: the length up to each corner, (C + 1,) [m]. Corners on a side move neither that nor the middle.
+    arc: arc length up to each corner, (C + 1,) [m]. Extra corners on a side change neither the result nor the middle.
     """
     d = ring[1:] - ring[:-1]
     sides = np.sqrt((d * d).sum(axis=1))

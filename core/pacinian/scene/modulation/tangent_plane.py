@@ -1,4 +1,4 @@
-"""The tangent plane of a contact, and directions across normals."""
+"""The tangent plane of a contact, and directions perpendicular to normals."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-STEEP = 0.1  # sine of the angle to a normal below which an axis gives no direction across it
-THIN = 1e-6  # squared width over squared length below which samples lie on a line
-MIN_EXTENT = 1e-6  # [m] across which they are at one place
+STEEP = 0.1  # an axis gives no direction across a normal if the sine of their angle is smaller than this
+THIN = 1e-6  # samples lie on a line if their squared width over their squared length is smaller than this
+MIN_EXTENT = 1e-6  # samples lie at one point if their extent is smaller than this [m]
 
 
 class Plane(NamedTuple):
-    """Where a contact lies.
+    """The tangent plane of a contact.
 
-    centre: (3,) [m]. axes: its x, y and normal as rows, (3, 3). normal: of the skin, (3,), or zero.
+    centre: (3,) [m]. axes: x, y and normal of the plane as rows, (3, 3). normal: of the skin, (3,), or zero.
     """
 
     centre: Floats
@@ -27,17 +27,17 @@ class Plane(NamedTuple):
 
 
 def compute_weights(samples: Samples) -> Floats:
-    """Each sample's share of the radiation pressure, (M,); where there is none, equal ones."""
+    """Return each sample's share of the total radiation pressure, (M,); equal shares if that is 0."""
     p = samples.radiation_pressure
     total = float(p.sum())
     return p / total if total > 0.0 else np.full(len(p), 1.0 / len(p))
 
 
 def fit_plane(samples: Samples, w: Floats, frame: Floats) -> Plane:
-    """The plane across the mean normal at the mean position, with weights w, (M,).
+    """Return the plane through the mean position, perpendicular to the mean normal, with weights w, (M,).
 
-    Where normals are missing or cancel, the one that fits the positions. frame: axes as columns, (3, 3);
-    its x-axis gives the plane's, y stands in where x is steep, and z where there is no plane.
+    If normals are missing or cancel, the plane is fitted to the positions. frame: axes as columns, (3, 3). Its x-axis
+    gives the x-axis of the plane; its y-axis replaces x if x is too steep; its z-axis is the normal if no plane fits.
     """
     centre, normal = w @ samples.positions, w @ samples.normals
     size = float(np.sqrt(normal @ normal))
@@ -50,7 +50,7 @@ def fit_plane(samples: Samples, w: Floats, frame: Floats) -> Plane:
 
 
 def across(n: Floats, first: Floats, second: Floats) -> Floats:
-    """The direction of `first` across the unit vector n, all (3,); of `second` where that is steep."""
+    """Return the direction of `first` across the unit vector n, all (3,), or of `second` if `first` is steep."""
     d = first - (first @ n) * n
     if d @ d < STEEP**2:
         d = second - (second @ n) * n
@@ -58,9 +58,9 @@ def across(n: Floats, first: Floats, second: Floats) -> Floats:
 
 
 def find_tangents(normals: Floats, angle: float, frame: Floats) -> Floats:
-    """Unit directions across normals, (M, 3), at `angle` [rad] from the frame's x-axis about them.
+    """Return unit vectors perpendicular to normals, (M, 3), rotated by `angle` [rad] from the frame's x-axis.
 
-    frame: as for `fit_plane`; its z-axis stands in for normals that are zero.
+    frame: as for `fit_plane`. Its z-axis replaces normals that are zero.
     """
     n = np.where(normals.any(axis=1, keepdims=True), normals, frame[:, 2])
     along = n @ frame  # (M, 3): cosines to x, y and z
@@ -71,12 +71,12 @@ def find_tangents(normals: Floats, angle: float, frame: Floats) -> Floats:
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    """As np.cross, which takes three times as long."""
+    """Return the cross product. np.cross takes three times as long."""
     return np.asarray(a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]])
 
 
 def _fit(d: Floats, frame: Floats) -> Floats:
-    """Normal of the plane that fits points d about their centre, (M, 3) [m], on the frame's upper side."""
+    """Return the normal of the plane fitted to points d about their centre, (M, 3) [m], on the frame's upper side."""
     x, y, z = frame[:, 0], frame[:, 1], frame[:, 2]
     squares, directions = np.linalg.eigh(d.T @ d)
     if squares[2] < MIN_EXTENT**2:

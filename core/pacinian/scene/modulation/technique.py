@@ -1,4 +1,4 @@
-"""Techniques: how the samples of one object are presented in time. Any object may have any of them."""
+"""Techniques: how the samples of one object are presented in time. Any object can use any technique."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-PLACES = 720  # of a continuous route: 0.3 mm apart on one of 0.2 m
-MAX_PLACES = 10_000  # places
+PLACES = 720  # default number of places on a path: 0.3 mm apart on a path of 0.2 m
+MAX_PLACES = 10_000  # largest number of places on a path
 SWING = 64  # steps of a lateral movement to either side
-MAX_CACHED = 128  # sets of samples in motion that are at hand
+MAX_CACHED = 128  # largest number of cached motions of sets of samples
 WORLD = np.eye(3)
 
 
 class _Still(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
     still: ClassVar[bool] = True
-    """Whether `present` gives the samples as they are, so that one solution serves all times."""
+    """Whether `present` returns the samples unchanged, so that one solution serves all times."""
     single: ClassVar[bool] = False
-    """Whether it gives one at a time."""
+    """Whether `present` returns one sample at a time."""
 
     def factor(self, t: Floats) -> Floats:
-        """What the object's envelope is multiplied by at times t [s], (K,): 0..1."""
+        """Return the factor on the object's envelope, 0..1, at times t [s], (K,)."""
         return np.ones(len(t))
 
     def step(self, t: float) -> int | None:
-        """All that matters of t [s] to `present`: a whole number that comes again each period, or None."""
+        """Return the step, a periodic integer, on which `present` depends at t [s]; None if it does not depend on t."""
         return None
 
     def present(self, samples: Samples, t: float, frame: Floats = WORLD) -> Samples:
-        """The samples of one object that are sounded at t [s]; the same object for the same step.
+        """Return the samples of one object that sound at t [s]: the same object for the same step.
 
-        frame: the object's axes as columns, (3, 3); directions in tangent planes start from its x-axis.
+        frame: the object's axes as columns, (3, 3). Directions in tangent planes are measured from its x-axis.
         """
         return samples
 
@@ -64,11 +64,11 @@ class _Moving(_Still, frozen=True, forbid_unknown_fields=True, tag_field="type")
             while len(_kept) >= MAX_CACHED:
                 del _kept[next(iter(_kept))]
             motion = functools.lru_cache(PLACES)(self.motion(samples, frame))
-            kept = _kept[key] = samples, self, motion  # all: their ids stay taken
+            kept = _kept[key] = samples, self, motion  # holds all, so that their ids stay unique
         return kept[2](step)
 
     def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """What is sounded at each step."""
+        """Return a function from a step to the samples that sound then."""
         raise NotImplementedError
 
 
@@ -76,14 +76,14 @@ _kept: dict[tuple[int, int, bytes], tuple[Samples, _Moving, Callable[[int], Samp
 
 
 class Simultaneous(_Still, frozen=True, tag="simultaneous"):
-    """All samples at once, always."""
+    """All samples sound at once, all the time."""
 
 
 class AM(_Still, frozen=True, tag="am"):
-    """Amplitude modulation: all samples at once, their radiation pressure up and down as a sine.
+    """Amplitude modulation: all samples sound at once, and their radiation pressure follows a sine.
 
-    frequency: [Hz]. depth: 1 goes down to nothing, 0 not at all. It starts at its lowest, and comes on
-    top of the object's own envelope. Raises ArgumentError.
+    frequency: [Hz]. depth: 1 modulates down to zero, 0 does not modulate. The sine starts at its minimum and multiplies
+    the object's own envelope. Raises ArgumentError.
     """
 
     frequency: float = 200.0
@@ -94,21 +94,22 @@ class AM(_Still, frozen=True, tag="am"):
         force_setattr(self, "depth", check_number("depth", self.depth, low=0.0, high=1.0))
 
     def factor(self, t: Floats) -> Floats:
-        """What the object's envelope is multiplied by at times t [s], (K,): 1 - depth to 1."""
+        """Return the factor on the object's envelope, 1 - depth to 1, at times t [s], (K,)."""
         return 1.0 - self.depth / 2.0 * (1.0 + np.cos(2.0 * np.pi * self.frequency * t))
 
 
 class STM(_Moving, frozen=True, tag="stm"):
-    """Spatio-temporal modulation: a single focus that runs along a route, again and again.
+    """Spatio-temporal modulation: a single focus that moves along a path, again and again.
 
-    frequency: how often it passes the whole route [Hz]. along: "samples": from one to the next, each with
-    its own radiation pressure, for an equal time; "outline": around them all; or a curve in their tangent
-    plane, about their centre. On these two it is the samples' mean, weighted by itself.
+    frequency: of the whole path [Hz]. along: "samples" moves from one sample to the next, with the radiation pressure
+    of each, for equal times; "outline" moves around all samples; a curve is followed in their tangent plane, around
+    their centre. On an outline or a curve, the radiation pressure is the mean of the samples, weighted by their
+    pressures.
 
-    dwell: time at each place [s]: the route is divided into the whole number of places, at most 10,000,
-    for which this comes nearest (`places`). Unless given, 720: it moves on with each frame of a device.
-    More samples than places, or than frames in a period, and some are left out. The focus has one key,
-    -1 less the object's index, always. Raises ArgumentError.
+    dwell: time at each place [s]. The path is divided into a whole number of `places`, at most 10,000, so that the time
+    at each is nearest to this. By default there are 720 places, so that the focus moves with each frame of a device. If
+    there are more samples than places, or than frames in a period, some are left out. The key of the focus is always
+    -1 minus the object's index. Raises ArgumentError.
     """
 
     frequency: float
@@ -134,16 +135,16 @@ class STM(_Moving, frozen=True, tag="stm"):
 
     @property
     def places(self) -> int:
-        """How many places the focus takes on each passage."""
+        """Number of places on the path."""
         return PLACES if self.dwell is None else round(1.0 / (self.frequency * self.dwell))
 
     def step(self, t: float) -> int:
-        """At which place the focus is at t [s]."""
+        """Return the place of the focus at t [s], from 0 on."""
         n = self.places
         return int((self.frequency * (t + SLIP)) % 1.0 * n) % n
 
     def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """The focus at each place."""
+        """Return a function from a place to the focus there."""
         from pacinian.scene.modulation import stm_paths
 
         if self.along == "samples":
@@ -157,12 +158,14 @@ class STM(_Moving, frozen=True, tag="stm"):
 
 
 class LM(_Moving, frozen=True, tag="lm"):
-    """Lateral modulation: every sample moves to and fro across its normal, as a sine.
+    """Lateral modulation: every sample oscillates across its normal, as a sine.
 
-    frequency: [Hz]. amplitude: to either side [m]. angle: from the frame's x-axis, about the normal [deg].
-    With a focus that moves to and fro or round on the skin, Takahashi, Hasegawa and Shinoda found lower
-    thresholds than with amplitude modulation (EuroHaptics 2018), and stronger sensations at the same
-    output, at 10 to 200 Hz (IEEE Transactions on Haptics 13, 2020, 334-342). Raises ArgumentError.
+    frequency: [Hz]. amplitude: to either side [m]. angle: of the movement, from the frame's x-axis about the normal
+    [deg]. Raises ArgumentError.
+
+    Takahashi, Hasegawa and Shinoda moved a focus to and fro, or in a circle, on the skin. They found lower thresholds
+    than with amplitude modulation (EuroHaptics 2018), and stronger sensations at the same output from 10 to 200 Hz
+    (IEEE Transactions on Haptics 13, 2020, 334-342).
     """
 
     frequency: float
@@ -175,11 +178,11 @@ class LM(_Moving, frozen=True, tag="lm"):
         force_setattr(self, "angle", check_number("angle", self.angle))
 
     def step(self, t: float) -> int:
-        """Where in its movement every sample is at t [s]: -64 to 64."""
+        """Return the step of the movement at t [s], -64 to 64."""
         return round(SWING * math.sin(2.0 * math.pi * ((self.frequency * t) % 1.0)))
 
     def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """The samples at each step."""
+        """Return a function from a step to the samples then."""
         from pacinian.scene.modulation.tangent_plane import find_tangents
 
         d = self.amplitude * find_tangents(samples.normals, math.radians(self.angle), frame)
@@ -187,6 +190,6 @@ class LM(_Moving, frozen=True, tag="lm"):
 
 
 Technique = Simultaneous | AM | STM | LM
-"""Any of them."""
+"""Any technique."""
 
 SIMULTANEOUS = Simultaneous()

@@ -1,4 +1,4 @@
-// The order in which a focus visits points: through them all, or around them.
+// The order in which a focus visits points: through all of them, or around them.
 #pragma once
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 namespace pacinian::scene {
 
-constexpr f8 TIE = 1.0 - 1e-6;  // of squared distances: what is as near up to rounding comes in order
+constexpr f8 TIE = 1.0 - 1e-6;  // squared distances whose ratio is above this are equal; the first point wins
 
 inline void visit_through(View<const f8, 2> q, View<i8, 1> order) {
     const Index M = q.shape[0];
@@ -40,7 +40,7 @@ inline Index visit_around(View<const f8, 2> q, View<const i8, 1> order, View<i8,
         while (count >= least) {
             const Index a = corners[count - 2], b = corners[count - 1];
             const f8 x = q(b, 0) - q(a, 0), y = q(b, 1) - q(a, 1);
-            if (x * (q(i, 1) - q(a, 1)) - y * (q(i, 0) - q(a, 0)) > 0.0) break;  // a turn to the left
+            if (x * (q(i, 1) - q(a, 1)) - y * (q(i, 0) - q(a, 0)) > 0.0) break;  // a left turn
             --count;
         }
         corners[count++] = i;

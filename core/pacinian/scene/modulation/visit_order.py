@@ -1,4 +1,4 @@
-"""The order in which a focus visits points: through them all, or around them."""
+"""The order in which a focus visits points: through all of them, or around them."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
 
 def order_through(q: Floats) -> Indices:
-    """Indices of points q, (M, 3) [m]: from the first on, always the nearest that is left."""
+    """Return the indices of points q, (M, 3) [m], on a tour from the first one, always to the nearest one left."""
     order = np.empty(len(q), dtype=np.int64)
     kernels.visit_through(q, order)
     return order
 
 
 def order_around(q: Floats, order: Indices) -> Indices:
-    """Indices of the corners of points q, (M, 2) [m], anticlockwise; of points on a line, its ends.
+    """Return the indices of the convex hull of points q, (M, 2) [m], anticlockwise; of points on a line, the two ends.
 
-    order: of the points by x, then y, (M,). Andrew's monotone chain: the lower side, then the upper.
+    order: of the points by x, then y, (M,). Andrew's monotone chain: the lower side, then the upper one.
     """
     corners = np.empty(2 * len(q) + 1, dtype=np.int64)
     return corners[: kernels.visit_around(q, order, corners)]

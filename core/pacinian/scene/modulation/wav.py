@@ -14,21 +14,21 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import Singles
 
-MAX_BYTES = 64 << 20  # [bytes]
+MAX_BYTES = 64 << 20  # largest WAV file [bytes]
 
 
 def read_wav(file: str) -> tuple[float, Singles]:
-    """The rate of a WAV file [Hz], and the mean of its channels, (L,), in -1..1 at full scale.
+    """Read the rate of a WAV file [Hz], and the mean of its channels, (L,), -1..1 at full scale.
 
-    file: of whole numbers up to 64 bits, or floats. Raises ArgumentError for one that is none, is cut
-    short, holds nothing, or is larger than 64 MiB.
+    file: path of a file of integers of up to 64 bits, or floats. Raises ArgumentError if it is not a WAV file, is cut
+    short, is empty, or is larger than 64 MiB.
     """
     from scipy.io import wavfile
 
     try:
         content = _content(Path(file))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks of other kinds
+            warnings.simplefilter("ignore", wavfile.WavFileWarning)  # unknown chunks
             warnings.filterwarnings("error", "Reached EOF", wavfile.WavFileWarning)
             rate, data = wavfile.read(io.BytesIO(content))
     except ArgumentError:
@@ -54,7 +54,7 @@ def _content(path: Path) -> bytes:
 
 
 def _scaled(data: Any) -> Singles:
-    """Samples of any type as floats, -1..1 at full scale."""
+    """Convert samples of any type to floats, -1..1 at full scale."""
     x = np.asarray(data, dtype=np.float32)
     if data.dtype.kind == "u":  # 8 bits: silence is 128
         return (x - np.float32(128.0)) / np.float32(128.0)

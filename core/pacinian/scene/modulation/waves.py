@@ -1,4 +1,4 @@
-"""Envelopes by formula: constant, sine, square, pulse, and any function of time."""
+"""Envelopes given by a formula: constant, sine, square, pulse, and any function of time."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from msgspec.structs import force_setattr
 from pacinian.checks import check_number
 from pacinian.types import Floats
 
-MAX_FREQUENCY = 100_000.0  # [Hz], more than any device can follow
-EDGE = 1.5e-3  # [s] from low to high or back, at least: less is louder, more is felt as weaker (decision 45)
-SLIP = 1e-9  # [s]; an edge due on a frame must not come one frame late by rounding
+MAX_FREQUENCY = 100_000.0  # highest frequency of an envelope [Hz], more than any device can follow
+# Shortest time from low to high or back [s]. A shorter edge is louder, and a longer one feels weaker (decision 45).
+EDGE = 1.5e-3
+SLIP = 1e-9  # time added so that rounding does not delay an edge by one frame [s]
 
 
 class Constant(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="constant"):
-    """The same at all times. level: 0..1. Raises ArgumentError."""
+    """A constant. level: 0..1. Raises ArgumentError."""
 
     level: float = 1.0
 
@@ -26,12 +27,12 @@ class Constant(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"
         force_setattr(self, "level", check_number("level", self.level, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         return np.full(np.shape(t), self.level)
 
 
 class Sine(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="sine"):
-    """Between low and high, frequency times a second [Hz]; starts at low. Raises ArgumentError."""
+    """A sine between low and high, which starts at low. frequency: [Hz]. Raises ArgumentError."""
 
     frequency: float
     low: float = 0.0
@@ -42,16 +43,16 @@ class Sine(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
         bounds(self)
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         half = (self.high - self.low) / 2.0
         return self.low + half * (1.0 - np.cos(2.0 * np.pi * self.frequency * t))
 
 
 class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="square"):
-    """High for `duty` of each period, then low; frequency [Hz]; starts at low.
+    """A square wave: high for the fraction `duty` of each period, then low. frequency: [Hz].
 
-    Up and down it goes by half a cosine within 1.5 ms, or as long as high and low last, for steps are heard.
-    Raises ArgumentError.
+    The wave starts at low. Because steps are audible, each edge is half a cosine of 1.5 ms, or shorter if high or low
+    do not last as long. Raises ArgumentError.
     """
 
     frequency: float
@@ -65,11 +66,11 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         force_setattr(self, "duty", check_number("duty", self.duty, low=0.0, high=1.0))
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         return self._at(t, min(EDGE * self.frequency, self.duty, 1.0 - self.duty))
 
     def switched(self, t: Floats) -> Floats:
-        """The same with steps, for devices that are on or off."""
+        """Return the factor with steps instead of edges, for devices that are either on or off."""
         return self._at(t, 0.0)
 
     def _at(self, t: Floats, edge: float) -> Floats:
@@ -78,10 +79,11 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
 
 class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="pulse"):
-    """High for `width` [s] from `start` [s] on, and again every `period` [s], or only once; else low.
+    """A pulse: high for `width` [s] from `start` [s] on, and otherwise low.
 
-    rise: how long it takes up, and again down, within the width [s], by half a cosine. Less than 1.5 ms is made up to
-    that, as far as the width and the rest of the period allow, for steps are heard. Raises ArgumentError.
+    period: of repetition [s]; None for a single pulse. rise: duration of each edge within the width, half a cosine [s].
+    Because steps are audible, the edges take at least 1.5 ms if the width and the rest of the period allow it. Raises
+    ArgumentError.
     """
 
     width: float
@@ -101,7 +103,7 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
             force_setattr(self, "period", check_number("period", self.period, low=self.width))
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         s, falls, edge = t - self.start + SLIP, self.width - self.rise, EDGE
         if self.period is not None:
             s, edge = s % self.period, min(EDGE, self.period - falls)
@@ -110,23 +112,23 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
 
 class Function(Struct, frozen=True):
-    """Any function of times [s], (K,) -> (K,); what leaves 0..1 is clipped, NaN is 0. Its steps are heard."""
+    """Any function of times [s], (K,) -> (K,). Values outside 0..1 are clipped, and NaN is 0. Steps are audible."""
 
     function: Callable[[Floats], Floats]
 
     def at(self, t: Floats) -> Floats:
-        """The factor at times t [s], same shape."""
+        """Return the factor at times t [s], in the same shape."""
         value = np.broadcast_to(np.asarray(self.function(t), dtype=np.float64), t.shape)
         return np.clip(np.nan_to_num(value, nan=0.0), 0.0, 1.0)
 
 
 def raise_cosine(share: Floats) -> Floats:
-    """From 0 to 1 by half a cosine, at shares of the way; less than 0 is 0, more than 1 is 1."""
+    """Return half a cosine from 0 to 1 as `share` goes from 0 to 1; 0 before, and 1 after."""
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.clip(share, 0.0, 1.0)))
 
 
 def between_edges(place: Floats, falls: float, edge: float) -> Floats:
-    """0 before 0, 1 until `falls`, then 0; up and down within `edge` after that, if it is not 0."""
+    """Return 1 from 0 to `falls`, and otherwise 0. Each edge starts there and takes `edge`, if that is not 0."""
     if not edge > 0.0:
         return np.asarray((place >= 0.0) & (place < falls), dtype=np.float64)
     up, down = (np.clip(place - after, 0.0, edge) / edge for after in (0.0, falls))
@@ -140,13 +142,13 @@ def frequency(wave: Any, name: str, *, above: bool = False) -> None:
 
 
 def bounds(wave: Any) -> None:
-    """Check the low and the high of a wave."""
+    """Check the limits `low` and `high` of a wave."""
     force_setattr(wave, "low", check_number("low", wave.low, low=0.0, high=1.0))
     force_setattr(wave, "high", check_number("high", wave.high, low=wave.low, high=1.0))
 
 
 def between(table: Any, place: Floats) -> Floats:
-    """The values of a table, (L,), at places in 0..L-2, any fraction: straight from one to the next."""
+    """Interpolate the values of a table, (L,), linearly at fractional places from 0 up to, but not including, L - 1."""
     i = place.astype(np.intp)
     a = table[i]
     return np.asarray(a + (place - i) * (table[i + 1] - a))

@@ -1,1 +1,1 @@
-"""From a scene to samples: what is near, touched, resolved and felt."""
+"""Sampling: turn a scene into samples, given what the hands touch, the array resolves and people feel."""

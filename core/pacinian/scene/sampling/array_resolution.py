@@ -1,4 +1,4 @@
-"""What an array can do at a place: how finely it resolves, and how well it sees skin."""
+"""The spatial resolution of an array, and how well it sees skin."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats
 
-COARSER = math.sqrt(2.0)  # step of the spacing from one level to the next
-MAX_SUBSET = 8  # transducers that stand for all
-HARDLY, WELL = 0.02, 0.1  # of the power: cosines of 0.14 and 0.32
+COARSER = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
+MAX_SUBSET = 8  # number of transducers that represent the array for visibility
+# Mean cos^2 of the angle of incidence at which skin gets no pressure, or its full pressure (cosines 0.14 and 0.32).
+HARDLY, WELL = 0.02, 0.1
 MIN_LENGTH = 1e-30
-CELL = 0.02  # [m]; the resolution is asked for once in each
-MAX_CELLS = 10_000  # cells
+CELL = 0.02  # size of the grid cells for each of which the resolution is computed once [m]
+MAX_CELLS = 10_000  # largest number of cached cells
 
 
 class ArrayResolution:
-    """Of one array in one medium."""
+    """Resolution and visibility for one array in one medium."""
 
     def __init__(self, array: Array, medium: Air) -> None:
         self.array, self.medium = array, medium
@@ -33,17 +34,17 @@ class ArrayResolution:
         self.wavelength = medium.speed_of_sound / array.transducer.frequency  # [m]
         picked = np.unique(np.linspace(0, len(array) - 1, MAX_SUBSET).round().astype(np.intp))
         self.some = np.ascontiguousarray(array.positions[picked])
-        """Some of its transducers, from all over it, (V, 3) [m]."""
+        """Positions of up to 8 transducers spread over the array, (V, 3) [m]."""
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
         ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
         self.corners = np.unique(np.stack(ends, axis=-1).reshape(-1, 3), axis=0)
-        """Of the box that holds it, (V, 3) [m]."""
+        """Corners of the array's bounding box, (V, 3) [m]."""
         self._spacings: dict[tuple[int, int, int], float] = {}
 
     def spacing(self, place: tuple[float, float, float]) -> float:
-        """How far apart samples should be at `place` [m]: a wavelength, or as much as is resolved there.
+        """Return the sample spacing at `place` [m]: a wavelength, or the resolution there if that is coarser.
 
-        In steps of a factor sqrt 2, so that the samples of what moves stay the same mostly.
+        The spacing changes in steps of sqrt(2), so that a moving object mostly keeps its samples.
         """
         x, y, z = (math.floor(v / CELL) for v in place)
         kept = self._spacings.get((x, y, z))
@@ -55,13 +56,14 @@ class ArrayResolution:
                 finest = float(resolution(self.array, middle, self.medium)[0])
             except PointOnTransducer:
                 finest = 0.0
-            finest = min(max(finest, self.wavelength), FAR)  # infinite where one alone is heard
+            # the resolution is infinite where only one transducer is heard
+            finest = min(max(finest, self.wavelength), FAR)
             steps = math.log(finest / self.wavelength) / math.log(COARSER)
             kept = self._spacings[x, y, z] = self.wavelength * COARSER ** round(steps)
         return kept
 
     def focal_areas(self, positions: Floats, normals: Floats, *, even: bool) -> Floats:
-        """As `focal_area`, (M,) [m^2]; NaN where there is no focus: on a transducer, or before a single one."""
+        """Return `focal_area`, (M,) [m^2], with NaN where no focus exists: on a transducer, or before a single one."""
         areas, q = np.full(len(positions), np.nan), positions
         kept = np.arange(len(q))
         try:
@@ -72,17 +74,17 @@ class ArrayResolution:
         return np.where(np.isfinite(areas), areas, np.nan)
 
     def seen(self, positions: Floats, normals: Floats) -> Floats:
-        """How well skin at points, (M, 3) [m], is seen: the mean of cos^2 of the incidence, (M,)."""
+        """Return the mean cos^2 of the angle of incidence on skin at points (M, 3) [m], over the transducers: (M,)."""
         d = self.some[:, None] - positions  # (V, M, 3)
         cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + MIN_LENGTH)
         return np.asarray((np.maximum(cosine, 0.0) ** 2).mean(axis=0))
 
 
 def grazing(seen: Floats) -> Floats:
-    """The share of its pressure that skin is asked to feel which the array sees so well, 0..1, (M,).
+    """Return the fraction of the requested pressure, 0..1, (M,), given how well the array sees the skin.
 
-    seen: the mean of cos^2 of the incidence, (M,), or what of the sound's power presses. Where it is next to
-    nothing, full drive would not press: rather than that, nothing is asked.
+    seen: mean cos^2 of the angle of incidence, which is the fraction of the sound power that presses, (M,). The
+    fraction falls to 0 where the array hardly sees the skin, because even full drive would not press there.
     """
     x = np.clip((seen - HARDLY) / (WELL - HARDLY), 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x))

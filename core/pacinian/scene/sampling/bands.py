@@ -1,4 +1,4 @@
-"""Bands: parts of what is too large to sound at once. They sound in turn, and their mean is the whole."""
+"""Bands: parts of a region that is too large to sound at once. They sound in turn, and their mean is the region."""
 
 from __future__ import annotations
 
@@ -11,26 +11,27 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-BLEND = 0.15  # of a band's samples, to either side of its edge: there both bands press
-WIDER = 1.0 + 2.0 * BLEND  # so many times its own samples sound in a band
-MIN_DIVIDED_SAMPLES = 32  # samples of a region that is never divided
-STEADY = 0.7  # of the longest side: bands stay across a side that is no shorter
-FADING = 1.1  # of the budget: samples that fade come on top of it, for some ticks, and need no band
-SPARE = 0.9  # of the budget, within which fewer bands must fit before there are fewer
+BLEND = 0.15  # half-width of the overlap of two bands, as a fraction of a band's samples
+WIDER = 1.0 + 2.0 * BLEND  # samples that sound in a band, overlap included, over its own samples
+MIN_DIVIDED_SAMPLES = 32  # regions of up to this number of samples are never divided
+STEADY = 0.7  # bands stay along their axis while the region there is at least this fraction of its longest side
+FADING = 1.1  # one band may exceed the budget by this factor, because fading samples add to it for some ticks
+SPARE = 0.9  # the number of bands decreases only if fewer fit into this fraction of the budget
 
 
 class Bands:
-    """Divides the regions of samples into bands. It remembers how, so that bands stay where they are."""
+    """Divides the regions of samples into bands. It keeps state, so that bands stay in place from tick to tick."""
 
     def __init__(self) -> None:
         self._count = 1
         self._axes: dict[int, int] = {}
 
     def shares(self, samples: Samples, budget: int, most: int) -> Floats:
-        """Of each sample's pressure the share in each band, (M, K); each sample's sum to 1.
+        """Return the share of each sample's pressure in each band, (M, K); the shares of a sample sum to 1.
 
-        K is as few as bring a band to at most `budget` samples, and at most `most`. Regions of more than 32 samples
-        are cut across their longest side into K bands of equal number. All else has the same share in each.
+        K is the smallest number of bands that each have at most `budget` samples, but at most `most`. Regions of more
+        than 32 samples are cut across their longest side into K bands with equal numbers of samples. All other samples
+        have equal shares in all bands.
         """
         if most == 1 or len(samples) <= SPARE * budget:
             self._count = 1
@@ -61,7 +62,7 @@ class Bands:
         return shares
 
     def _axis(self, samples: Samples, region: int) -> int:
-        """Of the world, the one along which a region is longest, or nearly so and was before."""
+        """Return the world axis along which a region is longest; the previous axis if it is still nearly longest."""
         q = samples.positions[samples.regions == region]
         sides = q.max(axis=0) - q.min(axis=0)
         last = self._axes.get(region)
@@ -71,7 +72,7 @@ class Bands:
 
 
 def _cut(x: Floats, count: int) -> Floats:
-    """Shares of samples in bands of equal number along x, (M,) [m]: (M, count)."""
+    """Return the shares of samples in `count` bands of equal numbers of samples along x, (M,) [m]: (M, count)."""
     M = len(x)
     u = np.empty(M)
     u[np.argsort(x, kind="stable")] = count * (np.arange(M) + 0.5) / M

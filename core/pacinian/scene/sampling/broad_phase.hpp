@@ -1,4 +1,4 @@
-// Samples of different sources that the array cannot tell apart: merged.
+// Merge samples of different sources that the array cannot resolve.
 #pragma once
 #include <algorithm>
 

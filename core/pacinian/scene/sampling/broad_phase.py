@@ -1,4 +1,4 @@
-"""The broad phase: which of many objects may be touched at all."""
+"""The broad phase: find the objects that can be touched at all."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def cull(bounds: Floats, t: float, boxes: Floats) -> Indices:
-    """Indices of the objects whose bounding spheres touch any of the boxes at time t [s], in order.
+    """Return the indices, in order, of the objects whose bounding spheres touch any of the boxes at time t [s].
 
     bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners, (boxes, 6) [m].
     """

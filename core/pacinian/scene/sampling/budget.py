@@ -1,4 +1,4 @@
-"""A budget of samples, shared out by priority."""
+"""Divide a budget of samples among objects by priority."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.sampling.sources import Source
 
-FINER = 1.3  # times as many as there would be must fit before the spacing gets finer again
-COARSEST = 40  # levels
+FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
+COARSEST = 40  # largest level, in steps of sqrt(2) of the spacing
 
 
 def allot_budget(
@@ -32,14 +32,14 @@ def allot_budget(
     skipped: Counter[str],
     bands: int = 1,
 ) -> list[Samples]:
-    """Samples of each source, at most `budget` in all at a time.
+    """Return samples of each source, at most `budget` simultaneous samples in all.
 
-    sources: with the spacing wanted [m], highest priority first. Those of one priority are made coarser
-    together until they fit into what the higher ones leave. Of the first that does not fit then the
-    weakest are dropped, of equals the last in order, and all after it. Samples that are sounded one at a
-    time count as one. levels: how coarse each priority is, kept from tick to tick so that it does not
-    flicker. cut: leaves out what may not be sounded. bands: into so many, which sound in turn, regions may be divided;
-    one level coarser comes first, as it is still even between its samples.
+    sources: with their intended spacings [m], highest priority first. The sources of one priority are made coarser
+    together until they fit into the budget that the higher priorities leave. If a source still does not fit, its
+    weakest samples are dropped (of equals, the last), and so are all sources after it. Samples that sound one at a
+    time count as one. levels: coarseness of each priority; it is kept from tick to tick to prevent flicker. cut: drops
+    samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become one
+    level coarser before they are divided, because the pressure between their samples is still even then.
     """
     parts: list[Samples] = []
     left = budget
@@ -56,7 +56,7 @@ def allot_budget(
 
 
 def _sounded(source: Source, samples: Samples, bands: int) -> int:
-    """How many there are at a time, in so many bands."""
+    """Return the number of simultaneous samples of a source, given the number of bands."""
     if measure_spacing(source.item):
         return min(1, len(samples))
     divided = bands > 1 and is_dense(source.item) and len(samples) > MIN_DIVIDED_SAMPLES
@@ -72,7 +72,7 @@ def _fitting(
     members: list[tuple[Source, float]], left: int, level: int,
     cut: Callable[[Samples], Samples], bands: int,
 ) -> tuple[list[Samples], int]:  # fmt: skip
-    """Samples of sources of one priority, and the level at which they number at most `left`."""
+    """Return the samples of sources of one priority, and the level at which they are at most `left`."""
 
     def every(level: int) -> list[Samples]:
         return [
@@ -81,7 +81,7 @@ def _fitting(
         ]
 
     def number(made: list[Samples], level: int) -> int:
-        """How many there are at a time: in one if that does, else in bands, from level 1 on."""
+        """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
         counts = [
             sum(_sounded(m, s, most) for (m, _), s in zip(members, made, strict=True))
             for most in ({1, bands} if level else {1})
@@ -89,13 +89,13 @@ def _fitting(
         return min(counts)
 
     def more(level: int) -> bool:
-        """Whether it makes sense to be coarser than at `level`."""
+        """Return whether a coarser level than `level` still reduces the samples."""
         reach = max(source.item.bounding_radius for source, _ in members)
         finest = min(spacing for _, spacing in members)
         return finest * COARSER**level < 2.0 * reach and level < COARSEST
 
     def too_many(level: int) -> bool:
-        """Whether there would be so many that it makes no sense to make them."""
+        """Return whether `level` clearly gives too many samples, judged by an estimate."""
         return _whole(members, level) > 2.0 * left * (bands if level else 1)
 
     while too_many(level) and more(level):
@@ -114,7 +114,7 @@ def _fitting(
 
 
 def _whole(members: list[tuple[Source, float]], level: int) -> float:
-    """About how many samples those have that are rendered whole."""
+    """Estimate the number of samples of the sources that are rendered whole."""
     return sum(
         estimate_samples(source.item, spacing * COARSER**level)
         for source, spacing in members

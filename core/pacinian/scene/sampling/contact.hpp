@@ -1,4 +1,4 @@
-// The kernels of contact: which points of a skin may touch an object, and who takes their forces.
+// Contact kernels: find the skin points that may touch an object, and distribute their forces among nodes.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -54,7 +54,7 @@ inline void box(View<const f8, 2> bounds, View<f8, 1> out) {
     }
 }
 
-// The mean of cos^2 of the incidence from some places, (V, 3); at least `enough` where it is more.
+// Return the mean cos^2 of the angle of incidence from the places `some`, (V, 3). Stops early once it reaches `enough`.
 inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> some, f8 enough) {
     const Index V = some.shape[0];
     f8 total = 0.0;

@@ -1,4 +1,4 @@
-"""Distances of skin to objects, remembered: what has hardly moved need not be asked again."""
+"""A cache of distances from skin to objects, for skin that has hardly moved."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.types import Floats, Indices
 
-DEAR = Mesh, Placed, Combination  # shapes that take longer to ask than to remember
-NOWHERE = 1e6  # [m]
-MAX_PAIRS = 16  # pairs of a hand and an object
+DEAR = Mesh, Placed, Combination  # shapes whose distances are expensive enough to cache
+NOWHERE = 1e6  # coordinate of points without a cached distance [m]
+MAX_PAIRS = 16  # largest number of cached pairs of a hand and an object
 
 
 class _Known:
-    """What was asked of one object for one hand's points: where each was [m], and its distance [m]."""
+    """Cached distances of one hand's points to one object [m], and where each point was then [m]."""
 
     def __init__(self, count: int) -> None:
         self.places = np.full((count, 3), NOWHERE)
@@ -28,7 +28,7 @@ class _Known:
 
 
 class DistanceCache:
-    """Of hands' points to surfaces and volumes."""
+    """Cached distances from the points of hands to surfaces and volumes."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], tuple[object, object, _Known]] = {}
@@ -37,9 +37,11 @@ class DistanceCache:
         self, item: Surface | Volume, name: int, hand: PosedSkin, which: Indices, local: Floats,
         beyond: float, deep: float,
     ) -> Floats:  # fmt: skip
-        """As `item.distance` of the hand's points `which`, (I,), in its frame at `local`, (I, 3) [m]: (I,).
+        """Return `item.distance` of the hand's points, (I,) [m], from the cache where that suffices.
 
-        name: of this object for this hand.
+        name: number that identifies this object for this hand. which: indices of the points, (I,). local: their
+        positions in the object's frame, (I, 3) [m]. beyond, deep: distances farther outside or inside than these need
+        not be exact [m].
         """
         from pacinian.native.scene import stale
 
@@ -59,7 +61,7 @@ class DistanceCache:
         key = name, item.thickness, getattr(item, "felt", "")
         kept = self._known.pop(key, None)
         if kept is None or kept[0] is not item.shape or kept[1] is not hand.skin:
-            while len(self._known) >= MAX_PAIRS:  # the pair that was not asked for longest
+            while len(self._known) >= MAX_PAIRS:  # evict the least recently used pair
                 del self._known[next(iter(self._known))]
             kept = item.shape, hand.skin, _Known(len(hand.points))
         self._known[key] = kept

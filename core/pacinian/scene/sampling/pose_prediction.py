@@ -1,4 +1,4 @@
-"""Objects and hands between updates: carried on by their velocities, brought back without a jump."""
+"""Predict the poses of objects and hands between updates, and blend in each update without a jump."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
-BLEND = 0.01  # [s] in which the difference between where a thing was shown and where it is vanishes
-JUMP = 0.05  # [m] more than that is a teleport: nothing is blended
-HOLD, FADE = 0.05, 0.1  # [s] for which a lost hand stays, and then fades away
-MAX_OBJECTS = 4096  # objects that are tracked
+BLEND = 0.01  # time in which the prediction error of an update is blended out [s]
+JUMP = 0.05  # a larger prediction error is a teleport, which is not blended [m]
+HOLD, FADE = 0.05, 0.1  # a lost hand stays for HOLD, and then fades within FADE [s]
+MAX_OBJECTS = 4096  # largest number of tracked objects
 
 
 @dataclass
@@ -31,7 +31,7 @@ class _Track:
 
     def pose(self, t: float) -> Pose:
         motion = self.item.motion
-        assert motion is not None  # only such are tracked
+        assert motion is not None  # objects without a motion are not tracked
         now = motion.pose(self.item.pose, t)
         self.since = min(self.since, t)  # time may jump back
         f = 1.0 - (t - self.since) / BLEND
@@ -48,15 +48,15 @@ class _Track:
 
 
 class PosePredictor:
-    """Where objects with a motion are at any time; those without one are where they say."""
+    """Predicts the poses of moving objects. Objects without a motion keep their own pose."""
 
     def __init__(self) -> None:
         self._tracks: dict[str, _Track] = {}
         self.blends_until = -np.inf
-        """When all is where its velocity carries it [s]."""
+        """Time when all blending ends, and every object follows its velocity [s]."""
 
     def pose(self, item: Object, t: float) -> Pose:
-        """The pose of `item` at time t [s]."""
+        """Return the pose of `item` at time t [s]."""
         motion = item.motion
         if motion is None:
             return item.pose
@@ -89,28 +89,28 @@ class PosePredictor:
 
 
 class HandTrack:
-    """One hand from update to update: carried on, blended; held and faded where it is lost or late.
+    """Predicts one hand between updates. A lost or late hand is held in place, and then fades.
 
-    skin: of its kind, in place of the usual one.
+    skin: replaces the default skin of this kind of hand.
     """
 
     def __init__(self, skin: Skin | None = None) -> None:
         self._skin = skin
         self._given: Hand | None = None
-        self._last: Hand | None = None  # that was not lost
+        self._last: Hand | None = None  # the last update that was not lost
         self._seen = -np.inf
         self._offset: Floats | None = None
         self._since = 0.0
         self._touchable: PosedSkin | None = None
 
     def at(self, hand: Hand, t: float) -> tuple[Hand | None, float]:
-        """The hand at time t [s], and with which share, 0..1, of its pressures; None where it is gone."""
+        """Return the hand at time t [s], or None if it is gone, and the factor on its pressures, 0..1."""
         if hand is not self._given and not (self._given is not None and hand.same(self._given)):
             before, self._given = self._given, hand
             if not hand.lost:
                 self._take(hand, t)
             elif before is not None and before is self._last and before.time is None:
-                self._seen = t  # it was there until now
+                self._seen = t  # a hand without a time counts as seen until it is lost
         last = self._last
         if last is None:
             return None, 0.0
@@ -123,7 +123,7 @@ class HandTrack:
         return self._moved(last, t), share
 
     def touchable(self, hand: Hand) -> PosedSkin:
-        """The skin of the hand as `at` gave it; the one before, where it has not moved."""
+        """Return the posed skin of a hand from `at`; the previous one if the hand has not moved."""
         if self._touchable is None or self._touchable.hand is not hand:
             kind = self._touchable
             same = kind is not None and kind.hand.faces is hand.faces
@@ -131,7 +131,7 @@ class HandTrack:
         return self._touchable
 
     def moving(self, t: float) -> bool:
-        """Whether it may be elsewhere, or fainter, at the next moment."""
+        """Return whether the hand may move or fade after time t [s] without an update."""
         if self._last is None:
             return False
         given = self._given
@@ -139,7 +139,7 @@ class HandTrack:
         return timed or (self._offset is not None and t < self._since + BLEND)
 
     def _take(self, hand: Hand, t: float) -> None:
-        """A new update that is not lost."""
+        """Accept a new update of a hand that is not lost."""
         was = None if self._last is None else self._moved(self._last, t)
         self._seen = t if hand.time is None else hand.time
         self._last, self._offset = hand, None

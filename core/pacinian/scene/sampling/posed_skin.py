@@ -1,4 +1,4 @@
-"""A hand at one moment, ready to be asked what it touches."""
+"""The skin of a hand at one moment, with queries for contact."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
     from pacinian.types import Flags, Floats, Indices
 
-SHARED = 1e-9  # of a force: less is rounding
+SHARED = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
 MIN_LENGTH = 1e-300
 
 
 class PosedSkin:
-    """The skin of `hand` where it is now.
+    """The skin of `hand` at its current pose.
 
-    skin: of a hand of its kind, if it is at hand.
+    skin: the skin at rest of this kind of hand, if already made.
     """
 
     def __init__(self, hand: Hand, skin: Skin | None = None) -> None:
@@ -34,17 +34,17 @@ class PosedSkin:
         self.points, self.normals, self.area = self.placed[:3]
         self.capsules = self.placed.capsules
         self.box = np.empty(6)
-        """Its lower and upper corner [m], (6,)."""
+        """Lower and upper corner of the bounding box, (6,) [m]."""
         kernels.box(self.placed.bounds, self.box)
         a, b, c, x, y, z = self.box.tolist()
         self.centre: Vector = ((a + x) / 2.0, (b + y) / 2.0, (c + z) / 2.0)
         self.salt = zlib.crc32(hand.name.encode())
-        """Tells the keys of what touches this hand from those of another, whatever hands come and go."""
+        """Number that keeps sample keys of different hands apart. It depends only on the hand's name."""
 
     def near(self, pose: Pose, radius: float, corners: Floats) -> tuple[Indices, Floats]:
-        """Points within `radius` [m] of a pose: which, and where in its frame [m].
+        """Find the points within `radius` [m] of a pose. Returns their indices, and their positions in its frame [m].
 
-        corners: of a box, one of which they must face, (V, 3) [m]; none for anything.
+        corners: points of the skin must face one of these, (V, 3) [m]; if empty, they may face anywhere.
         """
         from pacinian.native.scene import candidates
 
@@ -59,10 +59,11 @@ class PosedSkin:
     def pressed(
         self, which: Indices, d: Floats, reach: float, stiffness: float, most: float, some: Floats
     ) -> tuple[Indices, Floats]:
-        """Which of the points `which`, (I,), are pressed, and with how much.
+        """Find which of the points `which`, (I,), are pressed, and with what force.
 
-        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the law. some:
-        transducers that must see them, (V, 3); none for any. Returns indices into `which`, and forces [N].
+        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law. some:
+        transducers that must see the points, (V, 3) [m]; if empty, all points are seen. Returns indices into `which`,
+        and forces [N].
         """
         from pacinian.native.scene import press
 
@@ -76,10 +77,11 @@ class PosedSkin:
     def around(
         self, q: Floats, spacing: float, inner: float, outer: float, centre: Floats
     ) -> tuple[Indices, Indices]:
-        """Nodes of the level nearest to `spacing` [m] that lie beside q, (K, 3) [m], K > 0, and face `centre`, (3,).
+        """Find the nodes of the level nearest to `spacing` [m] that lie beside the points q and face `centre`.
 
-        inner, outer: how far away the nearest of q is [m]. Returns indices of the nodes, (I,), none inside of another
-        finger, and of the nearest of q, (I,).
+        q: (K, 3) [m], K > 0. inner, outer: limits of the distance from a node to the nearest point of q [m]. centre:
+        (3,) [m]. Returns the indices of the nodes, (I,), without those inside another finger, and of the nearest
+        point of q to each, (I,).
         """
         from pacinian.native.scene import around
 
@@ -92,25 +94,25 @@ class PosedSkin:
         return which[:found][shown], nearest[:found][shown]
 
     def exposed(self, touched: Indices) -> Flags:
-        """Which of the points are not inside of another finger."""
+        """Return which of the points `touched` are not inside another finger."""
         return self.skin.exposed(self.placed, touched)
 
     def about(self, points: Floats, radius: float) -> Indices:
-        """Indices of those of the points, (K, 3) [m], that are within `radius` [m] of its box."""
+        """Return the indices of the points, (K, 3) [m], that are within `radius` [m] of the bounding box."""
         low, high = self.box[:3] - radius, self.box[3:] + radius
         return np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
 
     def closest(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Where the skin is nearest to points (K, 3) [m], its normals there, and how far it is [m]."""
+        """Return the nearest skin to points (K, 3) [m]: positions [m], normals and signed distances [m]."""
         found = self.skin.closest(self.hand, points)
         return found.points, found.normals, found.distance
 
     def thinned(
         self, touched: Indices, force: Floats, spacing: float
     ) -> tuple[Indices, Floats, Floats]:
-        """Those of the points, (K,), that are nodes of the level nearest to `spacing` [m], pressed as they are.
+        """Keep only the points that are nodes of the level nearest to `spacing` [m], each at its own pressure.
 
-        As for `shared`; the forces [N] are those on the larger areas.
+        The arguments and results are those of `shared`. Each force is scaled to the larger area of its node [N].
         """
         level = self.skin.level(spacing)
         own = touched < self.skin.counts[level]
@@ -122,10 +124,11 @@ class PosedSkin:
     def shared(
         self, touched: Indices, force: Floats, spacing: float
     ) -> tuple[Indices, Floats, Floats]:
-        """What the nodes of the level nearest to `spacing` [m] get of forces on points, (K,) [N].
+        """Distribute forces on points among the nodes of the level nearest to `spacing` [m].
 
-        The nodes that get any and are not inside of other flesh, (M,); the force of each [N], in all what
-        was given; the area of skin that each stands for [m^2].
+        touched: indices of the points, (K,). force: on each, (K,) [N]. Returns the nodes that get a force and are not
+        inside other flesh, (M,); their forces [N], which have the same sum; and the skin area that each represents
+        [m^2].
         """
         from pacinian.native.scene import share_out
 
@@ -137,12 +140,11 @@ class PosedSkin:
         if not shown.all():
             nodes = nodes[shown]
         kept = got[nodes]
-        kept *= force.sum() / max(
-            kept.sum(), MIN_LENGTH
-        )  # what buried nodes would get goes to the others
+        # the other nodes take over the force of the buried ones
+        kept *= force.sum() / max(kept.sum(), MIN_LENGTH)
         area = skin.node_area[level][nodes] * self.area[nodes] / skin.area[nodes]
         uncovered = touched[skin.hidden[touched]]
-        if level and len(uncovered):  # skin that was inside of the flesh at rest
+        if level and len(uncovered):  # skin that is inside the flesh at rest
             more, which = np.empty(count), np.empty(count, dtype=np.intp)
             share_out(uncovered, self.area[uncovered], *skin.share[level], 0.0, more, which)
             area += more[nodes]

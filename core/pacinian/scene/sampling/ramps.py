@@ -1,4 +1,4 @@
-"""Pressures that come and go without a jump, whatever happens to their samples."""
+"""Ramps: pressures rise and fall without a jump, whatever happens to their samples."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Flags, Floats, Indices
 
-JUMP = 0.02  # [m] in one tick: the sample fades where it was, and rises where it is
-MAX_TICK = 0.02  # [s] that one tick counts for at most: time may jump
-QUARTER = math.pi / 2.0  # of a turn
-MIN_PRESSURE = 1e-300  # [Pa], that is divided by
-SLACK = 1e-6  # of a ramp, for rounding: it ends in time
+JUMP = 0.02  # a sample that moves farther than this in one tick fades out there and rises anew here [m]
+MAX_TICK = 0.02  # longest time that one tick counts for, because time may jump [s]
+QUARTER = math.pi / 2.0  # a quarter turn [rad]
+MIN_PRESSURE = 1e-300  # prevents division by zero [Pa]
+SLACK = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time
 
 
 class PressureRamps:
-    """Follows the samples asked for, no pressure changing faster than from 0 to its most in `ramp` [s].
+    """Follows the target samples, while each pressure takes at least `ramp` [s] from 0 to its maximum.
 
-    On this way it is a raised cosine over time, so that its slope begins and ends at 0.
-    Its most is that of its object, or where it comes down from more, that. What is no longer asked for fades
-    out where it was last. 0: follows at once. Where the samples of a region change, because it moves over the skin
-    or is covered more finely, the new ones go on from what was felt there, and the old ones end.
+    The ramp is a raised cosine over time, so that its slope begins and ends at 0. The maximum is the full pressure of
+    the object, or the current pressure if that is higher. A sample that is no longer a target fades out at its last
+    position. With `ramp` 0, the pressures follow at once. The samples of a region change when the region moves over
+    the skin or is sampled more finely. The new samples then start from the pressure that was there, and the old ones
+    end.
     """
 
     def __init__(self, ramp: float) -> None:
@@ -40,18 +41,18 @@ class PressureRamps:
 
     @property
     def settled(self) -> bool:
-        """Whether the pressures are those asked for."""
+        """Whether all pressures have reached their targets."""
         return self._last is self._asked
 
     def follow(self, asked: Samples, t: float) -> Samples:
-        """Samples at time t [s]; the very ones asked for once all has come up or gone."""
+        """Return the samples at time t [s]: the object `asked` itself once all ramps have ended."""
         seconds = min(max(t - self._time, 0.0), MAX_TICK) if self._time > -math.inf else 0.0
         self._time = t
         if self.ramp == 0.0 or (asked is self._asked and self.settled):
             self._asked = self._last = asked
             return asked
         self._asked = asked
-        share = seconds / self.ramp * (1.0 + SLACK)  # of the way between 0 and its most
+        share = seconds / self.ramp * (1.0 + SLACK)  # part of a full ramp that this tick covers
         last = self._last
         was, top, gone, jumped = _matched(asked, last)
         most = np.maximum(asked.most, np.where(was > asked.radiation_pressure, top, was))
@@ -67,9 +68,10 @@ class PressureRamps:
         return self._last
 
     def _going(self, last: Samples, gone: Flags, jumped: Flags, share: float) -> Samples | None:
-        """What was sounded and is not asked for any more, fainter; None when nothing is left of it.
+        """Return the fading samples, one step fainter; None if none are left.
 
-        It keeps its key, so that it comes up from there when it is asked for again, unless that has jumped.
+        A fading sample keeps its key, so that it rises from its current pressure if it becomes a target again. If its
+        target has jumped to another position, it gets a new key.
         """
         P = last.radiation_pressure
         P = _on(P, np.maximum(last.most, P), -share)
@@ -85,7 +87,7 @@ class PressureRamps:
 
 
 def _on(P: Floats, most: Floats, share: float) -> Floats:
-    """Pressures, (M,), a share of the way from 0 to their most further: the square of a sine over it."""
+    """Advance pressures, (M,), by `share` of a full ramp from 0 to `most`. The ramp is the square of a sine."""
     if not share:
         return P
     way = np.arcsin(np.sqrt(P / np.maximum(most, MIN_PRESSURE))) / QUARTER
@@ -93,7 +95,11 @@ def _on(P: Floats, most: Floats, share: float) -> Floats:
 
 
 def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flags]:
-    """Each asked sample's pressure until now and its most, 0 for new ones; which of the last are gone, which jumped."""
+    """Match the target samples `asked` with the last ones.
+
+    Returns the last pressure and maximum of each target, 0 for new ones, and which of the last samples are gone and
+    which have jumped.
+    """
     jumped = np.zeros(len(last), dtype=np.bool_)
     if len(asked) == len(last) and (asked.keys == last.keys).all():
         near = _near(asked.positions, last.positions)
@@ -124,7 +130,7 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flag
 
 
 def _under(samples: Samples, others: Samples) -> Indices:
-    """For each sample of a region the nearest of the others in it, if the sample is on its area; else -1."""
+    """Find for each sample the nearest of `others` in its region, if the sample lies on its area; else -1."""
     found = np.full(len(samples), -1, dtype=np.intp)
     for region in np.unique(samples.regions).tolist():
         own, there = (np.flatnonzero(s.regions == region) for s in (samples, others))
@@ -137,13 +143,13 @@ def _under(samples: Samples, others: Samples) -> Indices:
 
 
 def _near(a: Floats, b: Floats) -> Flags:
-    """Which of the points, (M, 3) [m], have not jumped, (M,)."""
+    """Return which of the points, (M, 3) [m], have not jumped, (M,)."""
     d = a - b
     return np.asarray(np.einsum("mk,mk->m", d, d) <= JUMP * JUMP)
 
 
 def _with(asked: Samples, going: Samples) -> Samples:
-    """Both. Objects that are gone follow the scene's."""
+    """Join the targets and the fading samples. Objects that have left the scene follow the scene's."""
     items = asked.items
     extra: list[Object] = []
     used, objects = np.unique(going.objects, return_inverse=True)
@@ -159,7 +165,7 @@ def _with(asked: Samples, going: Samples) -> Samples:
 
 
 def _alike(item: Object, other: Object) -> bool:
-    """Whether what fades of one vibrates as the other."""
+    """Return whether two objects have equal envelopes and techniques."""
     return item.envelope == other.envelope and item.technique == other.technique
 
 

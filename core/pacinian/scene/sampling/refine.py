@@ -1,4 +1,4 @@
-"""Small regions: more samples than the spacing of large ones gives, as most of what is small is rim."""
+"""Refine small regions. They need a finer spacing than large ones, because most of a small region is rim."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pacinian.scene.sampling.sources import is_dense, measure_spacing
 if TYPE_CHECKING:
     from pacinian.scene.sampling.sources import Source
 
-ENOUGH = 90  # samples of a region, about
-SHARED = 128  # samples that the small regions of a scene have together, where that makes them finer
-STEPS = 3  # of sqrt 2, by which a spacing gets finer at most
-MARGIN = 1.3  # times as many as are estimated must fit into the budget
+ENOUGH = 90  # number of samples up to which a region is refined
+SHARED = 128  # number of samples up to which all regions together are refined
+STEPS = 3  # largest number of refinement steps, each by sqrt(2)
+MARGIN = 1.3  # this many times the estimated samples must fit into the budget
 
 
 def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Source, float]]:
-    """The sources, each with its spacing [m]: finer where a region would have few samples and the budget has room.
+    """Return the sources with their spacings [m], finer for regions with few samples if the budget allows it.
 
-    A disc of 12 mm, nine units at half of their strength, at places that the solver was not given: 20 samples make it
-    to rms 0.11, 108 to 0.03 (decision 33).
+    For a disc of 12 mm and nine units at half drive, the rms error between the samples is 0.11 with 20 samples, and
+    0.03 with 108 (decision 33).
     """
     regions = sum(is_dense(source.item) for source, _ in sources)
     if not 0 < regions <= SHARED:
@@ -38,7 +38,7 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
 
 
 def _finer(source: Source, spacing: float, few: int) -> float:
-    """How far apart the samples of a source are [m], if it is to have so few at least."""
+    """Return the spacing at which a source has about `few` samples [m], if that is finer than `spacing`."""
     item = source.item
     if not is_dense(item):
         return spacing

@@ -1,4 +1,4 @@
-"""How each object is covered with samples, in its own frame: kept, so that a moved one costs a transform."""
+"""A cache of objects' samples in their own frames, so that a moved object costs only a transform."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.shapes.local_samples import LocalSamples
 
-MAX_ENTRIES = 1024
+MAX_ENTRIES = 1024  # largest number of cached sets of samples
 
 
 class SampleCache:
-    """Coverings by shape and spacing; those not used for longest go first."""
+    """Samples by shape and spacing. The least recently used are evicted first."""
 
     def __init__(self) -> None:
         self._covers: dict[tuple[object, ...], tuple[object, LocalSamples]] = {}
 
     def get(self, item: Object, spacing: float) -> LocalSamples:
-        """The covering of `item`, `spacing` [m] apart."""
+        """Return the samples of `item`, about `spacing` [m] apart."""
         what = getattr(item, "shape", item)
         how = item.felt if isinstance(item, Volume) else getattr(item, "width", None)
         key = id(what), how, spacing if what is not item else 0.0
@@ -32,13 +32,13 @@ class SampleCache:
             made = item.sample_surface(spacing)
             for values in made:
                 values.flags.writeable = False
-            kept = what, made  # the shape too: its id stays taken
+            kept = what, made  # holds the shape, so that no other object can get its id
         self._covers[key] = kept
         return kept[1]
 
 
 def estimate_samples(item: Object, spacing: float) -> float:
-    """About how many samples an object has, `spacing` [m] apart, without making them."""
+    """Estimate the number of samples of an object, `spacing` [m] apart, without making them."""
     if isinstance(item, Path):
         return max(1.0, item.shape.length / spacing)
     if not isinstance(item, Body):

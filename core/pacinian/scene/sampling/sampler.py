@@ -1,4 +1,4 @@
-"""From a scene to samples, tick after tick: what is near, what is touched, what the array can resolve."""
+"""The sampler turns a scene into samples at each tick, where hands touch objects, as finely as the array resolves."""
 
 from __future__ import annotations
 
@@ -49,34 +49,38 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene, Workspace
     from pacinian.types import Floats
 
-WAVELENGTH = 0.0085  # [m], where there is no array to ask
-NAMES = 1 << 31
+WAVELENGTH = 0.0085  # spacing before an array is known [m]
+NAMES = 1 << 31  # numbers of objects in sample keys are smaller than this
 OFF = Constant(0.0)
-DENSE = (
-    0.5 / COARSER
-)  # of that, within a region: from half a wavelength on it is uneven between samples
-NARROW, WIDE = 0.2, 0.3  # of that, within a contact: its pressure falls to nothing at the rim
-ENOUGH = 128  # samples of a contact
-STEADY = 1.3  # a contact that grows or shrinks by less keeps its spacing
-MERGED = 0.5  # of the spacing: isolated samples of different objects that are nearer are one
-SAME = 1e-6  # [m]: samples of different regions that are nearer are one
-MAX_MERGE_SAMPLES = 2048  # samples that are looked at for that
+# Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
+DENSE = 0.5 / COARSER
+# Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
+NARROW, WIDE = 0.2, 0.3
+ENOUGH = 128  # intended number of samples of a contact
+STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
+MERGED = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
+SAME = 1e-6  # samples of different regions merge if they are nearer than this [m]
+MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
 class Sampler:
-    """Samples scenes. It remembers: samples stay with their object or on the skin, and come and go smoothly.
+    """Samples scenes, and keeps state between ticks.
 
-    budget: at most so many samples; where a scene has more, the objects of lowest priority are covered
-    more coarsely, then dropped. spacing: [m]; unless given, a wavelength, or what the array can resolve at
-    the place if that is coarser; of surfaces and volumes, whose samples are a region, 0.35 times that, less for small
-    ones, and where a hand touches them 0.2 to 0.3 times that, the smaller the contact is.
-    ramp: [s] in which a pressure comes up or goes; 0 for at once.
-    perception: whether what no one can feel on a hand is left out. allowed: fewer than the budget, where
-    time is short; not beside regions, which would have holes.
+    Because of this state, samples stay fixed to their object or to the skin, and their pressures ramp up and down.
 
-    Points and particles that are given a force press with it over the focus that the array makes where they are felt
-    (`pacinian.focal_area`). Before `prepare`, and where no focus can be (on a transducer, or before a single one), a
-    focus counts as the object's own disc. Raises ArgumentError.
+    budget: maximum number of samples. If a scene has more, the sampler samples the objects of lowest priority more
+    coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of
+    the array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the
+    default, or less if they are small. Where a hand touches them, they use 0.2 to 0.3 times the default, less for
+    smaller contacts. ramp: time in which a pressure rises or falls [s]; 0 disables ramps. perception: whether to
+    leave out samples that are too faint to feel on a hand.
+
+    Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
+    would get holes.
+
+    The force of points and particles is spread over the focus that the array makes where they are felt
+    (`pacinian.focal_area`). The object's own disc is used instead before `prepare`, and where no focus is possible
+    (on a transducer, or with a single transducer). Raises ArgumentError.
     """
 
     def __init__(
@@ -94,43 +98,45 @@ class Sampler:
         self.ramp = check_number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
         self.bands = 1
-        """So many at most that sound in turn, each within the budget; the loop sets it."""
+        """Maximum number of bands that sound in turn, each within the budget. The render loop sets this."""
         self.even = 1.0
-        """Up to how many samples at a time the solver drives all transducers alike: `Solver.even`; the loop sets it."""
+        """Up to this number of simultaneous samples, the solver drives all transducers alike (`Solver.even`).
+
+        The render loop sets this."""
         self.peak = math.inf
-        """The most pressure that a force may ask for [Pa]; the loop sets it."""
+        """Maximum radiation pressure that a force may request [Pa]. The render loop sets this."""
         self.surround = False
-        """Whether silent samples surround what touches skin; the loop sets it, by what its solver can do."""
+        """Whether to surround regions that touch skin with silent samples. The render loop sets this for its solver."""
         self.skipped: Counter[str] = Counter()
-        """What was left out, by reason."""
+        """Number of samples, objects and hands left out, by reason."""
         self.skin: Skin | None = None
-        """Of hands of joints, in place of the usual one; set it before the first sample."""
+        """Replaces the default skin of hands made of joints. Set it before the first sample."""
         self._resolving: ArrayResolution | None = None
         self.reset()
 
     def reset(self) -> None:
-        """Forget what was sampled: the next scene begins from silence."""
+        """Discard all state, so that the next scene starts from silence."""
         self._tracks, self._hands = PosePredictor(), dict[str, HandTrack]()
         self._covers, self._distances = SampleCache(), DistanceCache()
         self._ramps = PressureRamps(self.ramp)
         self._asked: tuple[object, ...] = ()
         self._target = no_samples()
         self._levels: dict[int, int] = {}
-        self._wanted: dict[int, float] = {}  # spacing of each contact [m]
+        self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
         self._still = False
         self._rooms: tuple[object, Floats] = (self, np.empty(6))
 
     def prepare(self, array: Array, medium: Air) -> None:
-        """Sample for this array from now on."""
+        """Set the array and medium to sample for, and reset."""
         self._resolving = ArrayResolution(array, medium)
         self.reset()
 
     def changed(self) -> None:
-        """Look at the next scene anew, even if it is the last one."""
+        """Sample again at the next call, even if the scene is the same."""
         self._still = False
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
-        """Samples of `scene` at time t [s]; the same object as before where nothing has changed."""
+        """Return samples of `scene` at time t [s]: the same object as before if nothing has changed."""
         asked = scene, self.allowed, self.spacing, self.bands, self.surround, self.even
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
@@ -138,7 +144,7 @@ class Sampler:
         return self._ramps.follow(self._target, t)
 
     def _sample(self, scene: Scene, t: float) -> Samples:
-        """What is asked for at time t [s], before the ramps."""
+        """Return the target samples at time t [s], before the ramps."""
         skin = bool(scene.hands)
         hands = self._touching(scene, t)
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
@@ -175,7 +181,7 @@ class Sampler:
         return parts[0] if len(hands) < 2 else replace(parts[0], capsules=capsules)
 
     def _focal(self, samples: Samples) -> Samples:
-        """With the pressure of what is given the force of a focus: over the area that the focus has there."""
+        """Spread the forces of foci over the area that the focus has at each sample."""
         if self._resolving is None:
             return samples
         items = [samples.items[i] for i in samples.objects.tolist()]
@@ -201,7 +207,7 @@ class Sampler:
         return replace(samples, radiation_pressure=P, most=most, area=area)
 
     def _touching(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
-        """The hands that are there, each with the share of its pressures."""
+        """Return the hands that are present, each with the factor on its pressures, 0..1."""
         tracks = {
             hand.name: self._hands.get(hand.name) or HandTrack(self.skin) for hand in scene.hands
         }
@@ -216,7 +222,7 @@ class Sampler:
         return there
 
     def _boxes(self, scene: Scene, hands: list[tuple[PosedSkin, float]], skin: bool) -> Floats:
-        """Where an object must be to be felt, lower and upper corners, (boxes, 6) [m]."""
+        """Return the boxes in which objects can be felt, as lower and upper corners, (boxes, 6) [m]."""
         room = self._room(scene.workspace)
         if not skin:
             return room[None]
@@ -229,7 +235,7 @@ class Sampler:
         )
 
     def _room(self, workspace: Workspace | None) -> Floats:
-        """Where anything may be felt, (6,) [m]."""
+        """Return the box in which anything can be felt at all, (6,) [m]."""
         if self._rooms[0] is workspace:
             return self._rooms[1]
         room = np.array([-np.inf] * 3 + [np.inf] * 3)
@@ -246,7 +252,7 @@ class Sampler:
         self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]],
         skin: bool,
     ) -> list[tuple[Source, float]]:  # fmt: skip
-        """What gives samples, highest priority first, each with the spacing wanted [m]."""
+        """Return the sources of samples, highest priority first, each with its intended spacing [m]."""
         objects, sources = scene.objects, list[tuple[Source, float]]()
         wanted, self._wanted = self._wanted, {}
         for i in found:
@@ -299,19 +305,19 @@ class Sampler:
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
 
     def _spacing(self, item: Object, place: tuple[float, float, float]) -> float:
-        """How far apart the samples of an object at `place` are [m]."""
+        """Return the spacing of an object's samples at `place` [m]."""
         if self.spacing is not None:
             return self.spacing
         resolved = WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
         return DENSE * resolved if is_dense(item) else resolved
 
     def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
-        """What leaves out the samples outside of a workspace."""
+        """Return a function that drops the samples outside the workspace."""
 
         def cut(samples: Samples) -> Samples:
             if workspace is None:
                 return samples
-            if len(samples) == 1:  # mostly a point
+            if len(samples) == 1:  # fast path, mostly for points
                 x, y, z = samples.positions[0].tolist()
                 (a, b, c), (u, v, w) = workspace.lower, workspace.upper
                 if a <= x <= u and b <= y <= v and c <= z <= w:
@@ -322,7 +328,10 @@ class Sampler:
         return cut
 
     def _merged(self, items: list[Object], parts: list[Samples]) -> Samples:
-        """All samples; those of different `items` in one voice that the array cannot tell apart as one."""
+        """Join all samples, and merge those of different `items` that the array cannot resolve.
+
+        Only samples of equal envelope and technique are merged.
+        """
         whole = join_samples(parts)
         if len(whole) > MAX_MERGE_SAMPLES:
             return whole
@@ -346,9 +355,10 @@ class Sampler:
 
 
 def _fitting(extent: float, resolved: float, last: float | None) -> float:
-    """How far apart the samples of a contact are [m]: about 128 of them, none nearer than is of use.
+    """Return the spacing of a contact's samples [m]: about 128 samples, but no finer than the array can use.
 
-    extent: of the contact [m^2]. resolved: by the array, there [m]. last: how far apart they were.
+    extent: of the contact [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m], which is
+    kept if the new one is similar.
     """
     wanted = min(max(math.sqrt(extent / ENOUGH), NARROW * resolved), WIDE * resolved)
     steady = last is not None and wanted / STEADY < last < wanted * STEADY
@@ -356,12 +366,12 @@ def _fitting(extent: float, resolved: float, last: float | None) -> float:
 
 
 def _name(item: Object, index: int) -> int:
-    """A number that an object keeps from tick to tick."""
+    """Return a number that identifies an object from tick to tick."""
     return zlib.crc32(item.name.encode()) % NAMES if item.name else index
 
 
 def _voices(items: list[Object]) -> list[int]:
-    """A number for each item, the same for those with the same amplitude over time."""
+    """Number the items so that items of equal envelope and technique share a number."""
     seen: list[tuple[object, object]] = []
     numbers = list[int]()
     for item in items:
@@ -373,7 +383,7 @@ def _voices(items: list[Object]) -> list[int]:
 
 
 def _vibration(item: Object) -> object:
-    """What tells the frequency at which an object is felt, if anything does."""
+    """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
     if not item.technique.still:
         return None
     return item.technique if isinstance(item.technique, AM) else item.envelope

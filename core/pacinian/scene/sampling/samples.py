@@ -1,4 +1,4 @@
-"""Samples: where on the skin how much pressure is wanted."""
+"""Samples: target pressures at positions on the skin."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices, Longs
 
 
-ISOLATED = -1  # the region of a sample of none, as in `pacinian.Targets`
-BESIDE = -2  # the region of a silent sample beside regions
+ISOLATED = -1  # region number of a sample that belongs to no region, as in `pacinian.Targets`
+BESIDE = -2  # region number of a silent sample beside regions
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
     """M samples of a scene.
 
-    positions: (M, 3) [m]. radiation_pressure: at full envelope, (M,) [Pa]. normals: outward, of the
-    skin, or without a hand of the object; (M, 3), zero for points. area: what each stands for, (M,)
-    [m^2]. objects: index of each sample's object among `items`, (M,). keys: which sample each is from
-    tick to tick, (M,). most: the most that each one's object presses with, (M,) [Pa]. regions: the surface that
-    each is of, (M,), -1 for an isolated one; see `pacinian.Targets`. items: the objects:
-    the scene's, then those that are gone and still fade. capsules: of the hands on whose skin they lie, and
-    which hide what is behind them, (C, 8) [m]; None without hands.
+    positions: (M, 3) [m]. radiation_pressure: at full envelope, (M,) [Pa]. normals: outward normals of the skin or,
+    without a hand, of the object, (M, 3); zero for points. area: represented by each sample, (M,) [m^2]. objects:
+    index of each sample's object in `items`, (M,). keys: identify samples from tick to tick, (M,). most: full pressure
+    of each sample's object, (M,) [Pa]. regions: number of each sample's region, (M,), -1 for an isolated sample; see
+    `pacinian.Targets`. items: the objects of the scene, then objects that have left it and still fade. capsules: of
+    the hands on whose skin the samples lie, (C, 8) [m]; they block sound. None without hands.
     """
 
     positions: Floats
@@ -47,7 +46,7 @@ class Samples:
 
     @property
     def force(self) -> float:
-        """What all of them press with [N]."""
+        """Total force of the samples [N]."""
         return float(self.radiation_pressure @ self.area)
 
     @card
@@ -58,7 +57,7 @@ class Samples:
         return Card(f"{len(self)} samples", rows, draw=self._draw if len(self) else None)
 
     def _draw(self, panel: Any) -> None:
-        """Where they are, from above, and how strong."""
+        """Draw the samples from above, coloured by pressure."""
         x, y, _ = 1e3 * self.positions.T
         marks = panel.scatter(x, y, c=self.radiation_pressure, s=6, vmin=0.0)
         bar = panel.figure.colorbar(marks)
@@ -67,7 +66,7 @@ class Samples:
         panel.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal", adjustable="datalim")
 
     def only(self, kept: Flags | Indices) -> Samples:
-        """Those samples: flags, (M,), or indices in the order wanted."""
+        """Select samples by flags, (M,), or by indices in the order wanted."""
         return replace(
             self,
             positions=self.positions[kept],
@@ -81,12 +80,12 @@ class Samples:
         )
 
     def with_pressure(self, radiation_pressure: Floats) -> Samples:
-        """The same samples with other pressures, (M,) [Pa]."""
+        """Return the same samples with other pressures, (M,) [Pa]."""
         return replace(self, radiation_pressure=radiation_pressure)
 
 
 def no_samples(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> Samples:
-    """No samples."""
+    """Return an empty set of samples."""
     return Samples(
         np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0),
         np.empty(0, dtype=np.intp), np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64),
@@ -95,7 +94,7 @@ def no_samples(items: tuple[Object, ...] = (), capsules: Floats | None = None) -
 
 
 def join_samples(parts: list[Samples]) -> Samples:
-    """All of several samples of the same objects, in order; at least one part."""
+    """Join sets of samples of the same objects, in order. At least one part is needed."""
     if len(parts) == 1:
         return parts[0]
     first = parts[0]

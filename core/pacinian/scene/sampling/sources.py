@@ -1,4 +1,4 @@
-"""Where samples come from: an object as a whole, or what of it a hand touches."""
+"""Sources of samples: whole objects, and the parts of objects that a hand touches."""
 
 from __future__ import annotations
 
@@ -27,30 +27,30 @@ ANYWHERE = np.empty((0, 3))
 UNTURNED = np.zeros((1, 3))
 LONE = np.array([ISOLATED])
 UNTURNED.flags.writeable = LONE.flags.writeable = False
-FINEST = 1e-4  # [m], a hundredth of a wavelength
+FINEST = 1e-4  # smallest spacing [m], about a hundredth of a wavelength
 
 
 class Source(Protocol):
-    """Gives samples, as finely as asked."""
+    """Makes samples at a given spacing."""
 
     @property
     def item(self) -> Object:
-        """Whose samples they are."""
+        """The object that is sampled."""
         ...
 
     @property
     def faint(self) -> int:
-        """How many samples it left out because no one feels them."""
+        """Number of samples left out because they are too faint to feel."""
         ...
 
     def at(self, spacing: float) -> Samples:
-        """Samples about `spacing` [m] apart."""
+        """Return samples about `spacing` [m] apart."""
         ...
 
 
 @dataclass
 class WholeObject:
-    """An object rendered whole, without a hand. index: in the scene. name: of its samples' keys."""
+    """An object rendered whole, without a hand. index: in the scene. name: number that goes into its samples' keys."""
 
     item: Object
     index: int
@@ -61,7 +61,7 @@ class WholeObject:
     faint: int = 0
 
     def at(self, spacing: float) -> Samples:
-        """As for every source."""
+        """Return samples about `spacing` [m] apart."""
         item = self.item
         local, R = self.covers.get(item, spacing), self.pose.matrix.T
         K = len(local.points)
@@ -77,10 +77,10 @@ class WholeObject:
 
 
 class SinglePoint(WholeObject):
-    """A point without a hand: as `WholeObject`, in a fifth of the time, as scenes have many that move."""
+    """A point without a hand. Takes a fifth of the time of `WholeObject`, because scenes have many moving points."""
 
     def at(self, spacing: float) -> Samples:
-        """As for every source."""
+        """Return samples about `spacing` [m] apart."""
         item = cast("Point", self.item)
         P = np.array([item.pressure])
         return Samples(
@@ -91,7 +91,7 @@ class SinglePoint(WholeObject):
 
 @dataclass
 class PointContacts:
-    """Points, paths and particles where they touch a hand: each on the skin where that is nearest."""
+    """Points, paths and particles that touch a hand. Each sample lies on the nearest point of the skin."""
 
     item: Point | Path | Particles
     index: int
@@ -106,14 +106,14 @@ class PointContacts:
     faint: int = 0
 
     def at(self, spacing: float) -> Samples:
-        """As for every source."""
+        """Return samples about `spacing` [m] apart."""
         item = self.item
         local = self.covers.get(item, spacing)
         points = local.points @ self.pose.matrix.T + self.pose.position
         reach = item.radius + item.material.reach
         near = self.hand.about(points, reach)
         on, normals, d = self.hand.closest(points[near])
-        depth = reach - np.maximum(d, 0.0)  # inside of a hand is touched
+        depth = reach - np.maximum(d, 0.0)  # full depth for points inside the hand
         P = self.share * item.material.pressure(depth, item.pressure)
         if self.resolving is not None and P.any():
             P *= grazing(self.resolving.seen(on, normals))
@@ -129,12 +129,12 @@ class PointContacts:
 
 @dataclass
 class Contact:
-    """Where the skin of a hand is inside, or within reach, of a surface or a volume.
+    """The part of a hand's skin that is inside a surface or a volume, or within reach of it.
 
-    touched: indices of the skin's points. force: on each [N]. Samples at most `fine` [m] apart press as the
-    material does there. Farther apart, the force of each point is shared out among the nodes of a level of the skin,
-    so that the total is kept and nothing jumps as the contact moves. least: what no one feels below [Pa]; faint: how
-    many nodes that leaves out.
+    touched: indices of the skin's points. force: on each of them [N]. fine: largest spacing at which each sample
+    presses as the material does there [m]. At a coarser spacing, the force of each point is distributed among the
+    nodes of one level of detail of the skin. This keeps the total, and nothing jumps as the contact moves. least:
+    pressure below which nobody feels a sample [Pa]. faint: number of nodes left out for that reason.
     """
 
     item: Surface | Volume
@@ -150,11 +150,11 @@ class Contact:
 
     @property
     def extent(self) -> float:
-        """Area of the skin that is touched [m^2]."""
+        """Area of the touched skin [m^2]."""
         return float(self.hand.area[self.touched].sum())
 
     def at(self, spacing: float) -> Samples:
-        """As for every source."""
+        """Return samples about `spacing` [m] apart."""
         hand = self.hand
         fine = spacing <= self.fine
         among = hand.thinned if fine else hand.shared
@@ -176,10 +176,10 @@ def find_contact(
     item: Surface | Volume, pose: Pose, index: int, name: int, hand: PosedSkin,
     items: tuple[Object, ...], share: float, least: float, resolving: ArrayResolution | None, distances: DistanceCache,
 ) -> Contact | None:  # fmt: skip
-    """What of a hand touches `item`, pressed by its material's law, along the skin's normal.
+    """Find the skin that touches `item`, and its forces, which follow the material's law along the skin's normal.
 
-    share: of its pressure. least: what no one feels below [Pa]. resolving: of the array; skin that it
-    hardly sees is pressed less.
+    share: factor on the pressure, 0..1. least: pressure below which nobody feels a sample [Pa]. resolving: resolution
+    and visibility of the array; skin that the array hardly sees is pressed less. Returns None without a contact.
     """
     material, most = item.material, item.pressure
     reach = material.reach
@@ -202,7 +202,10 @@ def find_contact(
 
 
 def make_keys(name: int, spacing: float, which: Indices) -> Longs:
-    """Keys of samples: what they belong to, how far apart [m] (0 where that is all the same), which, (K,)."""
+    """Return the keys of samples, (K,), made of an object's number, the spacing and each sample's index.
+
+    name: number of the object. spacing: [m]; 0 if the samples are the same at all spacings. which: indices, (K,).
+    """
     level = 1 + round(2.0 * math.log2(spacing / FINEST)) if spacing else 0
     return (name << 31) + (level << 25) + which.astype(np.int64)
 
@@ -212,15 +215,15 @@ def _apart(item: Object, spacing: float) -> float:
 
 
 def is_dense(item: HapticObject) -> bool:
-    """Whether an object's samples are of one surface that all sounds at once, so that they are a region."""
+    """Return whether an object's samples form a region: one surface, all of which sounds at once."""
     return isinstance(item, Body) and not measure_spacing(item)
 
 
 def number_region(item: HapticObject, name: int) -> int:
-    """The region of an object's samples, `name` being a number of its own; -1 if they are isolated."""
+    """Return the region number of an object's samples: the object's number `name`, or -1 if they are isolated."""
     return name if is_dense(item) else ISOLATED
 
 
 def measure_spacing(item: HapticObject) -> bool:
-    """Whether an object's samples are sounded one at a time, so that many of them cost little."""
+    """Return whether an object's samples sound one at a time, so that many of them cost little."""
     return bool(getattr(item.technique, "single", False))

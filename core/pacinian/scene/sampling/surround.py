@@ -1,8 +1,7 @@
-"""The surround: skin beside what is touched, of which silence is asked.
+"""The surround: silent samples on the skin beside touched regions.
 
-Samples say how the field presses where something is touched. They say nothing of the skin beside it, where the
-field presses with one to five times the mean of what is asked. A sparse ring of silent samples, which count little,
-keeps it away.
+The samples of a region do not constrain the field on the skin beside it. There, the field would press with one to five
+times the mean target pressure. A sparse ring of silent samples of low weight prevents this.
 """
 
 from __future__ import annotations
@@ -19,19 +18,21 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats, Indices
 
-INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
-APART = 0.45  # of that, from one silent sample to the next
-SHARE = 1.0 / 3.0  # silent samples for each that presses, at most; more do little
-MOST_OF_SMALL = 24  # silent samples, where that share is less
+# Limits of the distance from a silent sample to its region, over the resolution.
+INNER, OUTER = 0.25, 0.9
+APART = 0.45  # spacing of silent samples, over the resolution
+SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
+MOST_OF_SMALL = 24  # maximum number of silent samples where that ratio allows fewer
 
 
 def add_surround(
     samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int
 ) -> Samples:
-    """Add silent samples on the skin beside the regions that touch it.
+    """Add evenly spread silent samples on the skin beside the regions that touch it.
 
-    At most a third as many as press, or 24 where that is less, evenly spread. centre: of the array, (3,) [m]; skin that
-    faces away from it has none. resolved: by the array, there [m]. most: silent samples at most.
+    Their number is at most a third of the pressing samples, or 24 if that is more. centre: of the array, (3,) [m]; skin
+    that faces away from it gets none. resolved: resolution of the array there [m]. most: a further limit of the
+    number of silent samples.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
     most = min(most, max(MOST_OF_SMALL, int(SHARE * len(of))))
@@ -52,7 +53,7 @@ def add_surround(
 
 
 def _silent(samples: Samples, beside: Indices, points: Floats, normals: Floats) -> Samples:
-    """Silent samples beside those of the indices `beside`, (K,): they stand for no area."""
+    """Make silent samples of no area at `points`. Their objects are those of the samples `beside`, (K,)."""
     made = samples.only(beside)
     made.positions[:], made.normals[:] = points, normals
     made.radiation_pressure[:] = made.area[:] = 0.0

@@ -1,4 +1,4 @@
-"""The primitive shapes, and the samples that cover a shape."""
+"""Primitive shapes, and the samples of a shape's surface."""
 
 from __future__ import annotations
 

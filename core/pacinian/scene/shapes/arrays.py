@@ -1,6 +1,6 @@
-"""Arrays in scenes: given as numbers, or read from a file; kept as the bytes of a .npy file.
+"""Arrays in scenes, given as numbers or read from a file.
 
-So they compare and travel like any other field of a scene.
+A scene keeps them as the bytes of a .npy file, so that they compare and serialise like any other field.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
     Array = np.ndarray[Any, np.dtype[Any]]
 
-MAX_NUMBERS = 100_000_000  # numbers
+MAX_NUMBERS = 100_000_000  # largest number of elements in an array, and of pixels in a picture
 
 
 def encode_array(name: str, values: ArrayLike | None, file: str, dimension: int) -> bytes | None:
-    """Numbers as the bytes of a .npy file; none if they are in `file`. Raises ArgumentError."""
+    """Encode numbers as the bytes of a .npy file. Returns None if they are in `file`. Raises ArgumentError."""
     if (values is None) == (not file):
         raise ArgumentError(name, "or `file` must be given, and not both")
     if values is None:
@@ -37,7 +37,7 @@ def encode_array(name: str, values: ArrayLike | None, file: str, dimension: int)
 
 
 def decode_array(name: str, values: ArrayLike | None, file: str, dimension: int) -> Array:
-    """The array: of bytes that `pack` made, or read from `file`. Raises ArgumentError."""
+    """Decode an array from the bytes that `encode_array` made, or read it from `file`. Raises ArgumentError."""
     try:
         return _checked(name, _read(file), dimension) if file else _array(values)
     except Exception as error:
@@ -46,7 +46,7 @@ def decode_array(name: str, values: ArrayLike | None, file: str, dimension: int)
 
 
 def check_within(name: str, array: Array) -> None:
-    """Refuse numbers that are not all in 0..1."""
+    """Raise ArgumentError unless all numbers are in 0..1."""
     low, high = float(array.min()), float(array.max())
     if low < 0.0 or high > 1.0:
         raise ArgumentError(name, f"must be from 0 to 1, not from {low:g} to {high:g}")
@@ -57,7 +57,7 @@ def _array(values: Any) -> Array:
 
 
 def _checked(name: str, array: Array, dimension: int) -> Array:
-    """A copy in memory, of at most `MAX_NUMBERS` real and finite numbers."""
+    """Return a copy in memory, after checking that it has at most `MAX_NUMBERS` real and finite numbers."""
     if array.ndim != dimension or not array.size:
         raise ArgumentError(name, f"must have {dimension} dimensions, not shape {array.shape}")
     if array.size > MAX_NUMBERS:
@@ -67,7 +67,7 @@ def _checked(name: str, array: Array, dimension: int) -> Array:
 
 
 def _read(file: str) -> Array:
-    """A .npy file, or how light each pixel of a picture is: 0..1, (rows, columns)."""
+    """Read a .npy file, or a picture as the brightness of its pixels, 0..1, (rows, columns)."""
     if file.endswith(".npy"):
         return np.lib.format.open_memmap(file, mode="r")
     from PIL import Image

@@ -1,4 +1,4 @@
-"""Solids made of solids: placed, united, intersected, cut out of one another."""
+"""Constructive solid geometry: solids that are placed, united, intersected or subtracted."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
     Sides = tuple[tuple["SolidShape", float], ...]
 
-MAX_DEPTH = 16
-MAX_SOLIDS = 100  # solids in one
+MAX_DEPTH = 16  # largest nesting depth of a combination
+MAX_SOLIDS = 100  # largest number of solids in a combination
 
 
 class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="placed"):
-    """A solid elsewhere, or turned. shape: in its own frame. pose: where it is. Raises ArgumentError."""
+    """A solid that is moved or rotated. shape: in its own frame. pose: of that frame. Raises ArgumentError."""
 
     shape: SolidShape
     pose: Pose = Pose()
@@ -45,44 +45,44 @@ class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return self.shape.area
 
     @property
     def extent(self) -> Vector:
-        """Half the size of a box about the origin that holds it [m]."""
+        """Half the size of a bounding box centred on the origin [m]."""
         x, y, z = np.abs(self.pose.matrix) @ self.shape.extent + np.abs(self.pose.position)
         return float(x), float(y), float(z)
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m], at most."""
+        """Upper bound of the distance from the origin to the farthest point [m]."""
         return math.hypot(*self.pose.position) + self.shape.bounding_radius
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
-        """As of its shape."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; `beyond` and `deep` as for a mesh."""
         local = (points - self.pose.position) @ self.pose.matrix
         return _distance(self.shape, local, beyond, deep)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """As of its shape."""
+        """Return samples of the shape's surface, about `spacing` [m] apart."""
         points, normals, area = self.shape.sample_surface(spacing)
         return LocalSamples(self.pose.points(points), self.pose.directions(normals), area)
 
 
 class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type"):
-    """What solids made of several have in common; abstract."""
+    """The abstract base of solids that combine several solids."""
 
     united: ClassVar[bool] = False
 
     @cached_property
     def sides(self) -> Sides:
-        """Its parts, each with 1 where the shell of the part faces outward, or -1."""
+        """The parts, each with 1 if the shell of the part faces outward, or -1 if it faces inward."""
         raise NotImplementedError
 
     @property
     def area(self) -> float:
-        """[m^2], measured by samples: an estimate. Raises ArgumentError."""
+        """Surface area [m^2], estimated from samples. Raises ArgumentError."""
         return self._area
 
     @cached_property
@@ -93,19 +93,19 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
 
     @property
     def extent(self) -> Vector:
-        """Half the size of a box about the origin that holds it [m]."""
+        """Half the size of a bounding box centred on the origin [m]."""
         bound = np.max if self.united else np.min
         x, y, z = bound([part.extent for part, side in self.sides if side > 0.0], axis=0).tolist()
         return x, y, z
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m], at most."""
+        """Upper bound of the distance from the origin to the farthest point [m]."""
         bound = max if self.united else min
         return bound(part.bounding_radius for part, side in self.sides if side > 0.0)
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside. `beyond` and `deep` as of a mesh."""
+        """Return the signed distance of points, (K, 3), negative inside: (K,) [m]. `beyond`, `deep`: as for a mesh."""
         each = (
             _distance(part, points, beyond, deep)
             if side > 0.0
@@ -115,12 +115,12 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         return functools.reduce(np.minimum if self.united else np.maximum, each)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Samples of its parts, about `spacing` [m] apart: those on its shell."""
+        """Return the samples of the parts, about `spacing` [m] apart, that lie on the shell of the whole."""
         return csg_shell.sample_shell(self, self.sides, spacing)
 
 
 class Union(Combination, frozen=True, tag="union"):
-    """All that is in any of the parts; where they meet, it is deeper than its distance says.
+    """The union of solids. Inside, where parts overlap, the true depth can exceed the computed one.
 
     Raises ArgumentError.
     """
@@ -134,12 +134,12 @@ class Union(Combination, frozen=True, tag="union"):
 
     @cached_property
     def sides(self) -> Sides:
-        """As of every combination."""
+        """The parts, each with 1 if its shell faces outward, or -1."""
         return tuple((part, 1.0) for part in self.parts)
 
 
 class Intersection(Combination, frozen=True, tag="intersection"):
-    """What is in all of the parts; outside of its edges, it is farther than its distance says.
+    """The intersection of solids. Outside its edges, the true distance can exceed the computed one.
 
     Raises ArgumentError.
     """
@@ -152,14 +152,14 @@ class Intersection(Combination, frozen=True, tag="intersection"):
 
     @cached_property
     def sides(self) -> Sides:
-        """As of every combination."""
+        """The parts, each with 1 if its shell faces outward, or -1."""
         return tuple((part, 1.0) for part in self.parts)
 
 
 class Difference(Combination, frozen=True, tag="difference"):
-    """What is in one solid and in none of others; outside of its edges, farther than its distance says.
+    """One solid minus others. Outside its edges, the true distance can exceed the computed one.
 
-    Raises ArgumentError.
+    of: the solid. less: the solids that are cut out of it. Raises ArgumentError.
     """
 
     of: SolidShape
@@ -172,7 +172,7 @@ class Difference(Combination, frozen=True, tag="difference"):
 
     @cached_property
     def sides(self) -> Sides:
-        """As of every combination."""
+        """The parts, each with 1 if its shell faces outward, or -1."""
         return (self.of, 1.0), *((part, -1.0) for part in self.less)
 
 
@@ -181,12 +181,12 @@ if TYPE_CHECKING:
     SolidShape = (
         Sphere | Box | Capsule | Mesh | Voxels | SDF | Placed | Union | Intersection | Difference
     )
-else:  # what a scene file may hold
+else:  # scene files cannot hold an SDF
     SolidShape = Sphere | Box | Capsule | Mesh | Voxels | Placed | Union | Intersection | Difference
 
 
 def check_closed(solid: SolidShape) -> None:
-    """Refuse a mesh without an inside, also as a part. Raises ArgumentError."""
+    """Check that all meshes in a solid, parts included, are closed. Raises ArgumentError."""
     if isinstance(solid, Mesh):
         solid.check_closed()
     for part in _inner(solid):

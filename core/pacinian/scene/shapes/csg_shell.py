@@ -1,4 +1,4 @@
-"""The shell of a solid that is made of solids, by the samples of its parts."""
+"""The shell of a combination of solids, found from the samples of its parts."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ if TYPE_CHECKING:
 
     Sides = Sequence[tuple[Solid, float]]
 
-FINE = 4096  # samples of its parts, about, by which an area is measured
-ON = 1e-9  # [m] from a shell: on it
-ACROSS = 1e-3  # share of the spacing: how far from a sample the solid is looked for
+FINE = 4096  # approximate number of samples of the parts for measuring an area
+ON = 1e-9  # a point this near to a shell lies on it [m]
+ACROSS = 1e-3  # distance to the two test points on either side of a sample, over the spacing
 
 
 def measure_shell(whole: Solid, sides: Sides) -> float:
-    """The area of its shell [m^2]: an estimate. Arguments as for `sample_shell`."""
+    """Estimate the area of a shell [m^2]. The arguments are those of `sample_shell`."""
     return float(_shell(whole, sides, _fine(sides)).area.sum())
 
 
 def sample_shell(whole: Solid, sides: Sides, spacing: float) -> LocalSamples:
-    """Those samples of its parts that lie on its shell, with its area shared out among them.
+    """Return the samples of the parts that lie on the shell of the whole, with its area divided among them.
 
-    sides: the parts, each with 1 where the shell of the part faces outward, -1 where it faces inward.
-    spacing: about how far apart [m]; thinner walls than a thousandth of it are not seen.
+    sides: the parts, each with 1 if the shell of the part faces outward, or -1 if it faces inward. spacing: approximate
+    distance of samples [m]; walls thinner than a thousandth of it are missed.
     """
     samples = _shell(whole, sides, spacing)
-    if not len(samples.points):  # what there is of it is smaller than the spacing
+    if not len(samples.points):  # the shell is smaller than the spacing
         samples = _shell(whole, sides, _fine(sides))
         samples = _only(samples, thin_out(samples.points, APART * spacing))
     return samples._replace(area=scale_shell(samples.area, whole.area))
 
 
 def _fine(sides: Sides) -> float:
-    return math.sqrt(sum(part.area for part, _ in sides) / FINE) or 1.0  # of nothing, any
+    return math.sqrt(sum(part.area for part, _ in sides) / FINE) or 1.0  # any, if there is no area
 
 
 def _only(samples: LocalSamples, kept: Flags | Indices) -> LocalSamples:
@@ -58,7 +58,7 @@ def _shell(whole: Solid, sides: Sides, spacing: float) -> LocalSamples:
         points, step = samples.points, ACROSS * spacing * samples.normals
         on = np.abs(whole.distance(points)) <= np.abs(part.distance(points)) + ON
         on &= (whole.distance(points + step) > 0.0) & (whole.distance(points - step) < 0.0)
-        for other, _ in sides[:i]:  # where shells coincide, one is enough
+        for other, _ in sides[:i]:  # where shells coincide, keep the samples of one
             on &= np.abs(other.distance(points)) > ON
         kept.append(_only(samples, on))
     return LocalSamples(*(np.concatenate(values) for values in zip(*kept, strict=True)))

@@ -1,4 +1,4 @@
-"""Curves in their own frame: felt along their whole length, or paths for a moving focus."""
+"""Curves in their own frame. They are felt along their whole length, or guide a moving focus."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from pacinian.scene.shapes.polyline import Polyline3D
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MAX_POINTS = 100_000  # points of a polyline
-MIN_LENGTH = 1e-6  # [m]
-TURNS = 100  # at most, of a Lissajous figure
-FINE = 512  # points for each turn
+MAX_POINTS = 100_000  # largest number of points of a polyline
+MIN_LENGTH = 1e-6  # smallest length of a polyline [m]
+TURNS = 100  # largest frequency a or b of a Lissajous figure
+FINE = 512  # points per turn for measuring a Lissajous figure
 
 
 class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="line"):
-    """A straight line along x, about the origin. length [m]. Raises ArgumentError."""
+    """A straight line along x, centred on the origin. length: [m]. Raises ArgumentError."""
 
     length: float
 
@@ -42,21 +42,21 @@ class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.length / 2.0
 
     def at(self, u: Floats) -> Floats:
-        """Points at u, (K,): (K, 3) [m], at constant speed; to +x while u goes to 1/2, and back."""
+        """Return the points at u, (K,): (K, 3) [m]. From u = 0 to 1/2 they move to +x at constant speed, then back."""
         points = np.zeros((len(u), 3))
         points[:, 0] = self.length * (_there_and_back(u) - 0.5)
         return points
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        """Return points `spacing` [m] apart or a little more. Each represents a square with this side."""
         return _cover(self, spacing, 0.5)
 
     def distance(self, points: Floats) -> Floats:
-        """Distance of points, (K, 3), (K,) [m]."""
+        """Return the distance of points, (K, 3), from the curve: (K,) [m]."""
         x, y, z = points.T
         return np.asarray(
             np.hypot(np.hypot(x - np.clip(x, -self.bounding_radius, self.bounding_radius), y), z)
@@ -64,7 +64,7 @@ class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
 
 class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="circle"):
-    """A circle in the xy-plane about the origin. radius [m]. Raises ArgumentError."""
+    """A circle in the xy-plane, centred on the origin. radius: [m]. Raises ArgumentError."""
 
     radius: float
 
@@ -73,25 +73,25 @@ class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the curve [m]."""
         return 2.0 * math.pi * self.radius
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.radius
 
     def at(self, u: Floats) -> Floats:
-        """Points at u, (K,): (K, 3) [m], at constant speed; from +x by way of +y, once while u goes to 1."""
+        """Return the points at u, (K,): (K, 3) [m]. They go around once from u = 0 to 1, from +x towards +y."""
         phi = 2.0 * np.pi * u
         return self.radius * np.stack([np.cos(phi), np.sin(phi), np.zeros_like(phi)], axis=-1)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        """Return points `spacing` [m] apart or a little more. Each represents a square with this side."""
         return _cover(self, spacing)
 
     def distance(self, points: Floats) -> Floats:
-        """Distance of points, (K, 3), (K,) [m]."""
+        """Return the distance of points, (K, 3), from the curve: (K,) [m]."""
         x, y, z = points.T
         return np.asarray(np.hypot(np.hypot(x, y) - self.radius, z))
 
@@ -101,7 +101,7 @@ class Lissajous(
 ):
     """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
 
-    width, height: [m]. a, b: whole numbers, 1 to 100; their common divisor is taken out, so that the
+    width, height: [m]. a, b: whole numbers, 1 to 100, which are divided by their greatest common divisor, so that the
     figure is drawn once. phase: [deg]. Raises ArgumentError.
     """
 
@@ -124,25 +124,25 @@ class Lissajous(
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the curve [m]."""
         return float(self._arc[1][-1])
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m], at most."""
+        """Upper bound of the distance from the origin to the farthest point [m]."""
         return math.hypot(self.width, self.height) / 2.0
 
     def at(self, u: Floats) -> Floats:
-        """Points at u, (K,): (K, 3) [m], at constant speed; once while u goes to 1."""
+        """Return the points at u, (K,): (K, 3) [m]. They draw the figure once at constant speed from u = 0 to 1."""
         s, arc = self._arc
         return self._points(np.interp((u % 1.0) * arc[-1], arc, s))
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        """Return points `spacing` [m] apart or a little more. Each represents a square with this side."""
         return _cover(self, spacing)
 
     def distance(self, points: Floats) -> Floats:
-        """Distance of points, (K, 3), (K,) [m], to within 1e-4 of its size."""
+        """Return the distance of points, (K, 3), from the curve, (K,) [m], accurate to 1e-4 of its size."""
         return self._pieces.distance(points)
 
     def _points(self, s: Floats) -> Floats:
@@ -152,7 +152,7 @@ class Lissajous(
 
     @functools.cached_property
     def _arc(self) -> tuple[Floats, Floats]:
-        """s, and the length of the curve up to there [m], (L,) each."""
+        """The parameter s, and the arc length up to it [m], (L,) each."""
         s = np.linspace(0.0, 2.0 * np.pi, FINE * max(self.a, self.b) + 1)
         x = self.a * self.width / 2.0 * np.cos(self.a * s + math.radians(self.phase))
         y = self.b * self.height / 2.0 * np.cos(self.b * s)
@@ -168,9 +168,9 @@ class Lissajous(
 class Polyline(
     Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type", tag="polyline"
 ):
-    """Straight pieces from point to point, in space.
+    """Straight segments from point to point in space.
 
-    points: [m], 2 to 100,000. closed: with a piece from the last to the first. Raises ArgumentError.
+    points: 2 to 100,000 [m]. closed: whether a segment joins the last point to the first. Raises ArgumentError.
     """
 
     points: tuple[Vector, ...]
@@ -188,25 +188,28 @@ class Polyline(
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the curve [m]."""
         return self._pieces.length
 
     @functools.cached_property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return float(np.sqrt((np.array(self.points) ** 2).sum(axis=1).max()))
 
     def at(self, u: Floats) -> Floats:
-        """Points at u, (K,): (K, 3) [m], at constant speed; once while u goes to 1, or there and back."""
+        """Return the points at u, (K,): (K, 3) [m], at constant speed.
+
+        From u = 0 to 1, they go around a closed polyline once, or along an open one and back.
+        """
         share = u % 1.0 if self.closed else _there_and_back(u)
         return self._pieces.at(share * self.length)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
+        """Return points `spacing` [m] apart or a little more. Each represents a square with this side."""
         return _cover(self, spacing, 1.0 if self.closed else 0.5)
 
     def distance(self, points: Floats) -> Floats:
-        """Distance of points, (K, 3), (K,) [m]."""
+        """Return the distance of points, (K, 3), from the curve: (K,) [m]."""
         return self._pieces.distance(points)
 
     @functools.cached_property
@@ -226,12 +229,12 @@ class _Path(Protocol):
 
 
 def _there_and_back(u: Floats) -> Floats:
-    """0 to 1 and back while u goes from 0 to 1."""
+    """Return values that go from 0 to 1 and back to 0 as u goes from 0 to 1."""
     return np.asarray(1.0 - np.abs(1.0 - 2.0 * (u % 1.0)))
 
 
 def _cover(curve: _Path, spacing: float, once: float = 1.0) -> LocalSamples:
-    """Points in the middle of equal pieces of a curve that is passed once while u goes to `once`."""
+    """Return the midpoints of equal pieces of a curve that is traversed once as u goes from 0 to `once`."""
     K = max(1, math.floor(check_count(curve.length, spacing, 1) + EDGE))
     points = curve.at(np.asarray(once * (np.arange(K) + 0.5) / K, dtype=np.float64))
     return LocalSamples(points, np.zeros_like(points), np.full(K, (curve.length / K) ** 2))

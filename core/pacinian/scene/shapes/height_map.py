@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
     Heights = ArrayLike
-else:  # what a scene file may hold
+else:  # the types that a scene file may hold
     Heights = bytes | tuple[tuple[float, ...], ...]
 
-GAUSS = 0.5 - 0.75**0.5 / 3.0, 0.5 + 0.75**0.5 / 3.0  # the two points of his rule
+GAUSS = 0.5 - 0.75**0.5 / 3.0, 0.5 + 0.75**0.5 / 3.0  # nodes of the two-point Gauss rule
 
 
 class HeightMap(
@@ -37,12 +37,12 @@ class HeightMap(
     tag_field="type",
     tag="height-map",
 ):
-    """A surface over a rectangle in the xy-plane about the origin, facing +z.
+    """A surface over a rectangle in the xy-plane, centred on the origin and facing +z.
 
-    heights: at R x C points, in rows as in a picture that is looked at from +z: the first row is at the
-    far end of y, the first and last points are on the outline. Between them it is bilinear. Or file: a
-    .npy file, or a picture (white is 1); in a scene file from that file's folder. width in x, height in
-    y [m]. depth: how high 1 is [m]. Raises ArgumentError.
+    heights: at R x C points, in rows as in a picture seen from +z, so that the first row is at the largest y. The first
+    and last points lie on the outline. Heights in between are interpolated bilinearly. file: a .npy file or a picture
+    (white is 1), instead of heights; a scene file gives it relative to its own folder. width, height: in x and y [m].
+    depth: height of the value 1 [m]. Raises ArgumentError.
     """
 
     heights: Heights | None = None
@@ -60,7 +60,7 @@ class HeightMap(
 
     @cached_property
     def z(self) -> Floats:
-        """Its heights, (R, C) [m]; y grows with the row, x with the column."""
+        """Heights, (R, C) [m]; y increases with the row, x with the column."""
         given = decode_array("heights", self.heights, self.file, 2)
         R, C = given.shape
         if min(R, C) < 2:
@@ -72,7 +72,7 @@ class HeightMap(
 
     @cached_property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         R, C = self.z.shape
         corners = self.z[:-1, :-1], self.z[:-1, 1:], self.z[1:, :-1], self.z[1:, 1:]
         stretch = 0.0
@@ -84,22 +84,22 @@ class HeightMap(
 
     @cached_property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         R, C = self.z.shape
         x, y = np.linspace(-0.5, 0.5, C) * self.width, np.linspace(-0.5, 0.5, R) * self.height
         return math.sqrt(float((x**2 + y[:, None] ** 2 + self.z**2).max()))
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m], to first order; negative below, not beside it.
+        """Return the signed distance of points, (K, 3), to first order, negative below the surface: (K,) [m].
 
-        It is the height above the surface times the cosine of the slope there.
+        This is the height above the surface times the cosine of the slope there. Beside the surface it is positive.
         """
         z, x, y = self._at(points)
         d = (points[:, 2] - z) / np.sqrt(1.0 + x * x + y * y)
         return distance_beside(distance_outside(points, self.width, self.height), d)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """A grid in x and y with the outline in it, at most `spacing` [m] apart: farther on a slope."""
+        """Return a grid that includes the outline, at most `spacing` [m] apart in x and y, so wider on slopes."""
         points, _, area = Rectangle(self.width, self.height).sample_surface(spacing)
         points[:, 2], x, y = self._at(points)
         stretch = np.sqrt(1.0 + x * x + y * y)
@@ -107,7 +107,7 @@ class HeightMap(
         return LocalSamples(points, normals, scale_shell(area * stretch, self.area))
 
     def _at(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Height at points [m], or at those of the outline next to them, and its slopes in x and y, (K,)."""
+        """Return the height [m] and its slopes in x and y at points, or at the nearest points of the outline, (K,)."""
         R, C = self.z.shape
         u, v = (C - 1) / self.width, (R - 1) / self.height
         s = np.fmin(np.fmax(points[:, 0] * u + (C - 1) / 2.0, 0.0), C - 1.0)
@@ -121,7 +121,7 @@ class HeightMap(
 def _bilinear(
     a: Floats, b: Floats, c: Floats, d: Floats, s: Floats | float, t: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
-    """Between a at (s, t) = (0, 0), b at (1, 0), c at (0, 1) and d: the value, and its slopes in s and t."""
+    """Interpolate between a at (s, t) = (0, 0), b at (1, 0), c at (0, 1), d at (1, 1): value, slopes in s and t."""
     x, y = b - a, c - a
     twist = d - c - x
     y = y + s * twist

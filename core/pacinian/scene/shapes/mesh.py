@@ -23,24 +23,24 @@ from pacinian.scene.shapes.triangles import Triangles, read_mesh
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-TRIES = 12  # random candidates for each sample
-RIM = 8  # candidates on a spacing of an open mesh's rim
+TRIES = 12  # random candidates per sample
+RIM = 8  # candidates per spacing on the rim of an open mesh
 
-Stamp = tuple[int, int]  # when a file was changed [ns], and its size
-# what is at hand of files, by file, scale and stamp, as long as a mesh has it
+Stamp = tuple[int, int]  # modification time of a file [ns], and its size [bytes]
+# cache of triangles by file, scale and stamp; an entry lives as long as a mesh uses it
 _read: WeakValueDictionary[tuple[str, float, Stamp | None], Triangles] = WeakValueDictionary()
 
 
 class Mesh(
     Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="mesh", dict=True
 ):
-    """A triangle mesh, from a file (OBJ, STL, PLY, OFF, glTF), or given here.
+    """A triangle mesh from a file (OBJ, STL, PLY, OFF, glTF), or from vertices and faces.
 
-    A closed one is a solid, and one wound inside out is turned; an open one faces where its triangles are
-    seen counter-clockwise. Several meshes in a file are one.
+    A closed mesh is a solid; if it is wound inside out, its triangles are flipped. An open mesh faces the side from
+    which its triangles appear counter-clockwise. Several meshes in a file count as one.
 
-    file: its path; in a scene file, from that file's folder. scale: [m] per unit of the mesh.
-    vertices: [unit], V x 3. faces: indices of vertices, F x 3. Raises ArgumentError.
+    file: path; a scene file gives it relative to its own folder. scale: [m] per unit of the mesh. vertices: [unit],
+    (V, 3). faces: indices of vertices, (F, 3). Raises ArgumentError.
     """
 
     file: str = ""
@@ -67,26 +67,26 @@ class Mesh(
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return self.triangles.area
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.triangles.bounding_radius
 
     @property
     def extent(self) -> Vector:
-        """Half the size of the box about its origin that holds it [m]."""
+        """Half the size of the bounding box centred on the origin [m]."""
         return self.triangles.extent
 
     @property
     def closed(self) -> bool:
-        """Whether it has an inside: its triangles close, and are wound alike."""
+        """Whether the mesh encloses a volume: its triangles close, and are wound the same way."""
         return not self.triangles.flaw
 
     def check_closed(self) -> None:
-        """Refuse a mesh without an inside. Raises ArgumentError."""
+        """Check that the mesh encloses a volume. Raises ArgumentError."""
         if flaw := self.triangles.flaw:
             name = self.file or "given here"
             raise ArgumentError(
@@ -94,17 +94,17 @@ class Mesh(
             )
 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]: negative inside, or behind an open surface.
+        """Return the signed distance of points, (K, 3), (K,) [m]: negative inside, or behind an open surface.
 
-        Beside an open surface it is positive. The first call takes a while (0.2 s for 20,000 triangles).
+        Beside an open surface, the distance is positive. The first call is slow (0.2 s for 20,000 triangles).
 
-        beyond, deep: farther outside or inside than these [m], it may be given as less far, but not as
-        less than these; deep behind an open surface, as in front.
+        beyond, deep: farther outside or inside than these [m], the result may be too near, but it stays beyond these
+        limits. Deep behind an open surface, the result may have the sign of the front.
         """
         return self.triangles.distance(points, beyond, deep)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Random samples (always the same), thinned to about `spacing` [m], those of an open mesh's rim first."""
+        """Return reproducible random samples, thinned to about `spacing` [m]. The rim of an open mesh comes first."""
         from trimesh import Trimesh
         from trimesh.sample import sample_surface
 
@@ -122,7 +122,10 @@ class Mesh(
 
     @property
     def triangles(self) -> Triangles:
-        """Its triangles [m]; read again when its file has changed to another mesh. Raises ArgumentError."""
+        """Triangles of the mesh [m]. A changed file is read again; if that fails, the old triangles stay.
+
+        Raises ArgumentError.
+        """
         kept: tuple[Stamp | None, Triangles] | None = vars(self).get("kept")
         stamp = _stamp(self.file)
         if kept is None or (stamp is not None and stamp != kept[0]):
@@ -131,7 +134,7 @@ class Mesh(
             except ArgumentError as error:
                 if kept is None:
                     raise
-                logging.getLogger("pacinian").warning("a mesh stays as it was: %s", error)
+                logging.getLogger("pacinian").warning("keeping the previous mesh: %s", error)
                 made = kept[1]
             kept = vars(self)["kept"] = stamp, made
         return kept[1]
@@ -147,7 +150,7 @@ class Mesh(
 
 
 def _stamp(file: str) -> Stamp | None:
-    """When a file was changed; None if it is not there."""
+    """Return the modification time and size of a file; None if it does not exist."""
     try:
         stat = os.stat(file) if file else None
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Rough distances to a mesh, so that what is far away needs no exact one."""
+"""Rough distances to a mesh, which suffice for points far away."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.triangles import Triangles
     from pacinian.types import Floats, Indices, Longs
 
-CELL = 0.0015  # [m], the least size of a cell
-CELLS = 1 << 18  # at most
-COARSE = 8  # cells along a side of the largest
+CELL = 0.0015  # smallest size of a cell [m]
+CELLS = 1 << 18  # largest number of cells
+COARSE = 8  # side of the coarsest octree cells, in cells
 EIGHT = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 class Bounds:
-    """Bounds of the signed distance to triangles, from cubic cells: not farther, and 0 near the surface.
+    """Bounds of the signed distance to triangles, one for each cubic cell.
 
-    Beside, before and behind an open surface they are positive.
+    The bound is never farther than the distance, and it is 0 near the surface. For an open surface it is positive on
+    all sides.
     """
 
     def __init__(self, t: Triangles, distance: Callable[[Floats], Floats]) -> None:
@@ -40,10 +41,10 @@ class Bounds:
             self._sign(t)
 
     def __call__(self, points: Floats, beyond: float, deep: float, d: Floats) -> Longs:
-        """Write the bound of points, (K, 3), to d, (K,) [m].
+        """Write the bounds of points, (K, 3), to d, (K,) [m].
 
-        Returns the indices of those that may be neither farther outside than `beyond` [m] nor deeper
-        inside than `deep` [m].
+        Returns the indices of the points that may lie within `beyond` [m] outside and `deep` [m] inside, and therefore
+        need an exact distance.
         """
         near = np.empty(len(points), dtype=np.int64)
         most = beyond if self.closed else max(beyond, deep)
@@ -51,13 +52,16 @@ class Bounds:
         return near[:number]
 
     def _gap(self, number: Indices, distance: Callable[[Floats], Floats]) -> Floats:
-        """Least distance of each cell from the surface [m]: by exact ones near it, by cells elsewhere."""
+        """Return a lower bound of each cell's distance from the surface [m].
+
+        Near the surface it follows from exact distances, and elsewhere from a distance transform of the cells.
+        """
         from scipy import ndimage
 
         size, half = self.size, math.sqrt(3.0) / 2.0 * self.size
         cells = np.argwhere(np.ones(number // COARSE)) * COARSE
         side = COARSE
-        while True:  # an octree of the cells that the surface may cross
+        while True:  # refine an octree of the cells that the surface may cross
             d = distance(self.low + (cells + side / 2.0) * size)
             if side == 1:
                 break
@@ -65,7 +69,7 @@ class Bounds:
             cells = (cells[d <= 2 * side * half, None] + side * EIGHT).reshape(-1, 3)
         crossed = np.zeros(number, dtype=np.bool_)
         crossed[tuple(cells[d <= half].T)] = True
-        # from cell to cell, not from centre to centre: to the nearest of those that touch one crossed
+        # Measure to the nearest cell that touches a crossed one, because distances between cells, not centres, count.
         touching = ndimage.binary_dilation(crossed, np.ones((3, 3, 3), dtype=np.bool_))
         gap = size * ndimage.distance_transform_edt(~touching)
         at = tuple(cells.T)
@@ -73,7 +77,7 @@ class Bounds:
         return np.asarray(gap)
 
     def _sign(self, t: Triangles) -> None:
-        """Make bounds inside negative: what hangs together away from the surface has one sign."""
+        """Make the bounds inside negative. Each connected component of cells away from the surface has one sign."""
         from scipy import ndimage
 
         part = np.asarray(ndimage.label(self.gap > 0.0)[0])
@@ -81,15 +85,15 @@ class Bounds:
         cells = np.stack(np.unravel_index(first, part.shape), axis=1)
         turns = winding_number(t, self.low + (cells + 0.5) * self.size)
         sign = np.where(turns > 0.5, -1.0, 1.0)
-        sign[0] = 1.0  # near the surface
+        sign[0] = 1.0  # the cells near the surface
         self.gap *= sign[part]
 
 
 def winding_number(t: Triangles, points: Floats) -> Floats:
-    """How often the triangles wind around each of a few points, (K, 3) [m], (K,): 1 inside, 0 outside.
+    """Return the winding number of the triangles around each of a few points, (K, 3) [m]: (K,), 1 inside, 0 outside.
 
-    The sum of their solid angles by A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE
-    Trans. Biomed. Eng. 30 (1983) 125. libigl's builds a tree, in which the interpreter lock is held too long.
+    Sums the solid angles by A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed.
+    Eng. 30 (1983) 125. libigl's function is not used, because it holds the interpreter lock too long to build a tree.
     """
     corners = t.vertices[t.faces]  # (F, 3, 3) [m]
     turns = np.zeros(len(points))
@@ -103,5 +107,5 @@ def winding_number(t: Triangles, points: Floats) -> Floats:
 
 
 def _cells(extent: Floats, size: float) -> Indices:
-    """How many cells of `size` [m] hold a box of `extent` [m]: a multiple of COARSE along each side."""
+    """Return the number of cells of `size` [m] along each side of a box of `extent` [m]: multiples of COARSE."""
     return COARSE * np.maximum(np.ceil(extent / (COARSE * size)), 1.0).astype(np.intp)

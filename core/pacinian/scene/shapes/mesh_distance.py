@@ -1,4 +1,4 @@
-"""Signed distances to triangles."""
+"""Signed distances to the triangles of a mesh."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 class MeshDistance:
-    """Signed distances to triangles: to the nearest point, with the sign of the pseudo-normal there.
+    """Signed distances to triangles: the distance to the nearest point, with the sign from the pseudo-normal there.
 
-    Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005. The
-    rim of an open surface has no normal: what is nearest to it lies beside the surface, and counts as in
-    front.
+    Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005. The rim of an open
+    surface has no normal. A point whose nearest surface point is on the rim lies beside the surface, where the distance
+    is positive.
 
-    normals, features: as from `pseudo_normals`. inward, offset: in the plane of each face, a point x is
-    inward . x + offset from each of its edges [m].
+    normals, features: from `pseudo_normals`. inward, offset: in the plane of each face, the distance of a point x from
+    each edge is inward . x + offset [m].
     """
 
     def __init__(self, t: Triangles) -> None:
@@ -34,7 +34,7 @@ class MeshDistance:
         wide = t.areas > 0.0
         self.triangles, self.vertices, self.faces = t, t.vertices, t.faces[wide]
         self.tree: Any = igl.AABB()
-        weakref.finalize(self, self.__dict__.pop, "tree", None)  # before the interpreter is gone
+        weakref.finalize(self, self.__dict__.pop, "tree", None)  # free the tree before exit
         self.tree.init(self.vertices, self.faces)
         self.normals, features = pseudo_normals(t)
         self.features = features[wide]
@@ -45,14 +45,14 @@ class MeshDistance:
 
     @cached_property
     def bounds(self) -> Bounds:
-        """Rough distances, for what is far away."""
+        """Rough distances, for points far away."""
         return Bounds(self.triangles, self.unsigned)
 
     def __call__(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; infinite where one is not finite.
+        """Return the signed distance of points, (K, 3), (K,) [m]; infinite for points that are not finite.
 
-        beyond, deep: farther outside or inside than these [m], it may be given as less far, but not as
-        less than these; deep behind an open surface, as in front.
+        beyond, deep: farther outside or inside than these [m], the result may be too near, but it stays beyond these
+        limits. Deep behind an open surface, the result may have the sign of the front.
         """
         d = np.empty(len(points))
         points = np.ascontiguousarray(points, dtype=np.float64)
@@ -69,16 +69,16 @@ class MeshDistance:
         return d
 
     def unsigned(self, points: Floats) -> Floats:
-        """Distance of points, (K, 3), (K,) [m]."""
+        """Return the unsigned distance of points, (K, 3): (K,) [m]."""
         squared: Floats = self.tree.squared_distance(self.vertices, self.faces, points)[0]
         return np.sqrt(squared)
 
 
 def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
-    """Normals, not unit, of faces, edges and vertices in a row; and which of them each face has where.
+    """Return the pseudo-normals, not of unit length, of faces, edges and vertices in one array, and an index into it.
 
-    The second is (F, 8), by the edges that a point of the face lies on: bit i for that opposite to
-    corner i.
+    The index, (F, 8), gives for each face the normal of a point on it. Its second axis is a bit mask of the edges on
+    which the point lies: bit i is the edge opposite corner i.
     """
     import igl
     from scipy import sparse
@@ -87,7 +87,7 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
     corner, edge, three = t.faces.ravel(), t.edges.ravel(), np.repeat(np.arange(F), 3)
     first, last = (t.vertices[np.roll(t.faces, -k, axis=1)] for k in (1, 2))
     lengths = np.sqrt(((last - first) ** 2).sum(axis=2)).reshape(-1, 1)
-    # a face without area is an edge: that of its neighbours on either side
+    # A face without area counts as an edge, which joins its neighbours on either side.
     normals, thin = t.normals.copy(), t.areas == 0.0
     x, y, z = t.edges[thin].T
     joins = np.concatenate([x, y]), np.concatenate([y, z])
@@ -100,7 +100,7 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
     of_vertices = _sums(corner, angles * normals[three], V)
     rim = np.isin(line, line[t.sharing == 1])
     of_edges[rim] = 0.0
-    for k in (1, 2):  # both ends of each edge of the rim
+    for k in (1, 2):  # the ends of each rim edge
         of_vertices[np.roll(t.faces, -k, axis=1)[rim[t.edges]]] = 0.0
     face = np.arange(F)
     (e0, e1, e2), (v0, v1, v2) = F + t.edges.T, F + E + t.faces.T
@@ -109,6 +109,6 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
 
 
 def _sums(index: Indices, values: Floats, size: int) -> Floats:
-    """Sums of the rows of `values`, (K, 3), with the same index: (size, 3)."""
+    """Sum the rows of `values`, (K, 3), that have the same index: (size, 3)."""
     columns = [np.bincount(index, column, size) for column in values.T]
     return np.stack(columns, axis=1).astype(np.float64, copy=False)

@@ -1,4 +1,4 @@
-"""What is mended of a mesh."""
+"""Repairs of a mesh: merged vertices and outward orientation."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def merge_vertices(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
-    """Vertices and faces without repetition.
+    """Return vertices and faces without duplicates.
 
-    Vertices within 10 nm are one, and so are faces of the same vertices, whichever side they face. Faces
-    with a vertex twice are dropped, and vertices without a face.
+    Merges vertices within 10 nm, and faces of the same vertices, whichever side they face. Drops faces that have a
+    vertex twice, and vertices without a face.
     """
     from trimesh import Trimesh
 
@@ -27,9 +27,9 @@ def merge_vertices(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
 
 
 def orient_outward(vertices: Floats, faces: Longs) -> Longs:
-    """Faces of a closed mesh, with those bodies turned that are wound inside out.
+    """Return the faces of a closed mesh with inside-out bodies flipped.
 
-    A body wound inside out within another is a cavity, and stays.
+    An inside-out body within another body is a cavity, and is not flipped.
     """
     import igl
 
@@ -46,6 +46,6 @@ def orient_outward(vertices: Floats, faces: Longs) -> Longs:
 
 
 def volume(vertices: Floats, faces: Longs) -> Floats:
-    """Signed volume between each face and the origin, (F,) [m^3]; in all, what a closed mesh encloses."""
+    """Return the signed volume between each face and the origin, (F,) [m^3]; the sum is that of a closed mesh."""
     a, b, c = (vertices[corner] for corner in faces.T)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0, dtype=np.float64)

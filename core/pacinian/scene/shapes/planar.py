@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="rectangle"):
-    """A rectangle in the xy-plane about the origin, facing +z. width in x, height in y [m]."""
+    """A rectangle in the xy-plane, centred on the origin and facing +z. width, height: in x and y [m]."""
 
     width: float
     height: float
@@ -29,20 +29,20 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return self.width * self.height
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return math.hypot(self.width, self.height) / 2.0
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative behind it, not beside it."""
+        """Return the signed distance of points, (K, 3), (K,) [m]: negative behind the surface, positive beside it."""
         return distance_beside(distance_outside(points, self.width, self.height), points[:, 2])
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """A grid with its outline in it, at most `spacing` [m] apart."""
+        """Return a grid that includes the outline, at most `spacing` [m] apart."""
         check_count(self.area, spacing, 2)
         (x, width), (y, height) = span(self.width, spacing), span(self.height, spacing)
         X, Y = np.meshgrid(x, y)
@@ -50,7 +50,7 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
 
 
 class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="disc"):
-    """A disc in the xy-plane about the origin, facing +z. radius [m]."""
+    """A disc in the xy-plane, centred on the origin and facing +z. radius: [m]."""
 
     radius: float
 
@@ -59,21 +59,21 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return math.pi * self.radius**2
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.radius
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative behind it, not beside it."""
+        """Return the signed distance of points, (K, 3), (K,) [m]: negative behind the surface, positive beside it."""
         x, y, z = points.T
         return distance_beside(np.maximum(np.hypot(x, y) - self.radius, 0.0), z)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Rings with the outline among them, at most `spacing` [m] apart, and in each of them."""
+        """Return points on rings that include the outline, at most `spacing` [m] apart along and across the rings."""
         check_count(self.area, spacing, 2)
         radius = self.radius if self.radius >= spacing / 2.0 else 0.0
         steps = math.ceil(radius / spacing - EDGE)
@@ -88,7 +88,7 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
 
 
 class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="box"):
-    """A box about the origin. size: its full extent in x, y and z [m]."""
+    """A box centred on the origin. size: its full extent in x, y and z [m]."""
 
     size: Vector
 
@@ -99,7 +99,7 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         x, y, z = self.size
         return 2.0 * (x * y + y * z + z * x)
 
@@ -111,24 +111,24 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return math.hypot(*self.extent)
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; negative inside."""
         x, y, z = np.abs(points.T) - np.array(self.extent)[:, None]
         nearest = np.maximum(np.maximum(x, y), z)
         x, y, z = np.maximum(x, 0.0), np.maximum(y, 0.0), np.maximum(z, 0.0)
         return np.asarray(np.sqrt(x * x + y * y + z * z) + np.minimum(nearest, 0.0))
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """A centred grid on each of the six faces, `spacing` [m] apart or a little more, none on an edge."""
+        """Return a centred grid on each of the six faces, `spacing` [m] apart or a little more, without the edges."""
         x, y, z = self.size
         sides: list[LocalSamples] = []
         for axis, (width, height) in enumerate(((y, z), (z, x), (x, y))):
             face = _inner(width, height, spacing)
             for side in (-1.0, 1.0):
-                # (u, v, 0) to the face's own two axes, in turn
+                # cyclically move (u, v, 0) to the axes of this face
                 points = np.roll(face.points, axis + 1, axis=1)
                 points[:, axis] = side * self.extent[axis]
                 normals = np.roll(side * face.normals, axis + 1, axis=1)
@@ -137,20 +137,20 @@ class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag
 
 
 def _inner(width: float, height: float, spacing: float) -> LocalSamples:
-    """A centred grid, half a step from the outline."""
+    """Return a centred grid that starts half a step from the outline."""
     check_count(width * height, spacing, 2)
     X, Y = np.meshgrid(centre(width, spacing), centre(height, spacing))
     return _facing_up(X.ravel(), Y.ravel(), np.full(X.size, width * height / X.size))
 
 
 def distance_outside(points: Floats, width: float, height: float) -> Floats:
-    """How far points, (K, 3), are outside of a centred width x height outline in x and y, (K,) [m]."""
+    """Return the distance of points, (K, 3), outside a centred width x height outline in x and y, (K,) [m]."""
     x, y = np.maximum(np.abs(points[:, 0]) - width / 2.0, 0.0), np.abs(points[:, 1]) - height / 2.0
     return np.asarray(np.hypot(x, np.maximum(y, 0.0)))
 
 
 def distance_beside(outside: Floats, height: Floats) -> Floats:
-    """Signed distance to an open surface: of points within its outline their height, (K,) [m]."""
+    """Return the signed distance to an open surface, (K,) [m]: within its outline, the height of the point."""
     return np.where(outside > 0.0, np.hypot(outside, height), height)
 
 

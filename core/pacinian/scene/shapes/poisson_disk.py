@@ -1,4 +1,4 @@
-"""Points spread evenly, out of many."""
+"""Poisson-disk sampling: thin out many points to evenly spread ones."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
-APART = 0.8  # share of the spacing that neighbours keep: then there is one sample per spacing^2
+APART = 0.8  # smallest distance of neighbours, over the spacing; this gives about one sample per spacing^2
 
 
 def thin_out(points: Floats, radius: float, first: int = 0) -> Indices:
-    """Indices of points, (K, 3) [m], of which no two are nearer than `radius` [m], and none is missing.
+    """Return the indices of a maximal subset of points, (K, 3) [m], no two of which are nearer than `radius` [m].
 
-    Of the first so many as are kept beside each other, then of the others at random (always the same).
+    The first `first` points are tried first, in order. The others are tried in a reproducible random order.
     """
     from scipy.spatial import KDTree
 

@@ -1,4 +1,4 @@
-"""Shapes given by a signed-distance function, and samples of any solid: on its shell, and inside."""
+"""Shapes given by a signed-distance function, and samples on the shell and inside of any solid."""
 
 from __future__ import annotations
 
@@ -21,43 +21,43 @@ from pacinian.types import Floats
 if TYPE_CHECKING:
     from pacinian.types import Indices
 
-STEPS = 5
-ON = 0.01  # share of the spacing within which a projected point is on the shell
-CELLS = 50_000  # of a box that holds a solid, to measure its area
+STEPS = 5  # number of Newton steps that project a point on the shell
+ON = 0.01  # largest distance of a projected point from the shell, over the spacing
+CELLS = 50_000  # approximate number of cells in a solid's bounding box for measuring its area
 
 
 class Solid(Protocol):
-    """What a volume needs of its shape."""
+    """The interface of a volume's shape."""
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         ...
 
     @property
     def extent(self) -> Vector:
-        """Half the size of a box about the origin that holds it [m]."""
+        """Half the size of a bounding box centred on the origin [m]."""
         ...
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m], at most."""
+        """Upper bound of the distance from the origin to the farthest point [m]."""
         ...
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; negative inside."""
         ...
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Samples of its shell, about `spacing` [m] apart."""
+        """Return samples of the shell, about `spacing` [m] apart."""
         ...
 
 
 class SDF(Struct, frozen=True, eq=False, dict=True):
     """A volume given by a signed-distance function.
 
-    function: points, (K, 3) [m], to distances, (K,) [m], negative inside. extent: half the size of a
-    box about the origin that holds it [m]. Raises ArgumentError.
+    function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside. extent: half the size of a bounding box
+    centred on the origin [m]. Raises ArgumentError.
     """
 
     function: Callable[[Floats], Floats]
@@ -70,7 +70,7 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     @property
     def area(self) -> float:
-        """[m^2], measured on a grid: an estimate."""
+        """Surface area [m^2], estimated on a grid."""
         return self._area
 
     @cached_property
@@ -79,11 +79,11 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m], at most."""
+        """Upper bound of the distance from the origin to the farthest point [m]."""
         return math.hypot(*self.extent)
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
         d = np.asarray(self.function(points), dtype=np.float64)
         if d.shape != (len(points),) or not np.isfinite(d).all():
             raise ArgumentError(
@@ -94,12 +94,12 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
         return d
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
+        """Return points of a fine grid, projected on the shell and thinned to about `spacing` [m]."""
         return sample_solid(self, spacing)
 
 
 def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
-    """Points of a fine grid near a shell, projected on it by Newton steps and thinned to `spacing` [m]."""
+    """Return points of a fine grid, projected on the shell by Newton steps and thinned to about `spacing` [m]."""
     extent = np.array(solid.extent)
     points, area = _near(solid, spacing / 3.0, -extent, extent)
     for _ in range(STEPS):
@@ -116,10 +116,10 @@ def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
 
 
 def measure_solid(solid: Solid) -> float:
-    """The area of a shell [m^2], by the cells of a grid that it passes through: an estimate."""
+    """Estimate the area of a shell [m^2] from the cells of a grid that it passes through."""
     low, high = -np.array(solid.extent), np.array(solid.extent)
     area = np.zeros(0)
-    for _ in range(2):  # in its own box, then in the part of it where the shell is
+    for _ in range(2):  # first in the solid's whole box, then in the part that holds the shell
         step = math.cbrt(float((high - low).prod()) / CELLS)
         points, area = _near(solid, step, low, high)
         if not len(points):
@@ -129,7 +129,7 @@ def measure_solid(solid: Solid) -> float:
 
 
 def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """Points of a grid near a shell, and its area in the cell about each: (K, 3) [m], (K,) [m^2].
+    """Return the points of a grid near a shell, (K, 3) [m], and the shell's area in the cell around each, (K,) [m^2].
 
     Engquist, Tornberg and Tsai, "Discretization of Dirac delta functions in level set methods", 2005.
     """
@@ -145,9 +145,9 @@ def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats,
 
 
 def sample_interior(solid: Solid, spacing: float) -> LocalSamples:
-    """A centred grid inside of a volume, `spacing` [m] apart; normals away from its middle.
+    """Return a centred grid inside a volume, `spacing` [m] apart.
 
-    The area of each sample is spacing^2.
+    The normals follow the gradient of the distance, outwards. The area of each sample is spacing^2.
     """
     points = sample_grid(solid.extent, spacing)
     points = points[solid.distance(points) < 0.0]
@@ -157,19 +157,19 @@ def sample_interior(solid: Solid, spacing: float) -> LocalSamples:
 
 
 def gradient(solid: Solid, points: Floats, step: float = 1e-5) -> Floats:
-    """Gradient of the distance at points, (K, 3), by central differences over `step` [m]."""
+    """Return the gradient of the distance at points, (K, 3), by central differences over `step` [m]."""
     slopes = [solid.distance(points + e) - solid.distance(points - e) for e in step * np.eye(3)]
     return np.stack(slopes, axis=-1) / (2.0 * step)
 
 
 def normalise(directions: Floats) -> Floats:
-    """Directions, (K, 3), made unit; those of no length stay zero."""
+    """Scale directions, (K, 3), to unit length. Zero vectors stay zero."""
     size = np.sqrt((directions**2).sum(axis=1, keepdims=True))
     return directions / np.where(size > 0.0, size, 1.0)
 
 
 def share_area(points: Floats, area: Floats, kept: Indices) -> Floats:
-    """Area of those points that are kept: each also has that of the others that are nearest to it."""
+    """Return the area of each kept point, to which the other points add theirs if it is the nearest kept one."""
     from scipy.spatial import KDTree
 
     if not len(kept):
@@ -179,6 +179,6 @@ def share_area(points: Floats, area: Floats, kept: Indices) -> Floats:
 
 
 def scale_shell(area: Floats, total: float) -> Floats:
-    """Areas made to sum to a total [m^2]; where they are all zero, equal ones."""
+    """Scale areas to sum to `total` [m^2]. If all are zero, they become equal."""
     area = area if area.any() else np.ones_like(area)
     return area * (total / max(float(area.sum()), 1e-300))

@@ -1,4 +1,4 @@
-"""Which shapes surfaces and volumes may have, and how far points are from any of them."""
+"""The shapes that surfaces and volumes may have, and the distance of points from any of them."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ SHELLS = Rectangle, Disc, Sphere, HeightMap, Mesh
 
 
 def distance(shape: Shell | SolidShape, points: Floats, beyond: float, deep: float) -> Floats:
-    """Signed distance of points, (K, 3), to a shape, (K,) [m], in its own frame; negative inside or behind.
+    """Return the signed distance of points, (K, 3), in the shape's own frame, (K,) [m]; negative inside or behind.
 
-    beyond, deep: farther outside or inside than these [m] it need not be exact.
+    beyond, deep: distances farther outside or inside than these need not be exact [m].
     """
     if isinstance(shape, (Mesh, Placed, Combination)):
         return shape.distance(points, beyond, deep)

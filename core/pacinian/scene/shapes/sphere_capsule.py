@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="sphere"):
-    """A sphere about the origin, as a surface or as a volume. radius [m]."""
+    """A sphere centred on the origin, as a surface or as a volume. radius: [m]."""
 
     radius: float
 
@@ -27,7 +27,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return 4.0 * math.pi * self.radius**2
 
     @property
@@ -37,21 +37,21 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.radius
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; negative inside."""
         x, y, z = points.T
         return np.asarray(np.sqrt(x * x + y * y + z * z) - self.radius)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """A Fibonacci lattice: equal areas, about `spacing` [m] apart."""
+        """Return a Fibonacci lattice of equal areas, about `spacing` [m] apart."""
         return _spiral(self.radius, 0.0, self.area, spacing)
 
 
 class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="capsule"):
-    """A capsule about the origin along z. radius [m]; length [m] between the centres of its caps."""
+    """A capsule along z, centred on the origin. radius: [m]. length: between the centres of the caps [m]."""
 
     radius: float
     length: float
@@ -62,7 +62,7 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Surface area [m^2]."""
         return 2.0 * math.pi * self.radius * (2.0 * self.radius + self.length)
 
     @property
@@ -72,25 +72,28 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self.radius + self.length / 2.0
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
+        """Return the signed distance of points, (K, 3), (K,) [m]; negative inside."""
         x, y, z = points.T
         beyond = np.maximum(np.abs(z) - self.length / 2.0, 0.0)
         return np.asarray(np.sqrt(x * x + y * y + beyond * beyond) - self.radius)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """A spiral: equal areas, about `spacing` [m] apart."""
+        """Return a spiral of equal areas, about `spacing` [m] apart."""
         return _spiral(self.radius, self.length / 2.0, self.area, spacing)
 
 
 def _spiral(a: float, half: float, area: float, spacing: float) -> LocalSamples:
-    """Equal areas (Archimedes' theorem, for caps and mantle alike) of a sphere of radius a drawn out in z."""
+    """Divide a capsule of radius `a` and half length `half` along z into equal areas on a spiral.
+
+    By Archimedes' theorem, equal steps in z cover equal areas, on the caps as on the cylinder.
+    """
     K = max(4, round(check_count(area, spacing, 2)))
     i = np.arange(K)
-    height = (a + half) * (1.0 - (2.0 * i + 1.0) / K)  # of the enclosing cylinder's mantle
+    height = (a + half) * (1.0 - (2.0 * i + 1.0) / K)  # z if the caps were part of the cylinder
     axis = np.clip(height, -half, half)
     z, phi = (height - axis) / a, i * GOLDEN
     r = np.sqrt(1.0 - z * z)

@@ -1,4 +1,4 @@
-"""Pressure that varies over a surface."""
+"""Textures: pressure that varies over a surface."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
     Values = ArrayLike
-else:  # what a scene file may hold
+else:  # the types that a scene file may hold
     Values = bytes | tuple[tuple[float, ...], ...]
 
-LINES = 64  # across one period of a grating
+LINES = 64  # number of values per period of a grating
 
 
 class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dict=True):
-    """A factor on pressure over x and y of an object's own frame, the same at every z.
+    """A factor on the pressure over x and y of an object's own frame, the same at every z.
 
-    values: 0..1, in rows as in a picture that is looked at from +z, the first row at the far end of y; or
-    file: a .npy file, or a picture (white is 1); in a scene file from that file's folder. size: of the
-    whole in x and y, about the origin [m]. repeat: beyond that it is repeated; or else as on its rim.
-    Raises ArgumentError.
+    values: 0..1, in rows as in a picture seen from +z, so that the first row is at the largest y. file: a .npy file or
+    a picture (white is 1), instead of values; a scene file gives it relative to its own folder. size: of the texture in
+    x and y, centred on the origin [m]. repeat: whether the texture repeats outside this size; if not, its edge values
+    continue. Raises ArgumentError.
     """
 
     values: Values | None = None
@@ -49,7 +49,7 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
 
     @cached_property
     def factors(self) -> Floats:
-        """Its values, (R, C); y grows with the row, x with the column."""
+        """Values, (R, C); y increases with the row, x with the column."""
         values = decode_array("values", self.values, self.file, 2)
         check_within("values", values)
         factors = values[::-1].astype(np.float64)
@@ -57,7 +57,7 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
         return factors
 
     def at(self, points: Floats) -> Floats:
-        """The factor at points of the object's own frame, (K, 3) [m], (K,); bilinear."""
+        """Return the factor, interpolated bilinearly, at points of the object's own frame, (K, 3) [m]: (K,)."""
         from scipy.ndimage import map_coordinates
 
         (R, C), (width, height) = self.factors.shape, self.size
@@ -70,7 +70,7 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
 
 
 def grating(period: float, duty: float = 0.5) -> Texture:
-    """Stripes along y, `period` [m] apart in x, of which a share `duty` presses. Raises ArgumentError."""
+    """Make stripes along y that repeat every `period` [m] in x. The fraction `duty` presses. Raises ArgumentError."""
     pressed = check_number("duty", duty, low=0.0, high=1.0) * LINES
     stripe = np.clip(pressed - np.arange(LINES), 0.0, 1.0)
     return Texture(values=stripe[None], size=(check_length("period", period), period))

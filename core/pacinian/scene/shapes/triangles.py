@@ -1,4 +1,4 @@
-"""The triangles of a mesh, read and made clean."""
+"""The triangles of a mesh, read from a file and repaired."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.mesh_distance import MeshDistance
     from pacinian.types import Floats, Longs
 
-FORMATS = "obj", "stl", "ply", "off", "glb", "gltf"  # none that is packed: it could be any size
-MAX_FILE_BYTES = 256 << 20  # [bytes] of a file
-MAX_TRIANGLES = 1_000_000  # triangles
-THIN = 1e-7  # share of the reach: what is lower is the rounding of single precision
+# No compressed formats, because a small file could expand to any size.
+FORMATS = "obj", "stl", "ply", "off", "glb", "gltf"
+MAX_FILE_BYTES = 256 << 20  # largest file [bytes]
+MAX_TRIANGLES = 1_000_000  # largest number of triangles
+THIN = 1e-7  # smallest height of a triangle over the bounding radius; less is single-precision rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """F triangles in metres, mended as far as they can be.
+    """F repaired triangles.
 
-    vertices: (V, 3) [m]. faces: (F, 3). normals: unit, (F, 3), zero for those too thin to have one.
-    areas: (F,) [m^2]. edges: index of the edge opposite to each corner, (F, 3). sharing: how many faces
-    have each edge. flaw: why they enclose nothing, "" if they do.
+    vertices: (V, 3) [m]. faces: (F, 3). normals: unit, (F, 3), zero for triangles that are too thin to have one. areas:
+    (F,) [m^2]. edges: index of the edge opposite each corner, (F, 3). sharing: number of faces at each edge. flaw: why
+    the triangles do not enclose a volume, "" if they do.
     """
 
     vertices: Floats
@@ -44,7 +45,7 @@ class Triangles:
 
     @cached_property
     def area(self) -> float:
-        """[m^2]."""
+        """Total area [m^2]."""
         return float(self.areas.sum())
 
     @cached_property
@@ -54,21 +55,22 @@ class Triangles:
 
     @cached_property
     def extent(self) -> Vector:
-        """Half the size of the box about the origin that holds them [m]."""
+        """Half the size of the bounding box centred on the origin [m]."""
         x, y, z = np.abs(self.vertices).max(axis=0).tolist()
         return x, y, z
 
     @cached_property
     def distance(self) -> MeshDistance:
-        """Their signed distance; made when it is first asked for."""
+        """Signed distance to the triangles, prepared at first use."""
         from pacinian.scene.shapes.mesh_distance import MeshDistance
 
         return MeshDistance(self)
 
     def rim(self, spacing: float) -> tuple[Floats, Longs]:
-        """Points at most `spacing` [m] apart on the edges of one triangle alone: (K, 3) [m], and which that is, (K,).
+        """Return points at most `spacing` [m] apart on the rim, (K, 3) [m], and the triangle of each, (K,).
 
-        Ends of edges come first, so that corners are kept.
+        The rim consists of the edges that belong to one triangle only. Ends of edges come first, so that thinning keeps
+        the corners.
         """
         face, corner = np.nonzero(self.sharing[self.edges] == 1)
         a = self.vertices[self.faces[face, (corner + 1) % 3]]
@@ -82,7 +84,7 @@ class Triangles:
 
     @classmethod
     def of(cls, vertices: Floats, faces: Longs, name: str) -> Triangles:
-        """Make triangles of vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError about `name`."""
+        """Make triangles from vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError, which mentions `name`."""
         if not len(faces):
             raise ArgumentError("mesh", f"{name} has no triangles")
         if len(faces) > MAX_TRIANGLES:
@@ -111,7 +113,7 @@ class Triangles:
 
 
 def _normals(vertices: Floats, faces: Longs) -> tuple[Floats, Floats]:
-    """Unit normals and areas [m^2] of faces; zero for those too thin."""
+    """Return the unit normals and areas [m^2] of faces; both are zero for faces that are too thin."""
     a, b, c = (vertices[corner] for corner in faces.T)
     cross = np.cross(b - a, c - a)
     twice = np.sqrt((cross**2).sum(axis=1))
@@ -122,7 +124,7 @@ def _normals(vertices: Floats, faces: Longs) -> tuple[Floats, Floats]:
 
 
 def _edges(vertices: Floats, faces: Longs, area: float) -> tuple[Longs, Longs, str]:
-    """Edges, sharing and flaw, as in `Triangles`."""
+    """Return edges, sharing and flaw, as in `Triangles`."""
     first, last = faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]
     name = np.minimum(first, last) * len(vertices) + np.maximum(first, last)
     _, edges, sharing = np.unique(name, return_inverse=True, return_counts=True)
@@ -139,12 +141,15 @@ def _edges(vertices: Floats, faces: Longs, area: float) -> tuple[Longs, Longs, s
 
 
 def _reach(vertices: Floats) -> float:
-    """[m]."""
+    """Return the largest distance of a vertex from the origin [m]."""
     return math.sqrt(float((vertices**2).sum(axis=1).max(initial=0.0)))
 
 
 def read_mesh(file: str, scale: float) -> Triangles:
-    """Triangles of a file in one of `FORMATS`, `scale` [m] per unit. Raises ArgumentError, which names the file."""
+    """Read the triangles of a file in one of `FORMATS`. Raises ArgumentError, which names the file.
+
+    scale: [m] per unit of the file.
+    """
     import trimesh
 
     path = Path(file)
@@ -165,7 +170,7 @@ def read_mesh(file: str, scale: float) -> Triangles:
         return Triangles.of(vertices, np.asarray(loaded.faces, dtype=np.int64), file)
     except ArgumentError:
         raise
-    except ImportError as error:  # of a decoder that it names, such as Draco's
+    except ImportError as error:  # a decoder is not installed, such as Draco's
         raise ArgumentError(
             "mesh", f"{file} cannot be read without the library {error.name}: save it as plain .stl"
         ) from error

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats, Singles
 
     Values = ArrayLike
-else:  # what a scene file may hold
+else:  # the types that a scene file may hold
     Values = bytes | tuple[tuple[tuple[float, ...], ...], ...]
 
-RIM = 2  # empty voxels around the grid
-BAND = 2  # voxels from the shell, within which distances are exact
+RIM = 2  # width of the empty margin around the grid [voxels]
+BAND = 2  # distance from the shell within which distances are exact [voxels]
 
 
 class DistanceField(NamedTuple):
-    """Distances [m] at the voxels and the rim around them, and the shell's size [m^2], [m]."""
+    """Signed distances at the voxels and their margin [m], and the shell's area [m^2], extent and reach [m]."""
 
     distances: Singles
     area: float
@@ -46,11 +46,11 @@ class Voxels(
     tag_field="type",
     tag="voxels",
 ):
-    """A volume given by how full each voxel of a grid about the origin is.
+    """A volume given by the filling of each voxel of a grid centred on the origin.
 
-    values: 0..1 on a grid over x, y and z, at most 1e8; or file: a .npy file, in a scene file from that
-    file's folder. pitch: side of a voxel [m]. level: the shell is where the values, interpolated between
-    the voxels' centres, are so much; beyond the grid they are 0. Raises ArgumentError.
+    values: 0..1 on a grid over x, y and z, at most 1e8. file: a .npy file, instead of values; a scene file gives it
+    relative to its own folder. pitch: side of a voxel [m]. level: the shell lies where the values, interpolated between
+    the centres of voxels, equal this level; outside the grid they are 0. Raises ArgumentError.
     """
 
     values: Values | None = None
@@ -69,24 +69,24 @@ class Voxels(
 
     @property
     def area(self) -> float:
-        """[m^2]; of a grid of only 0 and 1 that of its stairs, cut at the corners."""
+        """Surface area [m^2]. For a grid of only 0 and 1, it is that of the stairs with their corners cut."""
         return self._field.area
 
     @property
     def extent(self) -> Vector:
-        """Half the size of the box about the origin that holds it [m]."""
+        """Half the size of the bounding box centred on the origin [m]."""
         return self._field.extent
 
     @property
     def bounding_radius(self) -> float:
-        """Distance of its farthest point from its origin [m]."""
+        """Distance from the origin to the farthest point [m]."""
         return self._field.reach
 
     def distance(self, points: Floats) -> Floats:
-        """Signed distance of points, (K, 3), (K,) [m], interpolated; negative inside.
+        """Return the interpolated signed distance of points, (K, 3), (K,) [m]; negative inside.
 
-        Outside of the grid it may be less far than given. The first call takes a while (0.6 s for 1e6 voxels,
-        and 100 bytes for each of them).
+        For points outside the grid, the result may exceed the true distance. The first call is slow (0.6 s for 1e6
+        voxels) and needs 100 bytes per voxel.
         """
         from scipy.ndimage import map_coordinates
 
@@ -99,12 +99,15 @@ class Voxels(
         return np.asarray(d + np.sqrt(x * x + y * y + z * z))
 
     def sample_surface(self, spacing: float) -> LocalSamples:
-        """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
+        """Return points of a fine grid, projected on the shell and thinned to about `spacing` [m]."""
         return sample_solid(self, spacing)
 
     @cached_property
     def _field(self) -> DistanceField:
-        """Exact near the shell; farther away to the point of it that is nearest to the nearest voxel there."""
+        """The distance field.
+
+        It is exact near the shell. Farther away, each voxel measures to the shell point of the nearest voxel near it.
+        """
         import igl
         from scipy import ndimage
 

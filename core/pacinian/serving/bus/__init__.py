@@ -1,1 +1,1 @@
-"""The bus process: it takes clients' commands, keeps their objects, and tells the renderer what is new."""
+"""The bus process: it takes clients' commands, stores their objects, and sends the changes to the renderer."""

@@ -1,4 +1,4 @@
-"""A client's commands at the door: whose they are, in which order, how old, how many. Pure: time is given."""
+"""Admission of commands: session, sequence, age and rate. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import SessionInfo
     from pacinian.wire.commands import AnyCommand
 
-TOLD = 10.0  # errors per second that a client is told without having asked
+# Rate of unsolicited errors to a client [1/s].
+TOLD = 10.0
 
 
 class Client:
-    """What the bus knows of a session. number: of its own, for names.
+    """The bus's record of a session. number: makes names unique.
 
     peer: its connection, from its first message on. objects, bytes: of what it has put. commands, errors, dropped:
     counts. age: of its newest command [s].
@@ -32,13 +33,13 @@ class Client:
         self._telling = TokenBucket(TOLD)
 
     def owns(self, peer: bytes, user: str) -> bool:
-        """Whether this is the connection that used the session first, of the user who has it."""
+        """Whether `peer` is the first connection that used the session, authenticated as its user."""
         if not self.peer and user == self.info.user:
             self.peer = peer
         return peer == self.peer
 
     def admit(self, command: AnyCommand, now: float) -> Error | None:
-        """Why the command is not to be done; None if it is. `age` is then its age."""
+        """Admit a command, and set `age`; return the error if it is refused."""
         self.commands += 1
         if command.sequence <= self._sequence:
             return Error(
@@ -61,18 +62,18 @@ class Client:
         )
 
     def replaced(self, count: int) -> None:
-        """So many of its commands were not done, as newer ones came with them."""
+        """Count commands that were superseded."""
         self.commands += count
         self.dropped += count
 
     def tells(self, error: Error, now: float) -> bool:
-        """Count an error; whether the client is told: always if it asked, or else not too often."""
+        """Count an error; return whether to send it: always if the client expects a reply, otherwise rate-limited."""
         self.errors += 1
         return bool(error.id) or self._telling.take(now)
 
 
 class PeerRateLimiter:
-    """How many messages each connection may send: the longest quiet are forgotten."""
+    """Limits the message rate of each connection. Forgets the oldest connection when there are too many."""
 
     def __init__(self, rate: float, most: int) -> None:
         self._rate, self._most = rate, most
@@ -82,11 +83,11 @@ class PeerRateLimiter:
         return len(self._peers)
 
     def may(self, peer: bytes, now: float) -> bool:
-        """Whether it may send another message at `now` [s]."""
+        """Return whether a connection may send another message at `now` [s]."""
         return self._of(peer)[0].take(now)
 
     def tells(self, peer: bytes, now: float) -> bool:
-        """Whether a connection that has no session, or sends too much, is told so."""
+        """Return whether to send an error to a connection that has no session or sends too much."""
         return self._of(peer)[1].take(now)
 
     def _of(self, peer: bytes) -> tuple[TokenBucket, TokenBucket]:

@@ -1,4 +1,4 @@
-"""What is sent to the renderer next: of the scene that is felt, the newest of all that it does not know yet."""
+"""The change batcher: sends the newest changes of the owner's scene to the renderer."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import AnyChange, ChangesAck
     from pacinian.wire.replies import Error
 
-MAX_BATCH_OBJECTS = 64  # objects in one batch
-LIGHT = 48  # of which are only moved, wrapped or removed while others wait to be put
-BYTES = 1 << 20  # of one batch, but for a single object that is larger
+MAX_BATCH_OBJECTS = 64  # maximum number of objects in one batch
+# Maximum number of moves, removals and new envelopes in a batch while objects wait to be put.
+LIGHT = 48
+BYTES = 1 << 20  # maximum size of one batch, unless a single object is larger [bytes]
 
 
 class ChangeBatcher:
-    """Batches of changes for the renderer, each only when the one before was taken.
+    """Makes batches of changes for the renderer, each only when the last was taken.
 
-    Objects come in the order in which they were put, but for those that take long to convert.
+    Objects are sent in the order in which they were put, except for those that take long to convert.
 
-    run: random, tells this bus from the one before. room: what is felt. errors: of objects that turned out not to
-    be meant, and of whom.
+    run: random, identifies this run of the bus. scene: the rendered scene. errors: clients, and the errors of their
+    objects that proved invalid.
     """
 
     def __init__(self, run: int) -> None:
@@ -39,13 +40,13 @@ class ChangeBatcher:
         self._waits = False
 
     def feel(self, room: SharedScene) -> None:
-        """From now on this is felt."""
+        """Render this scene from now on."""
         if room is not self.scene:
             self.scene = room
             self._begin()
 
     def taken(self, taken: ChangesAck) -> None:
-        """What the renderer has taken last. Another renderer than before knows nothing."""
+        """Note the last batch that the renderer took. A new renderer needs the whole scene."""
         known, self._renderer = self._renderer, taken.run
         mine = taken.bus == self.run and taken.number == self._number
         if taken.run != known and not (known is None and mine):
@@ -55,17 +56,17 @@ class ChangeBatcher:
             self._waits = False
 
     def lost(self) -> None:
-        """The last batch could not be published: all comes anew."""
+        """Send the whole scene again, because the last batch could not be published."""
         self._waits = False
         self._begin()
 
     @property
     def waits(self) -> bool:
-        """Whether there is more to send, as soon as the last batch is taken."""
+        """Whether there is more to send once the last batch is taken."""
         return self.scene is not None and len(self.scene.pending) > 0
 
     def next(self) -> Changes | None:
-        """The next batch, or None if the last was not taken or nothing is new. It must be published."""
+        """Return the next batch, which the caller must publish; None if the last was not taken or nothing is new."""
         room = self.scene
         if self._waits or room is None or not len(room.pending):
             return None
@@ -90,7 +91,7 @@ class ChangeBatcher:
             if batch.objects >= MAX_BATCH_OBJECTS:
                 return
             if thing.heavy:
-                continue  # it is being converted
+                continue  # it is still being converted
             if thing.item is not None:
                 fresh += 1
                 if fresh > AT_ONCE:
@@ -119,7 +120,7 @@ class ChangeBatcher:
 
 
 class Batch:
-    """Changes that are gathered. objects: how many they are of, without hands and zones."""
+    """Changes gathered for one batch. objects: number of changed objects; hands and zones do not count."""
 
     def __init__(self) -> None:
         self.changes: list[AnyChange] = []
@@ -127,7 +128,7 @@ class Batch:
         self._size = 0
 
     def fits(self, size: int) -> bool:
-        """Count `size` more bytes, unless they are too many; the first always fit."""
+        """Add `size` bytes if they fit; return whether they do. The first always fit."""
         if self._size and self._size + size > BYTES:
             return False
         self._size += size

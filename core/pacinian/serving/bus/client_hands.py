@@ -1,4 +1,4 @@
-"""The hands that a client tracks, as the renderer is told of them."""
+"""The tracked hands of a client, in the form for the renderer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class TrackedHands(NamedTuple):
-    """A client's hands. sequence: of their command; sent: by its clock; received: by ours [s]."""
+    """A client's hands. sequence: of their command. sent: by the client's clock; received: by the server's [s]."""
 
     hands: tuple[HandInfo, ...]
     sequence: int
@@ -25,7 +25,7 @@ class TrackedHands(NamedTuple):
 
     @staticmethod
     def together(tracked: Iterable[TrackedHands], felt: bool) -> SetHands:
-        """All clients' hands, with what is known of the newest of them."""
+        """Merge the hands of all clients; times and sequence are those of the newest."""
         all_of = list(tracked)
         if not all_of:
             return SetHands((), felt, 0, 0.0, 0.0)
@@ -35,13 +35,13 @@ class TrackedHands(NamedTuple):
 
 
 def track_hands(number: int, command: Hands, seen: float, now: float) -> TrackedHands:
-    """The hands of the client of that number, seen at `seen` and received at `now` [s]. Raises WireError."""
+    """Return the hands of the client with that number, seen at `seen` and received at `now` [s]. Raises WireError."""
     names: set[str] = set()
     hands: list[HandInfo] = []
     for i, hand in enumerate(command.hands):
         name = hand.name or hand.side
         if name in names:
-            raise WireError(f"must be another: two are called {name!r}", f"$.hands[{i}].name")
+            raise WireError(f"must be unique: two hands are called {name!r}", f"$.hands[{i}].name")
         names.add(name)
         _check(hand, i)
         name = f"{name}@{number}"
@@ -50,7 +50,7 @@ def track_hands(number: int, command: Hands, seen: float, now: float) -> Tracked
 
 
 def _check(hand: HandFrame, index: int) -> None:
-    """Refuse a hand that cannot be meant; one that is lost is none of them."""
+    """Check a hand; a lost hand, which has no joints, passes. Raises WireError."""
     if not hand.joints:
         return
     try:

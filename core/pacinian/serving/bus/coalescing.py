@@ -1,6 +1,6 @@
-"""Of messages that came together, those that matter: of moves of the same objects, and of hands, the newest.
+"""Coalescing: of the messages received together, keep only the newest hands, and the newest move of the same objects.
 
-What a newer one replaces is not decoded, so that a client which sends more than can be done is late with nothing.
+Superseded messages are not decoded, so an overloading client does not build up latency.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from typing import NamedTuple
 import msgspec
 from msgspec import Raw, Struct
 
-REPLACED = "move", "hands"  # of these, one says all that one before it said
+REPLACED = "move", "hands"  # a newer one supersedes the older
 
 
 class Message(NamedTuple):
-    """What came: over which connection, of which user, and when [s]."""
+    """A received message: its connection, user, data and time of receipt [s]."""
 
     peer: bytes
     user: str
@@ -24,7 +24,7 @@ class Message(NamedTuple):
 
 
 class _Glance(Struct):
-    """What tells whether one message replaces another; the rest is not looked at."""
+    """The fields that tell whether one message supersedes another; the others are not decoded."""
 
     type: str
     session: bytes
@@ -36,9 +36,9 @@ _decoder = msgspec.msgpack.Decoder(_Glance)
 
 
 def coalesce(messages: list[Message]) -> tuple[list[Message], Counter[bytes]]:
-    """Those that are to be done, in their order; how many of each session were replaced by another of its own.
+    """Drop superseded messages. Return the rest in order, and the number of superseded messages by session.
 
-    One that is to be answered is always done, and so is what cannot be read.
+    A message that expects a reply is always kept, and so is one that cannot be decoded.
     """
     replaced: Counter[bytes] = Counter()
     if len(messages) < 2:

@@ -1,4 +1,4 @@
-"""What takes long to convert: one after another in another thread, so that commands do not wait for it."""
+"""Slow conversions, done one after another in a thread, so that commands do not wait for them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Converted = list[tuple["StoredObject", bytes]]
 
 
 class Job(ABC):
-    """What one command asks for that takes long. things: those that wait for it."""
+    """The slow conversion for one command. objects: those that wait for it."""
 
     def __init__(
         self,
@@ -40,52 +40,52 @@ class Job(ABC):
         self.scene, self.objects, self.client, self.id = room, things, client, id
 
     def trim(self) -> bool:
-        """Without what is gone, or has something newer in its place; whether anything is left."""
+        """Drop the objects that are gone or have something newer; return whether any are left."""
         self.objects = [thing for thing in self.objects if self.awaited(thing)]
         return bool(self.objects)
 
     @abstractmethod
     def awaited(self, thing: StoredObject) -> bool:
-        """Whether this is still the newest that came for it."""
+        """Whether this job is still the newest for the object."""
 
     @abstractmethod
     def work(self, most: float) -> Converted:
-        """Convert for those that still wait. most: radiation pressure [Pa]. Raises WireError."""
+        """Convert for the objects that still wait. most: maximum radiation pressure [Pa]. Raises WireError."""
 
     @abstractmethod
     def take(self, thing: StoredObject, packed: bytes) -> None:
-        """What came of it, for one that still waits."""
+        """Store the result for an object that still waits."""
 
     @abstractmethod
     def fail(self) -> None:
-        """It cannot be meant."""
+        """Undo the command, because it is invalid."""
 
 
 class ObjectConversion(Job):
-    """Objects that were put."""
+    """Converts objects that were put."""
 
     def awaited(self, thing: StoredObject) -> bool:
-        """Whether it is there, and not converted."""
+        """Whether the object is in the scene and not converted yet."""
         return thing.item is not None
 
     def work(self, most: float) -> Converted:
-        """Convert those that are still there. Raises WireError."""
+        """Convert the objects that are still in the scene. Raises WireError."""
         items = [(t, t.item) for t in self.objects]
         return [
             (t, encode_object(t.name, item, t.seen, most)) for t, item in items if item is not None
         ]
 
     def take(self, thing: StoredObject, packed: bytes) -> None:
-        """It can be sent now."""
+        """Store the encoded object, which can be sent now."""
         thing.accept(packed)
 
     def fail(self) -> None:
-        """None of them is there."""
+        """Remove all objects of the command."""
         self.scene.drop(self.objects)
 
 
 class EnvelopeConversion(Job):
-    """A new envelope for objects that are there."""
+    """Converts a new envelope for objects of the scene."""
 
     def __init__(
         self, room: SharedScene, things: list[StoredObject], client: Client, id: int, envelope: Envelope  # noqa: A002
@@ -94,28 +94,28 @@ class EnvelopeConversion(Job):
         self._envelope: Envelope = envelope
 
     def awaited(self, thing: StoredObject) -> bool:
-        """Whether no other came since."""
+        """Whether no newer envelope has arrived."""
         return thing.wraps is self
 
     def work(self, most: float) -> Converted:
-        """Convert it. Raises WireError."""
+        """Convert the envelope. Raises WireError."""
         packed = msgspec.msgpack.encode(envelope_to_scene(self._envelope))
         return [(thing, packed) for thing in self.objects]
 
     def take(self, thing: StoredObject, packed: bytes) -> None:
-        """It has another envelope."""
+        """Set the new envelope."""
         thing.wrap(packed)
         self.scene.pending.new(thing.name, WRAPPED)
 
     def fail(self) -> None:
-        """They keep theirs."""
+        """Keep the old envelopes."""
         for thing in self.objects:
             if self.awaited(thing):
                 thing.wrap(thing.wrapped)
 
 
 class Converter:
-    """A queue of commands, in which nothing waits that is superseded. most: radiation pressure [Pa]."""
+    """A queue of conversion jobs, without superseded ones. most: maximum radiation pressure [Pa]."""
 
     def __init__(self, most: float, executor: Executor) -> None:
         self._most, self._executor = most, executor
@@ -127,7 +127,7 @@ class Converter:
         return len(self._waiting) + (self._running is not None)
 
     def ask(self, job: Job) -> None:
-        """Convert this; until then it is not sent to the renderer. What it supersedes is dropped, and done."""
+        """Queue a job. Older jobs that it supersedes completely are dropped, and answered as done."""
         kept = deque([old for old in self._waiting if old.trim()])
         if len(kept) < len(self._waiting):
             for old in self._waiting:
@@ -137,7 +137,7 @@ class Converter:
         kept.append(job)
 
     def round(self) -> Iterator[tuple[Client, Reply]]:
-        """Begin the next if the last has ended; what is to be answered."""
+        """Start the next job if the last has ended; yield the replies."""
         while True:
             yield from self._ended
             self._ended.clear()
@@ -153,12 +153,12 @@ class Converter:
             self._end(job, future)
 
     def _end(self, job: Job, future: Future[Converted] | None) -> None:
-        """It has been converted, or is superseded."""
+        """Finish a job that is converted or superseded."""
         try:
             for thing, packed in future.result() if future is not None else ():
                 if job.awaited(thing):
                     job.take(thing, packed)
-        except Exception as error:  # whatever it is, the bus goes on
+        except Exception as error:  # whatever a conversion raises, the bus must go on
             job.fail()
             wrong = error if isinstance(error, WireError) else WireError(describe_error(error), "$")
             self._ended.append((job.client, make_error_reply(wrong, job.id)))

@@ -1,4 +1,4 @@
-"""What the bus does with each message: who sent it, may it, what it says, what is answered. Pure: time is given."""
+"""The command dispatcher: authorises, decodes, carries out and answers each message. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand
     from pacinian.wire.replies import Code, Reply
 
-PEERS = 4  # connections that are remembered, for each client that there may be
+PEERS = 4  # remembered connections, per permitted client
 
 
 class CommandDispatcher:
-    """All sessions, scenes and queries. replies: to be sent, to which connection.
+    """Holds all sessions, scenes and queries. replies: to send, each with its connection.
 
-    run: random, tells this bus from the one before. reread: tells of the sessions anew. emitted: gains and time of
-    what is emitted now. executor: where objects are converted that take long.
+    run: random, identifies this run of the bus. reread: reads the sessions again. emitted: returns the gains that are
+    emitted now, and their time. executor: converts objects that take long.
     """
 
     def __init__(
@@ -61,12 +61,15 @@ class CommandDispatcher:
         self.received = self.refused = 0
         self._settings, self._run = settings, run
         self._reread, self._emitted, self._log = reread, emitted, log
-        self._superseded = 0  # in scenes that are gone
+        self._superseded = 0  # in scenes that have ended
         self._peers = PeerRateLimiter(settings.clients.rate, PEERS * settings.clients.most)
         self._numbers = 0
 
     def sessions(self, sessions: SessionTable) -> None:
-        """Who may send commands from now on, and whose scene is felt; none's leaves it with the last."""
+        """Update the sessions that may send commands, and the rendered scene.
+
+        Without an owner, the last scene stays.
+        """
         here = {info.key: info for info in sessions.sessions}
         for key in [key for key in self.clients if key not in here]:
             self._leave(self.clients.pop(key))
@@ -76,7 +79,7 @@ class CommandDispatcher:
             self.batcher.feel(self.scenes[sessions.owned])
 
     def messages(self, messages: list[Message]) -> None:
-        """Messages of authenticated connections, in the order in which they came."""
+        """Handle messages of authenticated connections, in order of arrival."""
         self.received += len(messages)
         kept, replaced = coalesce([one for one in messages if self._may(one)])
         for message in kept:
@@ -88,7 +91,7 @@ class CommandDispatcher:
 
     @contextmanager
     def going_on(self, what: str) -> Generator[None]:
-        """Whatever is raised in here is logged and counted, and the bus goes on."""
+        """Log and count any exception of the block, so that the bus continues."""
         try:
             yield
         except Exception:
@@ -120,7 +123,7 @@ class CommandDispatcher:
             self._answer(client, self._do(client, command, now, len(data)), now)
 
     def round(self, now: float) -> None:
-        """What time brings, and what was found out while sending."""
+        """Do the timed work, and report errors found while batching."""
         for room in self.scenes.values():
             with self.going_on("expiry"):
                 room.expire(now)
@@ -137,7 +140,7 @@ class CommandDispatcher:
                 self._answer(*answer, now)
 
     def traffic(self, now: float, port: int) -> BusStatus:
-        """How the bus is."""
+        """Return the status of the bus."""
         return BusStatus(
             run=self._run,
             beat=now,
@@ -193,7 +196,7 @@ class CommandDispatcher:
             return Error(id=command.id, code=refusal.code, message=message, path=refusal.path[:200])
         except WireError as wrong:
             return make_error_reply(wrong, command.id)
-        except Exception:  # of ours: the others' commands go on
+        except Exception:  # a bug here must not stop other commands
             self._log.exception("fault: command")
             return Error(id=command.id, code="fault", message="the server failed at this command")
         return Ok(id=command.id) if command.id else None
@@ -206,7 +209,7 @@ class CommandDispatcher:
     def _refuse(
         self, peer: bytes, data: bytes, code: Code, problem: str, now: float, path: str = ""
     ) -> None:
-        """Refuse a message of nobody that is known; it is told, but not too often."""
+        """Refuse a message that was not matched to a client. Error replies are rate-limited."""
         self.refused += 1
         if self._peers.tells(peer, now):
             error = Error(id=id_of(data), code=code, message=problem[:1000], path=path[:200])

@@ -1,4 +1,4 @@
-"""Queries for the sound field, worked off in slices so that commands wait for none. Pure: what is emitted is given."""
+"""Sound-field queries, processed in slices so that commands do not wait. Pure: callers pass the emitted gains."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Answer = tuple["Client", "Reply"]
 
 
 class EmittedGains:
-    """The gains that the device emits, from the frame and what is known of the device."""
+    """The gains that the device emits, from the frame and the status of the device."""
 
     def __init__(self, transducers: int) -> None:
         self._silence = np.zeros(transducers, np.complex64)
@@ -38,7 +38,7 @@ class EmittedGains:
         self._sounding = False
 
     def device(self, device: DeviceStatus) -> None:
-        """How the device is: its levels are those of the next one, if there is one."""
+        """Note the status of the device. Its levels are those of the next device, if there is one."""
         known, generation = self._devices, device.next or device.generation
         levels = known.get(generation) or device.capability
         self._devices = {
@@ -48,7 +48,7 @@ class EmittedGains:
         self._sounding = device.sounding
 
     def gains(self, frame: bytes) -> tuple[Gains, float]:
-        """Gains (N,) of a frame's last row, and its time [s]; zeros in silence."""
+        """Return the gains (N,) of a frame's last row, and its time [s]; zeros in silence."""
         if not frame:
             return self._silence, 0.0
         head = FrameHead.unpack(frame)
@@ -58,26 +58,27 @@ class EmittedGains:
         if capability is None or not self._sounding or not head.rows or not fits:
             return self._silence, head.time
         phase, amplitude = levels.reshape(2, head.rows, head.columns)[:, -1:]
-        if amplitude.max() >= len(capability.sizes):  # which the guard refuses
+        if amplitude.max() >= len(capability.sizes):  # the guard refuses such a frame
             return self._silence, head.time
         return Frame(head.sequence, head.time, phase, amplitude).gains(capability)[0], head.time
 
 
 class FieldQueries:
-    """Queries, at most one of a client at a time; each in turn has a slice worked off."""
+    """Field queries, at most one for each client. They take turns, a slice each."""
 
     def __init__(self, array: Array, medium: Air) -> None:
         self._array, self._medium = array, medium
-        self._slice = max(1, CHUNK // len(array) // 2)  # points: below 1 ms, and in this thread
+        # Points per slice: few enough to take less than 1 ms, without other threads.
+        self._slice = max(1, CHUNK // len(array) // 2)
         self._running: dict[Client, Generator[None, None, Reply]] = {}
 
     def __len__(self) -> int:
         return len(self._running)
 
     def ask(self, client: Client, query: Field, emitted: tuple[Gains, float]) -> Error | None:
-        """Begin a query; or why not. Raises WireError."""
+        """Begin a query, or return the error. Raises WireError."""
         if not query.id:
-            raise WireError("must not be 0: a field is asked for its answer", "$.id")
+            raise WireError("must not be 0, because a field query needs an answer", "$.id")
         if client in self._running:
             problem = "the last query is not answered yet"
             return Error(id=query.id, code="busy", message=problem, advice="wait for its answer")
@@ -90,7 +91,7 @@ class FieldQueries:
         return None
 
     def step(self) -> Answer | None:
-        """Work off a slice of the query that waits longest; its answer if that was the last."""
+        """Process a slice of the query that waits longest; return the answer if that was the last slice."""
         client = next(iter(self._running), None)
         if client is None:
             return None
@@ -103,7 +104,7 @@ class FieldQueries:
         return None
 
     def forget(self, client: Client) -> None:
-        """The client has gone."""
+        """Drop the query of a client that has gone."""
         self._running.pop(client, None)
 
     def _work(

@@ -1,20 +1,20 @@
-"""What the renderer does not know yet of the scene that is felt: names alone, so the newest always wins.
+"""Changes of the rendered scene that the renderer lacks. Only names are kept, so the newest value always wins.
 
-However much comes while nothing is taken, there is at most one entry for each object that is there, and one for
-each that the renderer still has.
+However many changes arrive while the renderer takes none, there is at most one entry for each object of the scene, and
+one for each object that the renderer still has.
 """
 
 from __future__ import annotations
 
-MOVED, WRAPPED, REMOVED = 1, 2, 4  # flags: what is new of an object that the renderer has
+MOVED, WRAPPED, REMOVED = 1, 2, 4  # flags: what changed in an object that the renderer has
 
 
 class PendingChanges:
-    """Names by what is new.
+    """Names by kind of change.
 
-    light: of objects that the renderer has. puts: of those it has not, in order; true where it still has another
-    of that name, to be removed first. known: all that it has. begin, hands, quiet: whether these are new.
-    superseded: updates that something newer replaced before they were sent.
+    light: changed objects that the renderer has. puts: objects that it lacks, in order; True if it must first remove
+    another of that name. known: all objects that it has. begin, hands, quiet: whether these changed. superseded: number
+    of updates that were superseded before they were sent.
     """
 
     def __init__(self) -> None:
@@ -28,36 +28,36 @@ class PendingChanges:
         return len(self.light) + len(self.puts) + self.begin + self.hands + self.quiet
 
     def all(self, names: list[str]) -> None:
-        """The renderer has nothing; this is there."""
+        """Start again: the renderer has nothing, and the scene holds `names`."""
         self.known.clear()
         self.light.clear()
         self.puts = dict.fromkeys(names, False)
         self.begin = self.hands = self.quiet = True
 
     def put(self, name: str, *, there: bool) -> None:
-        """An object was put; there: in the place of one of that name."""
+        """Note that an object was put. there: it replaces one of that name in the scene."""
         replaced = self.light.pop(name, None)
         self.superseded += name in self.puts or (there and replaced is not None)
         if there:
             self.puts.setdefault(name, False)
-        else:  # it comes last, even if the renderer has one of that name
+        else:  # goes last, even if the renderer has another of that name
             self.puts[name] = name in self.known
 
     def new(self, name: str, what: int) -> None:
-        """An object that is there was moved or wrapped (flags): one that is to be put yet comes with it."""
+        """Note that an object was moved or got a new envelope (flags). If it waits to be put, the put includes this."""
         before = self.light.get(name, 0)
         self.superseded += bool(before & what)
         if name not in self.puts:
             self.light[name] = before | what
 
     def removed(self, name: str) -> None:
-        """An object is gone."""
+        """Note that an object was removed."""
         self.superseded += self.puts.pop(name, None) is not None
         if name in self.known:
             self.superseded += name in self.light
             self.light[name] = REMOVED
 
     def hand(self) -> None:
-        """The hands have changed."""
+        """Note that the hands changed."""
         self.superseded += self.hands
         self.hands = True

@@ -1,8 +1,8 @@
-"""The bus process: it takes clients' commands, keeps their objects, and tells the renderer what is new.
+"""The bus process: it takes clients' commands, stores their objects, and sends the changes to the renderer.
 
-Plain polling, in rounds: the messages that there are, of which the newest count; what time brings; the next batch for
-the renderer if it has taken the last; a slice of a query; replies. Objects that take long are converted in a thread.
-A client that does not read its replies loses them.
+It polls in rounds: receive the messages and drop superseded ones; expire objects; send the next batch if the renderer
+has taken the last; process a slice of a query; send replies. A thread converts objects that take long. A client that
+does not read its replies loses them.
 """
 
 from __future__ import annotations
@@ -44,17 +44,20 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
-MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # messages in one round, and bytes
-MAX_RECEIVE_TIME = 0.002  # [s] that it may take to receive them
-APART = 3e-4  # [s] from round to round, at least: what comes one by one is then taken together
-SOON, LATER = 1, 5  # [ms] to wait for messages: while something is to be taken, and otherwise
-SWITCH = 2e-4  # [s] that an object which is converted may hold up the rest
-TELL = 0.05  # [s] between two reports
-QUEUE = 256  # messages of one client that wait here
+MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # maximum messages and bytes received in one round
+MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
+# Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
+APART = 3e-4
+# Time to wait for messages [ms]: while the renderer or the converter has work pending, and
+# otherwise.
+SOON, LATER = 1, 5
+SWITCH = 2e-4  # thread switch interval [s]: limits how long a conversion blocks the loop
+TELL = 0.05  # interval between two status reports [s]
+QUEUE = 256  # messages of one client that may wait here
 
 
 class Bus:
-    """Joins the dispatcher to its socket and to the shared memory. Times are of `clock` [s]."""
+    """Connects the dispatcher to its socket and to the shared memory. Times are those of `clock` [s]."""
 
     def __init__(
         self,
@@ -78,12 +81,12 @@ class Bus:
         self._poller.register(socket, zmq.POLLIN)
         self._told = -TELL  # [s]
         self._busy = False
-        self._begun = -math.inf  # [s], the last round
-        memory["changes"].write(pack(Changes(0, run, ())))  # nothing of a bus before sounds again
+        self._begun = -math.inf  # begin of the last round [s]
+        memory["changes"].write(pack(Changes(0, run, ())))  # nothing of an earlier bus may sound
         self.tell()
 
     def round(self) -> None:
-        """Take messages, tell the renderer, answer."""
+        """Receive messages, send changes to the renderer, reply."""
         begin = self._clock()
         if begin < self._begun + APART:
             time.sleep(self._begun + APART - begin)
@@ -106,7 +109,7 @@ class Bus:
         self._busy = len(self.dispatcher.queries) > 0
 
     def tell(self) -> None:
-        """Report to control."""
+        """Report the status to control."""
         now = self._clock()
         with self.dispatcher.going_on("device"):
             self._new("device", DeviceStatus, self._emitted.device)
@@ -114,7 +117,7 @@ class Bus:
         self._told = now
 
     def _take(self) -> None:
-        """All that has come, at once: what is replaced by something newer then costs next to nothing."""
+        """Receive all waiting messages at once, because superseded ones then cost next to nothing."""
         messages: list[Message] = []
         end, size = self._clock() + MAX_RECEIVE_TIME, 0
         while len(messages) < MAX_ROUND_MESSAGES and size < LARGE and (now := self._clock()) < end:
@@ -154,7 +157,7 @@ class Bus:
         return self._emitted.gains(b"" if read is None else read[1])
 
     def _new(self, name: str, kind: type[T], do: Callable[[T], object]) -> None:
-        """Read a file, if there is something new."""
+        """Read a file; call `do` if the value is new."""
         read = self._memory[name].read(self._seen[name])
         if read is not None:
             self._seen[name] = read[0]
@@ -163,7 +166,7 @@ class Bus:
 
 @contextlib.contextmanager
 def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generator[Bus]:
-    """The bus of these settings; its socket is closed at the end. Raises ServerError if its port is taken."""
+    """Open the bus for these settings; close its socket at the end. Raises ServerError if its port is taken."""
     array = settings.array.make()
     warm_up(array, settings.medium.make())
     with contextlib.ExitStack() as stack:
@@ -174,8 +177,9 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
         gate.protect(socket, settings.clients.command_bytes)
-        socket.router_mandatory = False  # whoever has gone gets no reply
-        # what waits is old when its turn comes; `rcvbuf` stays the system's: 16 KiB halved what one client can send
+        socket.router_mandatory = False  # replies to a closed connection are dropped
+        # A long queue only makes messages older. `rcvbuf` stays at the system's default: 16 KiB
+        # halved the throughput of one client.
         socket.rcvhwm = QUEUE
         network = settings.network
         try:
@@ -190,12 +194,12 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
 
 
 def main() -> None:
-    """Run until the parent goes, or tells it to."""
+    """Run until the parent ends or asks this process to end."""
     ended = threading.Event()
     told = child_process.read_launch_config(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
-    # before clients that send too much, but not before the renderer
+    # A priority above clients that flood the server, but below the renderer.
     scheduling.raise_priority(scheduling.EAGER - 1)
     with open_bus(told.settings, told.path, told.secrets) as bus:
         gc.collect()

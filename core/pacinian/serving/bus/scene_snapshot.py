@@ -1,4 +1,4 @@
-"""What is in the scene that is felt, for those who look on: never more in one answer than the bus has time for."""
+"""Snapshots of the rendered scene for observers. One reply never holds more than the bus has time for."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import Show
     from pacinian.wire.objects import Object
 
-FULL = 1 << 18  # [bytes] of objects in one answer, but for a single one that is larger
-HEAD, NAMED = 512, 4  # [bytes] of an answer, and before a name or object, at most
+FULL = 1 << 18  # size limit of the objects in one reply, unless a single one is larger [bytes]
+# Largest size of the rest of a reply, and of the prefix of a name or object [bytes].
+HEAD, NAMED = 512, 4
 
 _encoder = Encoder()
 
 
 def make_snapshot(room: SharedScene | None, asked: Show) -> Shown:
-    """What is new of a scene, and all poses. Raises WireError."""
+    """Return the new objects of a scene, and all poses. Raises WireError."""
     if not asked.id:
-        raise WireError("must not be 0: a scene is asked for its answer", "$.id")
+        raise WireError("must not be 0, because a snapshot needs an answer", "$.id")
     if room is None:
         return Shown(id=asked.id, scene="", version=0, names=(), poses=b"", objects={})
     since = asked.since if asked.scene == room.name else 0
@@ -44,7 +45,7 @@ def make_snapshot(room: SharedScene | None, asked: Show) -> Shown:
 
 
 def _objects(things: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
-    """The first of these, encoded, so many as have room in `most` [bytes]; and the number of the last."""
+    """Encode as many objects as fit in `most` [bytes]; return them, and the number of the last."""
     made: dict[str, Raw] = {}
     size, version = 0, 0
     for thing in things:

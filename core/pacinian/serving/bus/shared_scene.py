@@ -1,4 +1,4 @@
-"""What clients have put, by scene: objects by name, hands, quiet zones. Pure: time is given."""
+"""Shared scenes: the objects, hands and quiet zones that clients have put. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -35,12 +35,13 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand, Zone
     from pacinian.wire.replies import Code, Error
 
-MAX_CLIENT_BYTES = 16 << 20  # [bytes] of what one client has put
-QUIET = 16  # zones of one scene's clients
+# Memory limit for the objects of one client [bytes].
+MAX_CLIENT_BYTES = 16 << 20
+QUIET = 16  # maximum number of quiet zones of one scene's clients
 
 
 class CommandRejected(Exception):
-    """A command that is not done."""
+    """A command is refused."""
 
     def __init__(self, code: Code, problem: str, path: str) -> None:
         super().__init__(problem)
@@ -49,9 +50,9 @@ class CommandRejected(Exception):
 
 
 class SharedScene:
-    """One scene: objects in the order in which they came. felt: whether by hands only, once any were tracked.
+    """One scene. Its objects keep the order in which they arrived.
 
-    number: of the scene, as permits have it.
+    felt: True once any client tracks hands; before that, whole objects are rendered. number: as in permits.
     """
 
     def __init__(self, settings: Settings, converter: Converter, name: str = "") -> None:
@@ -63,12 +64,12 @@ class SharedScene:
         self.felt = False
         self.pending = PendingChanges()
         self._settings, self._converter = settings, converter
-        self._ends: list[tuple[float, str]] = []  # a heap of times at which objects may be over
+        self._ends: list[tuple[float, str]] = []  # a heap of the times at which objects may expire
 
     def do(self, client: Client, command: AnyCommand, seen: float, now: float, size: int) -> bool:
-        """Do a client's command, sent at `seen` and received at `now` [s] by our clock. Raises Refusal, WireError.
+        """Carry out a command, sent at `seen` and received at `now` [s] by the server's clock.
 
-        Returns whether it is done: the converter answers for what takes long.
+        Returns whether it is done; otherwise, the converter replies later. Raises CommandRejected, WireError.
         """
         if isinstance(command, Move):
             self._move(command, seen)
@@ -89,7 +90,7 @@ class SharedScene:
         return True
 
     def clear(self, client: Client) -> None:
-        """Without all that this client has put, tracks, and wants to be quiet."""
+        """Remove all objects, hands and quiet zones of a client."""
         self._remove([thing.name for thing in self.objects.values() if thing.owner is client])
         if self.hands.pop(client, None) is not None:
             self.pending.hand()
@@ -97,7 +98,7 @@ class SharedScene:
             self.pending.quiet = True
 
     def expire(self, now: float) -> None:
-        """Without objects whose time is over."""
+        """Remove the objects that have expired."""
         while self._ends and self._ends[0][0] <= now:
             _, name = heappop(self._ends)
             thing = self.objects.get(name)
@@ -105,15 +106,15 @@ class SharedScene:
                 self._remove([name])
 
     def has(self, thing: StoredObject) -> bool:
-        """Whether it is there still."""
+        """Whether the object is still in the scene."""
         return self.objects.get(thing.name) is thing
 
     def drop(self, things: list[StoredObject]) -> None:
-        """Without those of these objects that are there still."""
+        """Remove those of the objects that are still in the scene."""
         self._remove([thing.name for thing in things if self.has(thing)])
 
     def pack(self, thing: StoredObject) -> Error | None:
-        """Convert an object; one that cannot be meant is gone, and the error is its client's."""
+        """Encode an object. If it is invalid, remove it and return the error for its client."""
         try:
             thing.pack(self._settings.safety.pressure)
         except WireError as error:
@@ -122,11 +123,11 @@ class SharedScene:
         return None
 
     def all_hands(self) -> SetHands:
-        """Of all clients."""
+        """Return the hands of all clients."""
         return TrackedHands.together(self.hands.values(), self.felt)
 
     def all_quiet(self) -> SetQuiet:
-        """The installation's zones, and those of all clients."""
+        """Return the installation's quiet zones, and those of all clients."""
         zones = [zone for given in self.zones.values() for zone in given]
         ours = [(zone.position, zone.pressure, zone.radius) for zone in self._settings.safety.zones]
         return SetQuiet((*ours, *((zone.position, zone.pressure, zone.radius) for zone in zones)))
@@ -151,7 +152,7 @@ class SharedScene:
             self._place(thing)
         if heavy:
             self._converter.ask(ObjectConversion(self, heavy, client, command.id))
-        if len(self._ends) > 2 * len(self.objects) + 64:  # most of these were put anew
+        if len(self._ends) > 2 * len(self.objects) + 64:  # most entries are of replaced objects
             self._ends = [(t.until, t.name) for t in self.objects.values() if t.until is not None]
             heapify(self._ends)
         return not heavy
@@ -246,7 +247,7 @@ class SharedScene:
 
 
 def reject_full(path: str) -> CommandRejected:
-    """Why there is no memory for more."""
+    """Return the error for a client that is over its memory limit."""
     return CommandRejected(
         "limit", f"would take more than {MAX_CLIENT_BYTES >> 20} MiB for one client", path
     )

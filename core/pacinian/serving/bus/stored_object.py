@@ -1,4 +1,4 @@
-"""An object as a client sent it, and what the renderer is told of it; converted when that is needed first."""
+"""An object as a client sent it, with its encoding for the renderer, which is made when first needed."""
 
 from __future__ import annotations
 
@@ -33,16 +33,21 @@ if TYPE_CHECKING:
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
 
-MAX_FOCAL_AREA = 1e-3  # [m^2]: a force that is too strong even on a focus so large is refused; others are limited
-HEAVY_BYTES = 1 << 11  # [bytes] of bulk from which conversion takes above 0.1 ms
-AT_ONCE = 16  # objects that are converted one after another while commands wait
-SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
-MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
+# Focal area that turns a force into a pressure [m^2]. A force over the limit even on so large a
+# focus is refused; others are limited.
+MAX_FOCAL_AREA = 1e-3
+# Size of the bulk data from which conversion takes more than 0.1 ms [bytes].
+HEAVY_BYTES = 1 << 11
+AT_ONCE = 16  # objects that are converted in a row while commands wait
+# Slow to convert at any size.
+SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference
+MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # maximum size of one encoded object [bytes]
+# Maximum coordinate [m]; maximum speed [m/s] or [rad/s]; tolerance of a quaternion's length.
 MAX_COORDINATE, MAX_SPEED, UNIT = (
     10.0,
     100.0,
     0.01,
-)  # [m]; [m/s] or [rad/s]; a quaternion's length is 1 within
+)
 SCALARS = {float, int, str, bool, type(None)}
 POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Struct("<3f")
 
@@ -51,13 +56,12 @@ NUMBERS = itertools.count(1)
 
 
 class StoredObject:
-    """An object by its name. owner: who put it last. size: what it takes [bytes], but for its share of the message.
+    """A named object. owner: the client that put it. size: its memory [bytes].
 
-    number: counts all things. sent: what it was put as.
-    seen: when it was put, until: when it is removed, by our clock [s]. moved: pose, velocities or none, time [s].
-    wrapped: an envelope, encoded, that came later. wraps: what makes the one that came
-    last, of `waits` [bytes], while that takes. slow: it takes long to convert.
-    placed: whether it counts as its owner's.
+    Until the object is converted, `size` includes its share of the message. number: counts all objects. sent: as it was
+    put. seen: when it was put; until: when it expires; by the server's clock [s]. moved: pose, velocities or none, time
+    [s]. wrapped: the last envelope, encoded. wraps: pending conversion of the newest envelope; waits: its size [bytes].
+    slow: whether it takes long to convert. placed: whether it counts towards its owner's limits.
     """
 
     def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
@@ -76,23 +80,23 @@ class StoredObject:
 
     @property
     def heavy(self) -> bool:
-        """Whether it takes long to convert, and has not been."""
+        """Whether the object takes long to convert and is not converted yet."""
         return self.slow and self.item is not None
 
     def pack(self, most: float) -> bytes:
-        """The object, encoded. most: radiation pressure [Pa]. Raises WireError, TooStrong."""
+        """Return the object, encoded. most: maximum radiation pressure [Pa]. Raises WireError, TooStrong."""
         if self.item is not None:
             self.accept(encode_object(self.name, self.item, self.seen, most))
         return self.packed
 
     def accept(self, packed: bytes) -> None:
-        """What it was converted to; it counts while it has an owner."""
+        """Store the encoded object."""
         self.packed, self.item = packed, None
         more = len(packed) + len(self.wrapped) + self.waits + count_bulk_bytes(self.sent)
         self.grow(more - self.size)
 
     def grow(self, more: int) -> None:
-        """It takes so many bytes more, which count while it has an owner."""
+        """Add `more` bytes to the object's size, and to its owner's memory while the object is placed."""
         self.size += more
         if self.placed:
             self.owner.bytes += more
@@ -100,16 +104,16 @@ class StoredObject:
     def wrap(
         self, envelope: bytes, wraps: EnvelopeConversion | None = None, waits: int = 0
     ) -> None:
-        """Another envelope; wraps: makes yet another, of so many bytes."""
+        """Set the envelope. wraps: conversion of a newer one, of `waits` bytes."""
         self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
         self.wrapped, self.wraps, self.waits = envelope, wraps, waits
 
     def leave(self) -> None:
-        """It is gone: nothing is converted for it any more."""
+        """Note that the object was removed, so that nothing more is converted for it."""
         self.item = self.wraps = None
 
     def pose(self) -> bytes:
-        """Where it was told to be last: x, y, z [m], quaternion x, y, z, w, (7,) float32."""
+        """Return the last known pose: x, y, z [m], quaternion x, y, z, w, (7,) float32."""
         if self.moved is not None:
             return self.moved[0]
         if isinstance(self.sent, Point):
@@ -117,7 +121,7 @@ class StoredObject:
         return POSE.pack(*self.sent.pose.position, *self.sent.pose.rotation)
 
     def move(self) -> MoveObject | None:
-        """Its pose, if that came later than itself."""
+        """Return the last move, if there was one since the put."""
         if self.moved is None:
             return None
         pose, velocity, seen = self.moved
@@ -134,7 +138,7 @@ class StoredObject:
 
 
 def count_bulk_bytes(value: object) -> int:
-    """Of a wire object: bulk numbers in it [bytes]."""
+    """Return the size of the bulk numbers in a wire object [bytes]."""
     if isinstance(value, bytes):
         return len(value)
     parts: Sequence[object] = ()
@@ -146,13 +150,13 @@ def count_bulk_bytes(value: object) -> int:
 
 
 def encode_object(name: str, item: Object, seen: float, most: float) -> bytes:
-    """An object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
+    """Return the object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
     try:
         scene = to_scene(name, item, time=seen)
         pressure = (scene.force or 0.0) / MAX_FOCAL_AREA if scene.focal else scene.pressure
     except WireError:
         raise
-    except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
+    except Exception as error:  # a shape may raise anything for invalid numbers; the bus must go on
         raise WireError(describe_error(error), f"$.objects[{name}]") from error
     if pressure > most:
         raise reject_strength(name, item, pressure, most)
@@ -163,17 +167,17 @@ def encode_object(name: str, item: Object, seen: float, most: float) -> bytes:
 
 
 class TooStrong(WireError):
-    """More radiation pressure than the server allows."""
+    """The radiation pressure is higher than the server allows."""
 
 
 def make_error_reply(error: WireError, id: int = 0) -> Error:  # noqa: A002
-    """The reply to a command that cannot be meant, or asks too much."""
+    """Return the reply to a command that is invalid or exceeds a limit."""
     code: Code = "limit" if isinstance(error, TooStrong) else "argument"
     return Error(id=id, code=code, message=error.problem[:1000], path=error.path[:200])
 
 
 def reject_strength(name: str, item: Object, pressure: float, most: float) -> TooStrong:
-    """Why an object is refused."""
+    """Return the error for an object that is too strong."""
     field = "force" if item.radiation_pressure is None else "radiation_pressure"
     return TooStrong(
         f"makes a radiation pressure of {pressure:.4g} Pa: keep to {most:g} Pa",
@@ -182,7 +186,7 @@ def reject_strength(name: str, item: Object, pressure: float, most: float) -> To
 
 
 def check_poses(command: Move) -> None:
-    """Refuse rotations and speeds that cannot be meant; the rest is checked already. Raises WireError."""
+    """Check rotations and speeds; the rest is already checked. Raises WireError."""
     for i, (_, _, _, x, y, z, w) in enumerate(POSE.iter_unpack(command.poses)):
         if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT:
             raise WireError("must have a unit quaternion (x, y, z, w)", f"$.poses[{i}]")

@@ -1,4 +1,4 @@
-"""What is slow the first time, done before clients come: libraries loaded."""
+"""Warm-up: loads libraries before clients connect, because the first use is slow."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # [m]
 
 
 def warm_up(array: Array, medium: Air) -> None:
-    """Compute a field, and convert a mesh."""
+    """Compute a field and convert a mesh once."""
     above = array.centre + np.array([[0.0, 0.0, 0.2]])
     field(array, np.zeros(len(array), np.complex64), above, medium)
     vertices, faces = np.array(CORNERS, "<f4"), np.array([0, 1, 2], "<u4")

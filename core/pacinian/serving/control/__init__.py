@@ -1,1 +1,1 @@
-"""The control process: connections, sessions, who may sound, settings, status; it watches the other processes."""
+"""The control process: connections, sessions, output lease, settings and status. It supervises the other processes."""

@@ -1,4 +1,4 @@
-"""What the server tells Prometheus, on 127.0.0.1: made from the newest state when it is asked for."""
+"""Metrics for Prometheus on 127.0.0.1, computed from the newest state at each request."""
 
 from __future__ import annotations
 
@@ -24,9 +24,10 @@ OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 
 
 class Metrics(Collector):
-    """Serves them while entered.
+    """A collector that serves the metrics while entered.
 
-    newest: the state, None before the first, the server's own counts by name, and how the bus is. Raises ServerError.
+    newest: returns the state (None before the first), the server's own counts by name, and the bus status. Raises
+    ServerError if the port cannot be opened.
     """
 
     def __init__(
@@ -54,14 +55,14 @@ class Metrics(Collector):
         self._thread.join()
 
     def collect(self) -> Iterator[Metric]:
-        """The metrics of now."""
+        """Yield the current metrics."""
         state, counts, bus = self._newest()
         for name, value in counts.items():
             yield _counter(f"control_{name}", f"Control socket: {name}", value)
-        yield _counter("bus_received", "Commands", bus.received)
-        yield _counter("bus_superseded", "Commands that newer ones replaced", bus.superseded)
-        yield _counter("bus_refused", "Commands", bus.refused)
-        yield _gauge("bus_waiting", "Changes that the renderer does not know yet", bus.waiting)
+        yield _counter("bus_received", "Commands received", bus.received)
+        yield _counter("bus_superseded", "Commands that newer ones superseded", bus.superseded)
+        yield _counter("bus_refused", "Commands refused", bus.refused)
+        yield _gauge("bus_waiting", "Changes that the renderer has not taken yet", bus.waiting)
         if state is None:
             return
         yield _counter("ticks", "Ticks of the loop", state.ticks)
@@ -73,20 +74,29 @@ class Metrics(Collector):
         yield _gauge(
             "error_ratio", "Error of the sound pressures at the samples, as emitted", state.error
         )
-        yield _gauge("longest_gap_seconds", "Between two frames while armed", state.longest_gap)
+        yield _gauge(
+            "longest_gap_seconds", "Longest time between frames while armed", state.longest_gap
+        )
         yield _gauge("clients", "Sessions", len(state.clients))
         yield _labelled(
-            "output", "How the output is", "state", {name: name == state.output for name in OUTPUTS}
+            "output",
+            "State of the output",
+            "state",
+            {name: name == state.output for name in OUTPUTS},
         )
         quantiles = {
             str(q): ms / 1e3 for q, ms in zip((0.5, 0.99, 1.0), state.tick_ms, strict=True)
         }
-        yield _labelled("tick_seconds", "Of the last second", "quantile", quantiles)
-        restarts = CounterMetricFamily("pacinian_restarts", "Of a process", labels=["process"])
+        yield _labelled(
+            "tick_seconds", "Duration of a tick in the last second", "quantile", quantiles
+        )
+        restarts = CounterMetricFamily(
+            "pacinian_restarts", "Restarts of a process", labels=["process"]
+        )
         for name, value in state.restarts.items():
             restarts.add_metric([name], value)
         yield restarts
-        skipped = CounterMetricFamily("pacinian_skipped", "Not rendered", labels=["reason"])
+        skipped = CounterMetricFamily("pacinian_skipped", "Samples not rendered", labels=["reason"])
         for name, value in state.skipped.items():
             skipped.add_metric([name], value)
         yield skipped

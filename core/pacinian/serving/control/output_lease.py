@@ -1,4 +1,4 @@
-"""Whose scene is felt, and until when: the permit that the guard obeys. Pure: time is given."""
+"""The output lease: whose scene is rendered and until when, as a permit for the guard. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
-CLOSING = 0.02  # [s] in which a soft end may still be heard
-SILENT, ARMED, CLOSES = 0, 1, 2  # of `Permit.armed`
+# Time in which a soft end fades out [s].
+CLOSING = 0.02
+SILENT, ARMED, CLOSES = 0, 1, 2  # values of `Permit.armed`
 
 
 @dataclass(eq=False, slots=True)
 class Session:
-    """A client. until: when its lease ends [s]. renewed: when its last renewal came [s]. time: as it bore [s]."""
+    """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s]."""
 
     key: bytes
     peer: bytes
@@ -34,10 +35,10 @@ class Session:
 
 
 class OutputLease:
-    """One session owns the output, from `arm` until it lets go or is gone; it is armed while its lease goes on.
+    """Lends the output to one session until it lets go or ends. The output is armed while the session's lease lasts.
 
-    takeover: whether one may take the output from another. permit: what the guard and the renderer are to be
-    told. fault: what holds the output silent until `reset`. told: replies to peers, to be sent and cleared.
+    takeover: whether a session may take the output from another. permit: for the guard and the renderer. fault: keeps
+    the output silent until `reset`. told: replies to peers; the caller sends and clears them.
     """
 
     def __init__(self, takeover: bool = True) -> None:
@@ -46,7 +47,8 @@ class OutputLease:
         self.fault = ""
         self.told: list[tuple[bytes, Reply]] = []
         self._takeover = takeover
-        self._asked: list[int] = []  # ids of the owner's `arm`, while another's sound fades
+        # Ids of the owner's pending `arm` requests, while another session's sound fades.
+        self._asked: list[int] = []
 
     @property
     def armed(self) -> bool:
@@ -54,7 +56,7 @@ class OutputLease:
         return self.permit.armed == ARMED
 
     def pass_time(self, now: float) -> None:
-        """End what ends at `now` [s]; begin what waited for that. To be called before anything else at that time."""
+        """End what expires at `now` [s], and arm what waited for it. Call this before anything else at that time."""
         if self.permit.armed and now >= self.permit.until:
             expired = self.armed
             self._silence()
@@ -66,7 +68,9 @@ class OutputLease:
                 )
         if not self.permit.armed and self._asked and self.owner is not None:
             if now >= self.owner.until:
-                self._refuse("expired", "the lease was not renewed while the last owner let go")
+                self._refuse(
+                    "expired", "the lease was not renewed while the last owner's sound faded"
+                )
                 return
             epoch, scene = self.permit.epoch + 1, number_scene(self.owner.scene)
             self.permit = Permit(ARMED, self.owner.until, epoch, scene=scene)
@@ -75,14 +79,16 @@ class OutputLease:
             self._asked = []
 
     def arm(self, session: Session, request: int, take: bool, now: float) -> None:
-        """Let the session's scene be felt: at once, or as soon as another's has faded."""
+        """Arm the session's scene: at once, or when another session's sound has faded."""
         if self.permit.stopped or self.fault:
             problem = f"a fault holds: {self.fault}" if self.fault else "an emergency stop holds"
             self._error(session, request, "stopped", problem, "reset first")
             return
         if self.owner not in (None, session):
             if not (take and self._takeover):
-                allowed = "arm with `take`" if self._takeover else "its settings forbid to take it"
+                allowed = (
+                    "arm with `take`" if self._takeover else "its settings forbid taking it over"
+                )
                 self._error(session, request, "owner", f"{self._name} owns the output", allowed)
                 return
             self._refuse("owner", f"{session.name} has taken the output")
@@ -98,19 +104,19 @@ class OutputLease:
             self.pass_time(now)
 
     def renew(self, session: Session) -> None:
-        """The session's lease goes on until `session.until`."""
+        """Extend the lease of the session to `session.until`."""
         if session is self.owner and self.armed:
             self.permit = self.permit._replace(until=session.until)
 
     def disarm(self, session: Session, now: float) -> bool:
-        """Let go of the output, softly; False if it is another's."""
+        """Let go of the output with a soft end. Return False if another session owns it."""
         if self.owner not in (None, session):
             return False
         self._leave(now)
         return True
 
     def gone(self, session: Session, now: float, *, soft: bool = False) -> None:
-        """The session has ended."""
+        """Note that the session has ended. soft: fade out instead of silencing at once."""
         if session is self.owner:
             self._leave(now)
             if not soft:
@@ -135,7 +141,7 @@ class OutputLease:
         self._silence()
 
     def reset(self) -> bool:
-        """Let an emergency stop or a fault be over; whether there was one."""
+        """End an emergency stop or a fault; return whether there was one."""
         held = bool(self.permit.stopped or self.fault)
         self.permit, self.fault = self.permit._replace(stopped=0), ""
         return held
@@ -145,7 +151,7 @@ class OutputLease:
         return self.owner.name if self.owner is not None else ""
 
     def _leave(self, now: float) -> None:
-        self._refuse("armed", "the output was let go before")
+        self._refuse("armed", "the session let go of the output first")
         self._close(now)
         self.owner = None
 
@@ -159,7 +165,7 @@ class OutputLease:
         self.permit = self.permit._replace(armed=SILENT, until=0.0)
 
     def _refuse(self, code: Code, problem: str) -> None:
-        """To every `arm` of the owner that waits."""
+        """Refuse every pending `arm` of the owner."""
         for request in self._asked:
             if self.owner is not None:
                 self._error(self.owner, request, code, problem)

@@ -1,7 +1,8 @@
-"""The control process: it answers at once, whatever the others do.
+"""The control process. It answers at once, whatever the other processes do.
 
-Plain polling: a bounded number of requests, then what time brings: leases, probes of links, the other processes,
-the published state. Nothing here waits, imports a plug-in, or does more for a client than for another.
+Each round of its polling loop handles a bounded number of requests, then the timed work: leases, link probes, checks of
+the other processes, and the published state. Nothing here blocks, imports a plug-in, or does more for one client than
+for another.
 """
 
 from __future__ import annotations
@@ -37,22 +38,29 @@ if TYPE_CHECKING:
     from pacinian.wire.control import AnyControl
     from pacinian.wire.state import State
 
-MAX_ROUND_REQUESTS = 64  # requests in one round
-ROUND = 0.005  # [s] a round takes at most while nobody asks anything
-OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
-LOOK = 0.02  # [s] between two looks at the other processes
-MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
-TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
-STOP = 64  # [bytes]; one who asks too much is still listened to for so long
-TELLS = 10.0  # errors a second that one who asks too much is told
-PEERS = 4096  # whose rates are remembered
+# Maximum number of requests handled in one round.
+MAX_ROUND_REQUESTS = 64
+ROUND = 0.005  # longest wait for requests in one round [s]
+OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
+LOOK = 0.02  # interval between two checks of the other processes [s]
+# Time after a reset during which a process may still report the fault that was reset, unless it has
+# answered the reset [s].
+MENDS = 10.0
+# Maps a process to the component whose faults it reports.
+TELLS_OF = {"guard": "device", "render": "renderer"}
+# Longest request that is still decoded from a client over its rate limit, because it may be a stop
+# [bytes].
+STOP = 64
+# Rate of error replies to one client over its limits [1/s].
+TELLS = 10.0
+PEERS = 4096  # maximum number of peers with a remembered rate
 
 
 class ControlLoop:
-    """Joins sessions, selections, the other processes and the sockets.
+    """Connects sessions, selections, the other processes and the sockets.
 
-    memory: the files that control writes and reads, by name. counts: for the metrics. newest: the state as it was
-    published last. Times are of `clock` [s].
+    memory: shared files that control writes and reads, by name. counts: for the metrics. newest: the last published
+    state. Times are those of `clock` [s].
     """
 
     def __init__(
@@ -75,13 +83,14 @@ class ControlLoop:
         self._written: dict[str, object] = {}
         self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
         self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0}
-        self._reset: dict[str, tuple[str, float]] = {}  # faults that were reset, until when [s]
+        # Faults that were reset, and until when they are ignored [s].
+        self._reset: dict[str, tuple[str, float]] = {}
         self._settle()
 
     @property
     def ready(self) -> bool:
-        """Whether all processes have given a sign of life, and the renderer has reported."""
-        known = self.publisher.known()["solver"]  # so that the first client can select one
+        """Whether all processes have sent a heartbeat and the renderer has reported."""
+        known = self.publisher.known()["solver"]  # the first client must be able to select a solver
         alive = (self._supervisor.alive(name, beat) for name, beat in self._beats.items())
         return bool(known) and all(alive)
 
@@ -95,7 +104,7 @@ class ControlLoop:
         }
 
     def round(self) -> None:
-        """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
+        """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
         self._doors.wait(ROUND)
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
@@ -115,11 +124,12 @@ class ControlLoop:
             self._publish(now)
 
     def let_go(self) -> None:
-        """End all sound: softly where some is permitted, then for good."""
+        """End all sound: softly where it is permitted, then for good."""
         ownership = self.sessions.ownership
         if ownership.owner is not None:
             ownership.disarm(ownership.owner, self._clock())
-        # nobody is answered: a game that arms again would go on for ever
+        # Requests are not answered here, because a game that arms again would keep this loop
+        # running.
         while ownership.permit.armed:
             self._doors.wait(ROUND)
             self.sessions.pass_time(self._clock())
@@ -135,7 +145,7 @@ class ControlLoop:
         return True
 
     def _stop(self) -> None:
-        """Do what was asked for without a connection, before all else."""
+        """Carry out connectionless emergency stops, before all else."""
         if requests := self._doors.stop.receive():
             self.sessions.ownership.stop()
             self._settle()
@@ -177,10 +187,12 @@ class ControlLoop:
         try:
             self._do(peer, user, message, now)
             self._settle()
-        except Exception:  # a mistake of ours must not end the server
+        except Exception:  # a bug here must not end the server
             self.counts["failed"] += 1
             self._log.exception("request failed", user=user)
-            self._send(peer, Error(id=message.id, code="fault", message="the server failed here"))
+            self._send(
+                peer, Error(id=message.id, code="fault", message="the server failed to handle this")
+            )
 
     def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
         sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
@@ -203,7 +215,7 @@ class ControlLoop:
             case Arm() if not self._supervisor.alive("bus", self.view.traffic.beat):
                 sessions.pass_time(now)
                 if sessions.of(peer, message.session, message.id):
-                    problem = "the bus is being started again"
+                    problem = "the bus process is restarting"
                     self._send(peer, Error(id=message.id, code="fault", message=problem))
             case _:
                 sessions.handle(peer, user, message, now)
@@ -222,7 +234,7 @@ class ControlLoop:
         self._log.info("reset")
 
     def _settle(self) -> None:
-        """Tell the other processes what has changed, then the clients."""
+        """Write what has changed for the other processes, then send the replies to the clients."""
         while True:
             ownership = self.sessions.ownership
             self._write("permit", ownership.permit, ownership.permit.pack)
@@ -258,7 +270,7 @@ class ControlLoop:
         self._settle()
 
     def _look(self, now: float) -> None:
-        """At what the other processes tell, and at whether they live."""
+        """Read the statuses of the other processes, and check that they live."""
         self.view.look()
         ownership = self.sessions.ownership
         report, device = self.view.report, self.view.device
@@ -290,23 +302,24 @@ class ControlLoop:
         if name == SPARE:
             self._log.warning("spare guard lost", why=why)
             return
-        problem = f"the process {name!r} {why}, and is started again"
+        problem = f"the process {name!r} {why}, and is restarted"
         self._fault(problem)
-        self._reset.pop(TELLS_OF.get(name, ""), None)  # another one knows of no reset
+        self._reset.pop(TELLS_OF.get(name, ""), None)  # the new process does not know of the reset
         self.sessions.ownership.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
         if name == "render" and self.selection.renderer_ended(now):
-            self._fault("the selected solver is given up for the configured one")
+            self._fault("the configured solver replaces the selected one")
 
     def _publish(self, now: float) -> None:
-        self._look(now)  # so that what is said has been acted on
+        self._look(now)  # what is published must have been acted on
         self.view.look_at_frame()
+        # A plug-in reported something invalid, or the message is too long (WireError).
         try:
             self.newest = self.publisher.published(now, self._supervisor.restarts)
             self._doors.publish(STATE, encode(self.newest))
             self._doors.publish(FRAME, encode(self.publisher.frame(now)))
-        except (TypeError, ValueError):  # what a plug-in has told, or WireError: it is too long
+        except (TypeError, ValueError):
             self.counts["unpublished"] += 1
 
 

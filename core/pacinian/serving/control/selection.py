@@ -1,4 +1,4 @@
-"""Another solver, backend, technique or strength while running: orders, and whose answer waits. Pure: time is given."""
+"""Selecting another solver, backend, technique or intensity at run time. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ if TYPE_CHECKING:
     from pacinian.wire.control import Select
     from pacinian.wire.replies import Reply
 
-MAX_SELECTION_TIME = 10.0  # [s] for a solver to be made or a device to be opened
-SUSPECT = 10.0  # [s] after its selection in which a solver is blamed for a renderer that ends
+MAX_SELECTION_TIME = 10.0  # time limit to make a solver or to open a device [s]
+# Time after its selection during which a solver is blamed for the end of a renderer [s].
+SUSPECT = 10.0
 KINDS = "solver", "backend", "technique", "intensity"
-SETTINGS = "technique", "intensity"  # of which the newest one stands for those before
-MAX_PENDING = 8  # selections that wait
+SETTINGS = "technique", "intensity"  # the newest value replaces the earlier ones
+MAX_PENDING = 8  # maximum number of pending selections
 
 
 @dataclass
 class PendingSelection:
-    """Who asked, and which results have not come yet."""
+    """A selection that waits for its results. missing: orders without a result yet. until: time limit [s]."""
 
     peer: bytes
     request: int
@@ -39,22 +40,22 @@ class PendingSelection:
 
 
 class Selection:
-    """What was selected last. orders: what the renderer and the guard are to be told."""
+    """Keeps the newest selections. orders: for the renderer and the guard."""
 
     def __init__(self, settings: Settings) -> None:
         self.orders = RequestedSettings()
-        solver = settings.solver  # its options are with who makes it
+        solver = settings.solver  # its options stay with the process that makes it
         self._configured = Choice(name=solver if isinstance(solver, str) else solver.name)
         self._waiting: list[PendingSelection] = []
-        self._suspect = -float("inf")  # [s] until when the solver is suspected
+        self._suspect = -float("inf")  # end of the time in which the solver is suspected [s]
         self._ends = 0
 
     def ask(
         self, session: Session, message: Select, known: Mapping[str, tuple[str, ...]], now: float
     ) -> Reply | None:
-        """Order what a session selects; return why it cannot be, or None: it is answered when it is done.
+        """Order what a session selects; return the reply, or None if it must wait for the results.
 
-        known: names by kind, "solver" and "backend".
+        known: names that can be selected, for the kinds "solver" and "backend".
         """
         for kind in ("solver", "backend"):
             choice = getattr(message, kind)
@@ -82,7 +83,7 @@ class Selection:
         replaced = {f"{kind} {getattr(self.orders, kind)[0]}" for kind in SETTINGS if kind in given}
         if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MAX_PENDING:
             return Error(
-                id=message.id, code="busy", message=f"{MAX_PENDING} selections wait already"
+                id=message.id, code="busy", message=f"{MAX_PENDING} selections are already pending"
             )
         for waiting in self._waiting:
             waiting.missing -= replaced
@@ -95,11 +96,11 @@ class Selection:
         return None
 
     def reset(self, count: int) -> None:
-        """Order as many resets in all."""
+        """Set the number of resets ordered so far."""
         self.orders = replace(self.orders, reset=count)
 
     def answers(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
-        """What is to be told now, given all `results` by "kind number"."""
+        """Return the replies that are due, given all `results` by "kind number"."""
         told: list[tuple[bytes, Reply]] = []
         for waiting in list(self._waiting):
             came = {name: results[name] for name in waiting.missing if name in results}
@@ -120,7 +121,10 @@ class Selection:
         return told
 
     def renderer_ended(self, now: float) -> bool:
-        """The renderer crashed or hung: the second time soon after a selection, its solver is given up; whether so."""
+        """Note that the renderer crashed or hung; return whether its solver is given up.
+
+        This happens at the second end within `SUSPECT` after a selection.
+        """
         self._ends += now < self._suspect
         if self._ends < 2:
             return False
@@ -129,7 +133,7 @@ class Selection:
         return True
 
     def _order(self, kind: str, value: object) -> str:
-        """Its name among the results."""
+        """Order a value; return the key of its result."""
         number = getattr(self.orders, kind)[0] + 1
         self.orders = replace(self.orders, **{kind: (number, value)})
         return f"{kind} {number}"

@@ -1,4 +1,4 @@
-"""Who is there: hello, renewals, goodbyes. Pure: time is given, and replies are collected."""
+"""Client sessions: hello, renewals and goodbyes. Pure: callers pass the time, and replies are collected."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ if TYPE_CHECKING:
     from pacinian.wire.control import AnyControl
     from pacinian.wire.replies import Code, Reply
 
-OWN = "own "  # begins the names of scenes that nobody else may join
-# [s] from when a client's connection is cut off to silence: `security.UNCONFIRMED`, and room for TCP's timer, which
-# is coarser
+# Prefix of the names of private scenes, which no other client may join.
+OWN = "own "
+# Time from a cut connection to silence [s]: `auth.UNCONFIRMED`, and room for the coarser TCP timer.
 LINK = 0.8
 
 
 class ClientSessions:
-    """The sessions, and whose scene is felt.
+    """Manages the sessions and the output lease.
 
-    server: what clients are told about us. changes: counts sessions that came or went. resets: how often a stop or a
-    fault was reset. replayed: how often a session's key was used on another connection. key: makes the keys.
+    server: the server's name and version, sent to clients. changes: number of sessions that came or went. resets:
+    number of stops and faults that were reset. replayed: number of times a session's key was used on another
+    connection. key: makes the keys.
     """
 
     def __init__(
@@ -45,23 +46,23 @@ class ClientSessions:
 
     @property
     def all(self) -> tuple[Session, ...]:
-        """Every session."""
+        """All sessions."""
         return tuple(self._by_key.values())
 
     def listed(self) -> messages.SessionTable:
-        """Who may send commands, and whose scene is felt."""
+        """Return the sessions that may send commands, and the owner's scene."""
         infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
         owner = self.ownership.owner
         return messages.SessionTable(tuple(infos), owner.scene if owner is not None else "")
 
     def taken(self) -> list[tuple[bytes, Reply]]:
-        """Replies to peers, each once."""
+        """Return the collected replies, and clear them."""
         told = self.ownership.told
         self.ownership.told = []
         return told
 
     def pass_time(self, now: float) -> None:
-        """End what ends at `now` [s]."""
+        """End the leases and sessions that expire at `now` [s]."""
         self.ownership.pass_time(now)
         forget = self._settings.safety.forget
         for session in [s for s in self.all if now - s.renewed > forget]:
@@ -70,7 +71,7 @@ class ClientSessions:
             self._end(session, now)
 
     def handle(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
-        """Do what an authenticated peer asks, at `now` [s]; for those requests that need nothing but sessions."""
+        """Handle a request of an authenticated peer at `now` [s], if it needs nothing but the sessions."""
         self.pass_time(now)
         match message:
             case Hello():
@@ -104,7 +105,7 @@ class ClientSessions:
         self._tell(peer, Ok(id=message.id))
 
     def of(self, peer: bytes, key: bytes, request: int = 0) -> Session | None:
-        """The session of that key on this connection; otherwise the peer is told."""
+        """Return the session with that key on this connection; otherwise None, with an error to the peer."""
         session = self._by_key.get(key)
         if session is not None and session.peer == peer:
             return session
@@ -114,19 +115,19 @@ class ClientSessions:
         return None
 
     def lost(self, peer: bytes, now: float) -> None:
-        """The connection has gone: silence, if its session owns the output."""
+        """End the session of a lost connection. If it owns the output, this silences it."""
         if session := self._by_peer.get(peer):
             self._end(session, now)
 
     def end_all(self, problem: str, now: float) -> None:
-        """End all sessions, because what they put has gone."""
+        """End all sessions, because their scenes are lost."""
         for session in self.all:
             error = Error(code="session", message=problem, advice="say hello, and put it again")
             self._tell(session.peer, error)
             self._end(session, now)
 
     def probe(self, session: Session, now: float) -> Renewed:
-        """What a session is sent unasked: how its lease stands."""
+        """Return the unsolicited message that reports the session's lease."""
         return self._renewed(session, 0, now)
 
     def _hello(self, peer: bytes, user: str, message: Hello, now: float) -> None:
@@ -137,14 +138,14 @@ class ClientSessions:
             self._error(peer, message.id, "version", problem, f"update the {side}")
             return
         if message.scene.startswith(OWN):
-            problem = f"no scene's name may begin with {OWN!r}: those are clients' own"
+            problem = f"a scene's name must not begin with {OWN!r}: this prefix is reserved"
             self._error(peer, message.id, "argument", problem)
             return
         if old := self._by_peer.get(peer):
             self._end(old, now, soft=True)
         most = self._settings.clients.most
         if len(self._by_key) >= most:
-            self._error(peer, message.id, "limit", f"there are {most} clients: no more may come")
+            self._error(peer, message.id, "limit", f"the server has its maximum of {most} clients")
             return
         most_lease = self._settings.safety.lease
         session = Session(

@@ -1,4 +1,4 @@
-"""The control process's sockets: requests and replies, what is published, who was turned away."""
+"""The control process's sockets: requests, replies, published state, and refused connections."""
 
 from __future__ import annotations
 
@@ -20,23 +20,25 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Network
     from pacinian.wire.emergency import StopSocket
 
-SUBSCRIPTION = 4096  # [bytes] of what a subscriber may send: its handshake is the longest
-FRESH = 8  # states that wait for a slow reader before it misses some
+# Longest message from a subscriber [bytes]; its handshake is the longest.
+SUBSCRIPTION = 4096
+# Number of states queued for a slow subscriber before it misses some.
+FRESH = 8
 REFUSED = {
-    zmq.EVENT_HANDSHAKE_FAILED_AUTH: "secret",  # no token or key of ours
-    zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL: "protocol",  # another mechanism, or no ZeroMQ at all
+    zmq.EVENT_HANDSHAKE_FAILED_AUTH: "secret",  # an unknown token or key
+    zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL: "protocol",  # another mechanism, or not ZeroMQ
     zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL: "handshake",
     zmq.EVENT_ACCEPT_FAILED: "accept",
 }
 WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
-# of connections, that are looked at in one round: 6 us each. Where some 2000 wait, ZeroMQ waits, too
+# Connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
 EVENTS = 1024
 
 
 class ControlSockets:
-    """The sockets, bound. A context manager. control, state: ports. counts: connections, and those refused, by why.
+    """The bound sockets. A context manager. control, state: ports. counts: connections, and refused ones by reason.
 
-    stop: for emergency stops without a connection. Raises ServerError if a port is taken.
+    stop: socket for connectionless emergency stops. Raises ServerError if a port is taken.
     """
 
     def __init__(
@@ -69,11 +71,11 @@ class ControlSockets:
             self._stack = stack.pop_all()
 
     def wait(self, seconds: float) -> bool:
-        """Wait for a request for at most that long; whether there is one."""
+        """Wait at most `seconds` for a request; return whether there is one."""
         return bool(self._poller.poll(round(1e3 * seconds)))
 
     def requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
-        """What has come, at most so many: peer, user, message; empty where it was no single part."""
+        """Yield at most `most` requests: peer, user, message. The message is empty unless it was a single part."""
         for _ in range(most):
             taken = receive(self._control)
             if taken is None:
@@ -82,7 +84,7 @@ class ControlSockets:
             yield peer, self._gate.name(user), data
 
     def reply(self, peer: bytes, data: bytes) -> bool:
-        """Send to a peer; False if it is gone. To one that does not read, nothing is sent."""
+        """Send to a peer; return False if it is gone. A peer that does not read misses the reply."""
         try:
             self._control.send_multipart((peer, data), zmq.NOBLOCK)
         except zmq.Again:
@@ -94,12 +96,12 @@ class ControlSockets:
         return True
 
     def publish(self, topic: bytes, data: bytes) -> None:
-        """Send to those who want the topic; slow readers miss some."""
+        """Publish to the subscribers of a topic; slow subscribers miss some messages."""
         with contextlib.suppress(zmq.Again):
             self._state.send_multipart((topic, data), zmq.NOBLOCK)
 
     def turned_away(self) -> list[tuple[str, str]]:
-        """Connections that were refused since this was asked last: why, and more about it."""
+        """Return the connections refused since the last call: reason, detail."""
         seen: list[tuple[str, str]] = []
         for monitor in self._monitors:
             for _ in range(EVENTS):
@@ -134,7 +136,7 @@ def _bind(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
 
 
 def explain_bind_error(at: str, why: str | None) -> str:
-    """What is told of an address where nothing can be bound."""
+    """Return the error text for an address that cannot be bound."""
     return (
-        f"{at} cannot be bound: {why}: is another server running? Choose another port, or 0 for any"
+        f"{at} cannot be bound: {why}. Is another server running? Choose another port, or 0 for any"
     )

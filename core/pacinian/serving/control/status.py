@@ -1,4 +1,4 @@
-"""What the server publishes: put together from what its processes tell."""
+"""The published state, assembled from the statuses of the server's processes."""
 
 from __future__ import annotations
 
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound=Struct)
 
-SHOWN = 8  # faults
-MAX_TEXT, LONGEST_NAME = 500, 200  # characters of a fault, and of a backend's name
-INPUT = 32  # [bytes] of one hand update in `State.inputs`
+# Number of faults shown.
+SHOWN = 8
+MAX_TEXT, LONGEST_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
+INPUT = 32  # size of one hand update in `State.inputs` [bytes]
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
 NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
 NO_REPORT = RendererStatus(0, -float("inf"), {})
@@ -41,9 +42,9 @@ EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
 class ProcessStatuses:
-    """The newest that the other processes have told; values that cannot be read are counted and left out.
+    """The newest statuses of the other processes. Values that cannot be read are counted and skipped.
 
-    guarded: whether the guard that told is known to be there still.
+    guarded: whether the guard that sent `device` still runs.
     """
 
     def __init__(self, memory: Mapping[str, SharedRegister]) -> None:
@@ -54,7 +55,7 @@ class ProcessStatuses:
         self._numbers = dict.fromkeys(memory, 0)
 
     def look(self) -> None:
-        """Read what is new, but the frame. The plug-ins there are stay known while a process starts again."""
+        """Read the new statuses, except the frame. The known plug-ins are kept while a process restarts."""
         report = self._read("report", self.report)
         self.report = report if report.solvers else replace(report, solvers=self.report.solvers)
         self.device = self._read("device", self.device)
@@ -81,12 +82,12 @@ class ProcessStatuses:
 
     @property
     def results(self) -> dict[str, str]:
-        """Of orders."""
+        """Results of orders."""
         return {**self.report.results, **self.device.results}
 
 
 class StatusPublisher:
-    """Makes the messages. faults: the server's own, newest last; fault_count: of them."""
+    """Builds the published messages. faults: the server's own, newest last. fault_count: number of its own faults."""
 
     def __init__(self, settings: Settings, view: ProcessStatuses, sessions: ClientSessions) -> None:
         self._settings, self._view, self._sessions = settings, view, sessions
@@ -101,14 +102,14 @@ class StatusPublisher:
         self._sound = describe_sound(array, medium)
 
     def fault(self, fault: str) -> None:
-        """Note one."""
+        """Record a fault of the server."""
         self.faults = [*self.faults[1 - SHOWN :], fault[:MAX_TEXT]]
         self.fault_count += 1
 
     def output(self) -> Output:
-        """How the output is: the worst that is true, in the order of the wire's `OUTPUTS`.
+        """Return the output state: the first true one, from worst to best, in the order of the wire's `OUTPUTS`.
 
-        Without a guard or a device, or while a fault is told that was reset and is not mended, it is faulted.
+        It is faulted without a guard or a device, and while a process still reports a fault that was reset.
         """
         view, ownership, device = self._view, self._sessions.ownership, self._view.device
         there = view.guarded and device.generation
@@ -121,7 +122,7 @@ class StatusPublisher:
         return "stale" if ownership.armed and device.stale else "silent"
 
     def state(self, now: float, restarts: dict[str, int]) -> State:
-        """The state at `now` [s], without hand updates."""
+        """Return the state at `now` [s], without hand updates."""
         report, device, ownership = self._view.report, self._view.device, self._sessions.ownership
         told = {k: v for k, v in report.state.items() if k not in OURS}
         common: dict[str, Any] = {
@@ -150,18 +151,18 @@ class StatusPublisher:
             told["faults"] = tuple([*theirs, *self.faults][-SHOWN:])
             told["fault_count"] = told.get("fault_count", 0) + self.fault_count
             return msgspec.convert({**nothing, **told, **common}, State)
-        except (TypeError, ValueError):  # what a plug-in has told is no state
+        except (TypeError, ValueError):  # a plug-in's part is not valid
             self._view.unreadable += 1
             return msgspec.convert({**nothing, **common}, State)
 
     def published(self, now: float, restarts: dict[str, int]) -> State:
-        """The state to be published; each hand update that reached the device is in one of them."""
+        """Return the state to publish. Each hand update that reached the device is in exactly one of them."""
         self._sequence += 1
         return replace(self.state(now, restarts), inputs=self._new_inputs())
 
     def _new_inputs(self) -> bytes:
         device = self._view.device
-        if device.inputs_until < self._inputs:  # another guard
+        if device.inputs_until < self._inputs:  # a new guard counts from 0
             self._inputs = 0
         new = min(device.inputs_until - self._inputs, len(device.inputs) // INPUT)
         self._inputs = device.inputs_until
@@ -189,9 +190,9 @@ class StatusPublisher:
         return tuple(made)
 
     def frame(self, now: float) -> FrameState:
-        """The levels that are emitted; empty in silence."""
+        """Return the levels that are emitted; empty in silence."""
         view, rows, columns = self._view, self._view.frame.rows, self._view.frame.columns
-        size = 2 * columns  # [bytes] of a row
+        size = 2 * columns  # size of a row [bytes]
         loud = view.device.sounding and rows > 0 and len(view.levels) == 2 * rows * size
         end = rows * size if loud else 0
         return FrameState(
@@ -204,7 +205,7 @@ class StatusPublisher:
         )
 
     def abilities(self, request: int) -> Abilities:
-        """What there is."""
+        """Return the capabilities reply."""
         settings, device = self._settings, self._view.device
         limits = {
             "gain": settings.gain,
@@ -245,7 +246,7 @@ class StatusPublisher:
 
 
 def describe_sound(array: Array, medium: Air) -> Sound:
-    """How an array sounds in a medium."""
+    """Describe how an array emits in a medium."""
     kind, response = array.transducer, array.response
     names = [name for name, D in DIRECTIVITIES.items() if D is kind.directivity]
     return Sound(
@@ -261,7 +262,7 @@ def describe_sound(array: Array, medium: Air) -> Sound:
 
 
 def list_techniques() -> tuple[str, ...]:
-    """Names of all techniques."""
+    """Return the names of all techniques."""
     return tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique))
 
 

@@ -1,4 +1,4 @@
-"""The server's other processes: started, watched, started again when they end or hang, ended in order."""
+"""The supervisor: starts the server's other processes, restarts those that end or hang, and ends them in order."""
 
 from __future__ import annotations
 
@@ -16,30 +16,35 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import IO
 
-CHILDREN = "guard", "bus", "render"  # in the order in which they are started
-GUARD, SPARE = "guard", "spare"  # of which there is another, which waits to be called
-ENDED = "render", "bus", "guard"  # the device is silenced last, when nothing can sound any more
-STARTING = 120.0  # [s] until the first sign of life: other processes may have the processors
-FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
-WELL = 10.0  # [s] after which one that lives is trusted again
-MAX_END_TIME = 3.0  # [s] in which one that was asked to end must have ended
+CHILDREN = "guard", "bus", "render"  # in starting order
+# The guard has a spare, which waits to be called.
+GUARD, SPARE = "guard", "spare"
+# In ending order: the guard is last, because the device is silenced last.
+ENDED = "render", "bus", "guard"
+# Time limit to the first heartbeat [s]. It is long because other processes may occupy the CPUs.
+STARTING = 120.0
+# Delay from an end to the restart, doubled each time [s].
+FIRST, LONGEST = 0.05, 5.0
+# Time after which a running process is trusted again [s].
+WELL = 10.0
+MAX_END_TIME = 3.0  # time limit to end after a request [s]
 
 
 class Process(Protocol):
-    """What is needed of `subprocess.Popen`."""
+    """The part of `subprocess.Popen` that the supervisor needs."""
 
     @property
     def pid(self) -> int:
-        """Its number."""
+        """Process id."""
         ...
 
     @property
     def stdin(self) -> IO[bytes] | None:
-        """Closed, it ends by itself."""
+        """Standard input. The process ends when it is closed."""
         ...
 
     def poll(self) -> int | None:
-        """Its exit code; None while it runs."""
+        """Return the exit code; None while the process runs."""
         ...
 
     def call(self) -> None:
@@ -47,11 +52,11 @@ class Process(Protocol):
         ...
 
     def kill(self) -> None:
-        """End it, whatever it does."""
+        """Kill the process."""
         ...
 
     def wait(self, timeout: float | None = None) -> int:
-        """Until it has ended."""
+        """Wait until the process has ended; return its exit code."""
         ...
 
 
@@ -59,9 +64,9 @@ class Process(Protocol):
 class Child:
     """One process.
 
-    started: when, or called [s]. patience: until its first sign of life [s]. due: when it is to be started again [s].
-    wait: that long after its end [s]. beat: its last sign of life [s]; heard: how long it had been looked after by
-    then [s].
+    started: when it was started, or called if it was a spare [s]. patience: time limit to its first heartbeat [s]. due:
+    when to restart it [s]. wait: delay of the restart [s]. beat: its last heartbeat [s]. heard: time watched up to then
+    [s].
     """
 
     name: str
@@ -76,17 +81,17 @@ class Child:
 
 
 class Supervisor:
-    """Starts the children and keeps them running.
+    """Starts the child processes and keeps them running.
 
-    start: starts one by name; a spare with the number of the process that it is of, others with 0. hung: time without
-    a sign of life after which one is killed [s]. trusted: they have been ready once; before, one that ends is an error,
-    as it will most likely end again.
+    start: starts a process by name; its second argument is the process id to stand by for (a spare), or 0. hung: time
+    without a heartbeat after which a process is killed [s]. trusted: whether all have been ready once. Until then, the
+    end of a process is an error, because it would most likely end again.
 
-    That time is what was spent looking after it: where the whole machine stood still, or this process did not get a
-    processor, the others' silence proves nothing. (That the array is silent then, the permit's deadline sees to.)
+    Only time spent watching counts towards `hung`. If the whole machine stood still, or this process got no CPU,
+    missing heartbeats prove nothing. (The permit's deadline silences the array in that case.)
 
-    Of the guard there is a spare from when they are trusted: it takes over as soon as the guard has ended, and the next
-    spare is started once it has given a sign of life (decision 35).
+    Once the processes are trusted, the guard has a spare. It takes over as soon as the guard has ended. The next spare
+    is started after the new guard's first heartbeat (decision 35).
     """
 
     def __init__(
@@ -98,10 +103,10 @@ class Supervisor:
     ) -> None:
         self._start, self._hung, self._clock = start, hung, clock
         self.trusted = False
-        self._last = clock()  # [s] of the last look
-        self._watched = 0.0  # [s]
+        self._last = clock()  # time of the last check [s]
+        self._watched = 0.0  # time spent watching [s]
         self._spare: Child | None = None
-        self._spare_due = 0.0  # [s] when it is to be started
+        self._spare_due = 0.0  # when to start the spare [s]
         self.children: dict[str, Child] = {}
         try:
             for name in names:
@@ -112,12 +117,12 @@ class Supervisor:
 
     @property
     def restarts(self) -> dict[str, int]:
-        """How often each was started again."""
+        """Number of restarts of each process."""
         return {name: child.restarts for name, child in self.children.items()}
 
     @property
     def ended(self) -> bool:
-        """Whether one has ended that `check` does not know of, or the spare can take over: ask it at once."""
+        """Whether a process has ended unnoticed by `check`, or the spare can take over: call `check` at once."""
         return any(
             (child.due is None or (child.name == GUARD and self._spare is not None))
             and child.process.poll() is not None
@@ -125,14 +130,14 @@ class Supervisor:
         )
 
     def alive(self, name: str, beat: float) -> bool:
-        """Whether a sign of life, of `beat` [s], is of the process that runs now."""
+        """Return whether the heartbeat `beat` [s] comes from the current process of that name."""
         child = self.children[name]
         return child.due is None and beat >= child.started
 
     def check(self, beats: dict[str, float], sound: bool = False) -> list[tuple[str, str]]:
-        """Look after all, given their last signs of life [s]; return who has ended, and why. Raises ServerError.
+        """Check all processes, given their last heartbeats [s]; return the names of those that ended, with reasons.
 
-        sound: there may be some.
+        sound: whether there may be sound. Raises ServerError if a process ends before all were ready.
         """
         ended: list[tuple[str, str]] = []
         now = self._clock()
@@ -151,13 +156,13 @@ class Supervisor:
             if why:
                 child.due, child.wait = now + child.wait, min(LONGEST, 2.0 * child.wait)
                 ended.append((name, why))
-                self._again(child, now)  # one that has a spare
+                self._again(child, now)  # the spare takes over at once
         if self.trusted and (why := self._look_after_spare(beats)):
             ended.append((SPARE, why))
         return ended
 
     def _look_after_spare(self, beats: dict[str, float]) -> str:
-        """Start it if it is time; return why there is none."""
+        """Start the spare if it is due; return why there is none."""
         guard, now = self.children[GUARD], self._clock()
         if self._spare is None:
             if now < self._spare_due or not self.alive(GUARD, beats.get(GUARD, 0.0)):
@@ -175,7 +180,7 @@ class Supervisor:
         return why
 
     def _again(self, child: Child, now: float) -> str:
-        """Start it again if it is time, and the old one has ended; return why it cannot be."""
+        """Restart a process if it is due and the old one has ended; return why that failed, or ""."""
         if child.due is None or child.process.poll() is None:
             return ""
         spare = self._spare if child.name == GUARD else None
@@ -207,9 +212,9 @@ class Supervisor:
         return "hung, and was killed" if seen else "did not start, and was killed"
 
     def end(self) -> list[str]:
-        """End all, in order; return the names of those that had to be killed."""
+        """End all processes in order; return the names of those that had to be killed."""
         killed: list[str] = []
-        if self._spare is not None:  # which has no device
+        if self._spare is not None:  # it has no device
             _killed(self._spare.process)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._spare.process.wait(MAX_END_TIME)
@@ -226,7 +231,8 @@ class Supervisor:
             except subprocess.TimeoutExpired:
                 _killed(child.process)
                 killed.append(name)
-                with contextlib.suppress(subprocess.TimeoutExpired):  # the system holds it
+                # The system does not let it end.
+                with contextlib.suppress(subprocess.TimeoutExpired):
                     child.process.wait(MAX_END_TIME)
         return killed
 
@@ -238,6 +244,6 @@ def _closed(process: Process) -> None:
 
 
 def _killed(process: Process) -> None:
-    """It ends when the system lets it."""
+    """Kill a process, which ends when the system lets it."""
     process.kill()
     _closed(process)

@@ -1,1 +1,1 @@
-"""The guard process: it alone has the device, and lets frames through only while they are permitted and fresh."""
+"""The guard process: the only one that opens the device. It lets frames through while they are permitted and fresh."""

@@ -1,4 +1,4 @@
-"""The guard's devices: opened and closed in threads, so that the one that sounds goes on meanwhile."""
+"""The guard's devices: opened and closed in threads, so that the sounding device plays on meanwhile."""
 
 from __future__ import annotations
 
@@ -26,20 +26,24 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import RequestedSettings
     from pacinian.wire.control import Choice
 
-MAX_RESULTS = 16  # results
-OPENING = (
-    8.0  # [s] for a device to open; a client waits for 10 s, and is to be told why there is none
-)
-MAX_HANGING = 4  # threads in devices that were given up: only the process's end takes them away
+# Maximum number of results kept.
+MAX_RESULTS = 16
+# Time limit to open a device [s]. A client waits for 10 s, so it still learns why there is no
+# device.
+OPENING = 8.0
+# Number of threads that may hang in abandoned devices; only the end of the process ends them.
+MAX_HANGING = 4
+# Time during which to retry a device that another process has just left, and pause between retries
+# [s].
 AGAIN, PAUSE = (
     1.0,
     0.02,
-)  # [s] in which a device that another process has just left is tried again; between two tries
-SUPERSEDED = "another one was selected since"
+)
+SUPERSEDED = "replaced by a newer selection"
 
 
 class Opened(NamedTuple):
-    """What became of orders. problem: why there is no backend."""
+    """The result of opening a device for `orders`. problem: why there is no device."""
 
     orders: tuple[str, ...]
     choice: Choice | Configured
@@ -49,10 +53,10 @@ class Opened(NamedTuple):
 
 @dataclass(eq=False)
 class Opening:
-    """A device that a thread opens.
+    """A device that a thread is opening.
 
-    olds: are closed first. left: what another process left, which may sound; to be opened and closed first. since: when
-    it began [s]. until: so long it is tried again [s].
+    olds: devices to close first. left: the device that another process left, which may sound; it is opened and closed
+    first. since: when opening began [s]. until: when to stop retrying [s].
     """
 
     orders: tuple[str, ...]
@@ -64,9 +68,9 @@ class Opening:
 
 
 class PendingOpen:
-    """What is to be opened next. choice: that was selected by `order`; None: what there was.
+    """The next device to open. choice: selected by `order`; None reopens the current one.
 
-    resets: orders that wait for it, too. olds: are closed first.
+    resets: reset orders that wait for it too. olds: devices to close first.
     """
 
     def __init__(self) -> None:
@@ -77,16 +81,17 @@ class PendingOpen:
 
     @property
     def orders(self) -> tuple[str, ...]:
-        """All of them."""
+        """All orders that wait."""
         return (self.order, *self.resets) if self.order else tuple(self.resets)
 
 
 class DeviceSwitcher:
-    """Gives a guard its devices, as ordered: one is opened at a time, and of those that wait only the newest.
+    """Gives an output gate its devices, as ordered. It opens one at a time, and keeps only the newest that waits.
 
-    choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread, clock: for tests.
+    choice: the first device. array: the array that the devices drive. rate: of the loop [Hz]. make, thread, clock: for
+    tests.
 
-    One that has not opened within `OPENING` is given up: what its thread has opened in the end is closed, and never
+    A device that has not opened within `OPENING` is abandoned. If its thread opens it later, it is closed and never
     sounds.
     """
 
@@ -110,19 +115,18 @@ class DeviceSwitcher:
         self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
         self._opening: Opening | None = None
-        self._hanging = 0  # were given up, and have not come back
+        self._hanging = 0  # number of abandoned devices whose threads have not returned
         self._left: Configured | None = None
-        self._again = 0.0  # [s] for which the next one that is opened is tried again
-        self._choices: dict[int, Configured] = {}  # by generation
-        self._next = PendingOpen()  # once none is being opened
-        self._coming: dict[
-            int, tuple[str, ...]
-        ] = {}  # generation to orders: wait for the first frame
+        self._again = 0.0  # time for which to retry the next device [s]
+        self._choices: dict[int, Configured] = {}  # choices by generation
+        self._next = PendingOpen()  # to open next, once none is being opened
+        # Maps a generation to the orders that wait for its first frame.
+        self._coming: dict[int, tuple[str, ...]] = {}
 
     def begin(self, orders: RequestedSettings, left: Configured | None = None) -> None:
-        """Open the first one: what was selected before the guard was started anew, or as configured.
+        """Open the first device: the one selected before the guard was restarted, or the configured one.
 
-        left: what a guard before this one had, which may sound still, and be held by the system for a moment.
+        left: the device of the guard before this one. It may still sound, and the system may hold it for a moment.
         """
         self._reset = orders.reset
         self._selected, selected = orders.backend
@@ -134,11 +138,11 @@ class DeviceSwitcher:
 
     @property
     def choice(self) -> Configured | None:
-        """What the guard's device is of; what was left where it has none yet."""
+        """The choice of the guard's device, or of the device that was left while the guard has none."""
         return self._choices.get(self._guard.generation)
 
     def follow(self, orders: RequestedSettings) -> None:
-        """Do what is new in the orders."""
+        """Carry out the orders that are new."""
         number, choice = orders.backend
         if number != self._selected and choice is not None:
             self._selected = number
@@ -154,7 +158,7 @@ class DeviceSwitcher:
         self._open()
 
     def _mend(self, order: str) -> None:
-        """After a fault: the device that waits, or the one there was, opened anew."""
+        """Reset after a fault: switch to the waiting device, or reopen the current one."""
         guard = self._guard
         if guard.fault and guard.coming is None:
             self._next.resets.append(order)
@@ -168,16 +172,16 @@ class DeviceSwitcher:
         self._done(order)
 
     def poll(self) -> None:
-        """Take what has been opened, close what has been left."""
+        """Take the devices that have opened, and close those that were replaced."""
         guard = self._guard
         while not self._opened.empty():
             self._came(*self._opened.get())
         now, opening = self._clock.now(), self._opening
         if opening is not None and now - opening.since > OPENING:
             self._hanging += 1
-            problem = f"{opening.choice.name}: does not open within {OPENING:g} s, and is given up"
+            problem = f"{opening.choice.name}: did not open within {OPENING:g} s; given up"
             self._take(Opened(opening.orders, opening.choice, problem=problem))
-        for order in self._coming.pop(guard.generation, ()):  # which has got its first frame
+        for order in self._coming.pop(guard.generation, ()):  # it has got its first frame
             self._done(order)
         while guard.leaving:
             self._thread(functools.partial(self._close, guard.leaving.pop()))
@@ -223,12 +227,13 @@ class DeviceSwitcher:
             del self.results[old]
 
     def _open(self) -> None:
-        """Begin with what is next, unless one is being opened."""
+        """Open the next device, unless one is being opened."""
         ahead, guard = self._next, self._guard
         if self._opening is not None or not ahead.orders:
             return
         self._next = PendingOpen()
-        if ahead.choice is None and guard.backend is not None:  # one that was selected is there now
+        # A device that was selected has taken over meanwhile.
+        if ahead.choice is None and guard.backend is not None:
             guard.leaving += ahead.olds
             guard.clear()
             for order in ahead.resets:
@@ -245,11 +250,12 @@ class DeviceSwitcher:
         self._thread(functools.partial(self._work, opening))
 
     def _work(self, opening: Opening) -> None:
-        """Open a device; in a thread."""
+        """Open a device. Runs in a thread."""
         for old in opening.olds:
             self._close(old)
         if opening.left is not None:
-            raise_priority()  # nobody can end its sound but by this
+            # Only opening and closing this device ends its sound.
+            raise_priority()
         if opening.left not in (None, self._configured(opening.choice)):
             device = self._tried(opening, opening.left).device
             if device is not None:
@@ -257,7 +263,7 @@ class DeviceSwitcher:
         self._opened.put((opening, self._tried(opening, opening.choice)))
 
     def _tried(self, opening: Opening, choice: Choice | Configured) -> Opened:
-        """What comes of opening a device, again and again until it was opened, or there is no more time."""
+        """Open a device, with retries until it opens, the time is over, or it was abandoned."""
         while True:
             opened = self._once(opening, choice)
             if (
@@ -269,21 +275,21 @@ class DeviceSwitcher:
             self._clock.wait_until(self._clock.now() + PAUSE)
 
     def _configured(self, choice: Choice | Configured) -> Configured:
-        """The same as the owner would write it, with the options that the owner gave."""
+        """Return the choice as a configuration holds it, with the owner's options if it names the owner's backend."""
         given = choice if isinstance(choice, Configured) else None
         owners = self._owners.options if given is None and choice.name == self._owners.name else {}
         return given or Configured(choice.name, {**owners, **choice.options})
 
     def _close(self, backend: Backend) -> None:
-        with suppress(
-            Exception
-        ):  # it was silenced before, or is faulty: a reset says what is wrong
+        # The device was silenced before, or is faulty; a reset reports what is wrong.
+        with suppress(Exception):
             backend.close()
         self._guard.closed(backend)
 
     def _once(self, opening: Opening, choice: Choice | Configured) -> Opened:
-        """What comes of opening a device, which nobody wants any more if it was given up meanwhile."""
+        """Try once to open a device. An abandoned device is not opened."""
         backend, orders = None, opening.orders
+        # Catch whatever a plug-in raises, because an exception must not end the thread.
         try:
             backend = self._make(choice)
             can = backend.capability
@@ -291,7 +297,7 @@ class DeviceSwitcher:
             if opening is not self._opening:
                 raise BackendError(SUPERSEDED)
             backend.open(self._array)
-        except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
+        except BaseException as error:
             if backend is not None:
                 self._close(backend)
             return Opened(orders, choice, problem=f"{choice.name}: {describe_error(error)}")

@@ -1,8 +1,8 @@
-"""The guard process: the only one that has the device, and the last that may fail.
+"""The guard process: the only process that holds the device, and the one that must fail last.
 
-It has no socket and solves nothing: it looks at the permit and the newest frame, again and again, and decides
-(guarding.py). Whatever ends it, the last thing that the device is told is silence; what cannot be ended otherwise,
-the system ends, which closes the device.
+It has no socket and solves nothing. It polls the permit and the newest frame; watchdog.py makes the decisions. However
+it ends, it silences the device last. If the guard cannot end by itself, the operating system kills it, which closes the
+device.
 """
 
 from __future__ import annotations
@@ -34,20 +34,26 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Settings
     from pacinian.wire.replies import Plugin
 
-ROUND, IDLE = 0.25e-3, 1e-3  # [s] between two looks, while there may be sound and otherwise
-TELL = 0.01  # [s] between two reports
-SWITCH = 1e-4  # [s] in which a thread that opens a device lets the one that sounds go on
-LAST = 1.0  # [s] in which it ends once its parent has gone
-LEFT = 0.1  # [s] that it then waits for the parent's lock on their shared memory
-ALONE = 2.0  # times `hung`: control, which can tell slow from hung, kills it before it does itself
+# Polling interval while there may be sound, and otherwise [s].
+ROUND, IDLE = 0.25e-3, 1e-3
+TELL = 0.01  # interval between two status reports [s]
+# Thread switch interval [s]: a thread that opens a device yields to the sounding one after this
+# time.
+SWITCH = 1e-4
+LAST = 1.0  # time to end after the parent has gone [s]
+# Time to wait for the parent's lock on the shared memory after the parent has gone [s].
+LEFT = 0.1
+# Alarm delay, as a multiple of `hung`: control can tell a slow guard from a hung one, so it gets to
+# kill the guard first.
+ALONE = 2.0
 
 
 class GuardLoop:
-    """Joins a guard to the shared memory in `folder`. A context manager: at its end there is silence.
+    """Connects an output gate to the shared memory in `folder`. A context manager: leaving it silences the device.
 
-    What takes long is done before it is entered; then the device is opened. backends: that can be selected, None before
-    they are known: as a guard before this one told. Nothing is told before that, and before there is a device or a
-    fault, unless this guard takes the place of another. Raises ServerError if the folder lacks something.
+    The constructor does the slow work; entering opens the device. backends: the backends that can be selected; None
+    until they are known, or those that the previous guard reported. The guard reports nothing until it knows `backends`
+    and has a device or a fault, unless it replaces another guard. Raises ServerError if the folder lacks a file.
     """
 
     def __init__(self, folder: Path, settings: Settings) -> None:
@@ -76,11 +82,11 @@ class GuardLoop:
         self.processor = scheduling.ANY
         self._told = -TELL  # [s]
         self._orders.look()
-        with contextlib.suppress(Exception):  # it is told when it is to be opened
+        with contextlib.suppress(Exception):  # opening the device reports the same error
             import_backend(self._orders.value.backend[1] or configured)
 
     def watch(self) -> tuple[float, bool]:
-        """Of the guard that goes round now: its last sign of life [s], and whether there may be sound."""
+        """Return the running guard's last heartbeat [s], and whether there may be sound. A spare calls this."""
         self._last.look()
         self._permit.look()
         last = self._last.value
@@ -89,7 +95,7 @@ class GuardLoop:
         return last.beat, last.sounding or self._permit.value.armed > 0
 
     def __enter__(self) -> GuardLoop:
-        """Begin, in place of the guard that was there before, if there was one."""
+        """Start opening the device; take over from the previous guard, if there was one."""
         self._orders.look()
         self._last.look()
         last = self._last.value
@@ -100,13 +106,15 @@ class GuardLoop:
         return self
 
     def turn(self) -> float:
-        """One round; how long to wait until the next [s]."""
+        """Run one round; return the time to wait until the next [s]."""
         guard = self.guard
         if self._orders.look():
             self.devices.follow(self._orders.value)
         self.devices.poll()
         frame = self._frame.value if self._frame.look() else None
-        self._permit.look()  # after the frame: so it is never older than what the frame was made for
+        # Read the permit after the frame, so that it is never older than the permit the frame was
+        # made for.
+        self._permit.look()
         switched = guard.step(self._permit.value, frame)
         now = time.perf_counter()
         known = self.backends is not None and (self._replaces or guard.backend or guard.fault)
@@ -118,7 +126,7 @@ class GuardLoop:
         return ROUND if self._permit.value.armed or guard.loud else IDLE
 
     def tell(self) -> None:
-        """Publish how it is."""
+        """Publish the device status."""
         self.guard.changed = False
         self._device.write(
             pack(
@@ -129,7 +137,7 @@ class GuardLoop:
         )
 
     def __exit__(self, *_: object) -> None:
-        """Silence, tell, and close."""
+        """Silence the device, report the final status, and close everything."""
         guard, due = self.guard, time.perf_counter() + 0.5 * LAST
         with self._stack:
             guard.silence("end")
@@ -145,19 +153,19 @@ class GuardLoop:
 
 
 def _rearm_alarm(seconds: float) -> None:
-    """Have the system end this process, and so close the device, unless asked again so soon; 0: not at all."""
+    """Arm a SIGALRM that kills this process, and so closes the device, unless re-armed in `seconds`; 0 disables it."""
     if hasattr(signal, "setitimer"):
-        signal.setitimer(signal.ITIMER_REAL, seconds)  # SIGALRM, which nobody handles
+        signal.setitimer(signal.ITIMER_REAL, seconds)  # SIGALRM has no handler
 
 
 def main() -> None:
-    """Run until the parent goes, or tells it to; a spare first waits until it is called."""
+    """Run until the parent ends or asks this process to end. A spare first waits until it is called."""
     ended = threading.Event()
 
     def orphaned() -> None:
         ended.set()
         time.sleep(LAST)
-        os._exit(1)  # a backend holds it up: the system closes the device
+        os._exit(1)  # a backend blocks the exit; the system closes the device
 
     def asked(number: int, frame: FrameType | None) -> None:
         ended.set()
@@ -174,24 +182,26 @@ def main() -> None:
     starter.watch(orphaned, kill=False)
     with rounds:
         while not (ended.is_set() or rounds.guard.backend or rounds.guard.fault):
-            rounds.turn()  # a device may take its time
+            rounds.turn()  # opening a device may take long
             time.sleep(IDLE)
         if rounds.backends is None:
-            rounds.backends = list_offers(
-                "backend"
-            )  # takes long, and a device that is open is silent
+            # Listing the backends takes long, but an open device is still silent here.
+            rounds.backends = list_offers("backend")
         _settle(rounds)
         while not ended.is_set():
-            if not rounds.guard.stuck:  # else the system is to close what does not close
-                # not while there is none: one may take its time to open
+            # While a released device is still open, let the alarm kill this process, which closes
+            # the device.
+            if not rounds.guard.stuck:
+                # No alarm while there is no device: opening one may take long.
                 _rearm_alarm(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
         _rearm_alarm(LAST)
-    shared_memory.remove(told.path, LEFT)  # where the parent has gone, which would have removed it
+    # If the parent has gone, it cannot remove the files itself.
+    shared_memory.remove(told.path, LEFT)
 
 
 def _settle(rounds: GuardLoop) -> None:
-    """Nothing that takes long follows: from here on it mostly sleeps."""
+    """Turn off garbage collection and use the real-time class, because from here on the process mostly sleeps."""
     gc.collect()
     gc.freeze()
     gc.disable()

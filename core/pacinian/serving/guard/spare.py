@@ -1,4 +1,4 @@
-"""How a spare guard waits: until the guard has ended, which it sees to itself where that hangs (decision 35)."""
+"""How a spare guard waits: until the guard has ended. It kills a guard that hangs (decision 35)."""
 
 from __future__ import annotations
 
@@ -17,19 +17,23 @@ if TYPE_CHECKING:
 
     from pacinian.serving.ipc.child_process import Parent
 
-LOOK, IDLE = 0.02, 0.1  # [s] between two looks at the guard, while there may be sound and otherwise
+# Interval between two checks of the guard, while there may be sound and otherwise [s].
+LOOK, IDLE = 0.02, 0.1
 
 
 class HangDetector:
-    """Whether the guard hangs. limit: time without a sign of life while there may be sound [s], as in `Supervisor`."""
+    """Detects a guard that hangs. limit: time without a heartbeat while there may be sound [s], as in `Supervisor`."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
-        self._beat = self._silent = 0.0  # [s]: the last sign of life; looked on since then
-        self._last = -1.0  # [s] the last look
+        self._beat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
+        self._last = -1.0  # time of the last check [s]
 
     def missed(self, beat: float, sound: bool, now: float) -> bool:
-        """Look at its last sign of life, `beat` [s], at `now` [s]. sound: there may be some."""
+        """Check the last heartbeat `beat` [s] at `now` [s]; return whether the guard hangs.
+
+        sound: whether there may be sound.
+        """
         self._silent += min(now - self._last, MAX_LOOK_GAP)
         self._last = now
         if beat != self._beat or not sound:
@@ -38,17 +42,18 @@ class HangDetector:
 
 
 def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]) -> None:
-    """Return when this spare is to take over: it is called, or the guard has ended.
+    """Return when this spare must take over: the parent calls it, or the guard has ended.
 
-    hung: as in the settings [s]. look: at the guard's last sign of life [s], and whether there may be sound. Where the
-    system cannot tell of another process's end, the parent alone does. Raises SystemExit when the parent has gone.
+    hung: as in the settings [s]. look: returns the guard's last heartbeat [s] and whether there may be sound. On a
+    system that cannot report the end of another process, only the parent's call counts. Raises SystemExit when the
+    parent has gone.
     """
     if sys.platform != "linux":
         parent.wait()
         return
     try:
         guard = os.pidfd_open(parent.told.spare)
-    except OSError:  # it is gone already, and the parent knows
+    except OSError:  # the guard has ended already, and the parent knows it
         parent.wait()
         return
     pulse, poll = HangDetector(compute_hang_limit(hung, sound=True)), select.poll()

@@ -1,4 +1,4 @@
-"""What the guard decides in each round: this frame goes to the device, or there is silence."""
+"""The guard's decision in each round: send the frame to the device, or silence the device."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ if TYPE_CHECKING:
     from pacinian.scene.file import Choice as Configured
     from pacinian.wire.replies import Plugin
 
-MAX_INPUTS = 256  # inputs
+# Number of hand updates kept for the status.
+MAX_INPUTS = 256
 NONE = FrameHead(0, 0.0, -1, -1, 0, 0)
 _INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
 
 
 class OutputGate:
-    """Lets frames through to a device while they are permitted and fresh; anything else is silence, at once.
+    """Passes frames to a device while they are permitted and fresh; otherwise silences the device at once.
 
-    columns: transducers. gain: no amplitude is above it. stale: age of the newest frame at which there is
-    silence [s].
+    columns: number of transducers. gain: upper limit of every amplitude. stale: age of the newest frame at which the
+    device is silenced [s].
 
-    A device sounds its last frame until the next one, so a frame's age counts from when it was first seen here.
-    From `until`, or any other end, to silence it is at most one round: the pause between two calls of `step`, and
-    what they take. A backend that does not return cannot be helped from here: the guard's beat stops, and the
+    A device sounds its last frame until the next one, so the age of a frame counts from when the gate first saw it.
+    From `until`, or any other end, to silence takes at most one round: the pause between two calls of `step`, and the
+    duration of those calls. The gate cannot help if a backend does not return. Then the guard's heartbeat stops and the
     guard is killed, which closes the device.
     """
 
@@ -50,34 +51,38 @@ class OutputGate:
     ) -> None:
         self.backend: Backend | None = None
         self.coming: Backend | None = None
-        """Open, and waits for the first frame for it."""
+        """An open device that takes over with the first frame for it."""
         self.leaving: list[Backend] = []
-        """To be closed."""
-        self._stuck: list[Backend] = []  # left while loud, and not closed yet
-        self._why = ""  # the fault by which the last of them was
+        """Devices to close."""
+        self._stuck: list[Backend] = []  # released while loud, and not closed yet
+        self._why = ""  # the fault that released the last of them
         self.loud = False
-        """Something was sent since the last silence."""
+        """A frame was sent since the last silence."""
         self.generation = self.next = 0
         self.fault = ""
         self.sounding = self.stale = False
         self.changed = True
-        """There is something that others should know at once; set back by who tells them."""
+        """There is news to report at once; the reporter clears it."""
         self._columns, self._gain, self._stale, self._clock = columns, gain, stale, clock
         self._generations = 0
         self._can = self._coming_can = Capability()
         self._head, self._data = NONE, b""  # the newest frame
-        self._waits = False  # it has not been let through yet
-        # [s]: when it was seen, and the last one that was ours, and the epoch
+        self._waits = False  # the newest frame has not been let through yet
+        # Times [s]: newest frame seen, last frame of this device and epoch seen, epoch began.
         self._seen = self._fed = self._armed = -math.inf
         self._epoch = -1
-        self._passed = math.nan  # [s] when the last frame of this epoch was let through
-        self._gap = 0.0  # [s]
+        # When the last frame of this epoch was let through [s].
+        self._passed = math.nan
+        self._gap = 0.0  # longest gap between frames in this epoch [s]
         self._frames = self._input = self._inputs_until = 0
         self._reasons: Counter[str] = Counter()
         self._inputs: deque[bytes] = deque(maxlen=MAX_INPUTS)
 
     def take(self, backend: Backend, can: Capability) -> int:
-        """An open device, which takes over with the first frame for it, or at once from none; its generation."""
+        """Take an open device and return its generation.
+
+        The device takes over with its first frame, or at once if there is no other.
+        """
         self._generations += 1
         self.changed = True
         if self.backend is None:
@@ -90,17 +95,20 @@ class OutputGate:
         return self._generations
 
     def replace(self, last: DeviceStatus) -> None:
-        """Go on after another guard: frames for its devices are not for ours, which ends its sound once it is open."""
+        """Take over from another guard. Devices get new generations, so that frames for its devices are rejected.
+
+        Opening this guard's device ends the sound of the previous guard's device.
+        """
         self._generations = max(last.generation, last.next, self._generations)
         self.sounding, self.changed = last.sounding, True
 
     @property
     def stuck(self) -> bool:
-        """A device that was left may sound, and is not closed yet."""
+        """Whether a released device may still sound, because it is not closed yet."""
         return bool(self._stuck)
 
     def release(self) -> Backend | None:
-        """The device, to be closed; there is none from now on."""
+        """Detach the device and return it, to be closed. Afterwards there is no device."""
         backend, self.backend = self.backend, None
         if backend is not None and self.loud:
             self._stuck.append(backend)
@@ -110,29 +118,29 @@ class OutputGate:
         return backend
 
     def closed(self, backend: Backend) -> None:
-        """A device that was left is closed, and so silent; from any thread."""
+        """Note that a released device is closed, and so silent. May be called from any thread."""
         with suppress(ValueError):
             self._stuck.remove(backend)
             self.changed = True
 
     @property
     def problem(self) -> str:
-        """The fault, also one that is mended as soon as the device that was left is closed."""
+        """The fault, or the cleared fault of a released device that is not closed yet."""
         return self.fault or (self._why if self._stuck else "")
 
     def fail(self, problem: str) -> None:
-        """Silence until `clear`."""
+        """Set the fault: silence until `clear`."""
         if not self.fault:
             self.fault, self.changed = problem, True
 
     def clear(self) -> None:
-        """The fault is mended."""
+        """Clear the fault."""
         self.fault, self.changed = "", True
 
     def step(self, permit: Permit, frame: bytes | None = None) -> bool:
-        """One round. permit: the newest. frame: the newest; None if it is that of the last round.
+        """Run one round. permit: the newest. frame: the newest; None if it is that of the last round.
 
-        Whether the next round is to follow at once, with the permit of then: another device has taken over.
+        Returns True if another device has taken over: run the next round at once, with the permit at that time.
         """
         now = self._clock()
         if permit.epoch != self._epoch:
@@ -158,11 +166,11 @@ class OutputGate:
             self._head, self._data = FrameHead.unpack(frame), frame
         except struct.error:
             self._head = NONE
-            self.fail("frame: it is cut off")
+            self.fail("the frame is cut off")
         self._seen, self._waits = now, True
 
     def _reason(self, permit: Permit, now: float) -> str:
-        """Why there must be silence; "" if there may be sound."""
+        """Return the reason why there must be silence; "" if there may be sound."""
         if self.fault or self._stuck or self.backend is None:
             return "fault"
         if permit.stopped:
@@ -178,7 +186,7 @@ class OutputGate:
         return "stale" if now - max(self._fed, self._armed) >= self._stale else "waiting"
 
     def silence(self, reason: str) -> None:
-        """If there may be sound, end it; to be asked for again while `loud`."""
+        """Silence the device if it may sound. Call again while `loud` is still set."""
         if self.backend is None or not self.loud:
             return
         try:
@@ -195,7 +203,7 @@ class OutputGate:
             self._reasons[reason] += 1
 
     def switch(self) -> None:
-        """The device that waits takes over: but first, one that refuses to be silent is a fault."""
+        """Let the waiting device take over, unless the current one refuses to be silent: then set the fault."""
         faulty = bool(self.fault)
         self.silence("switched")
         if self.loud and not faulty:
@@ -206,7 +214,7 @@ class OutputGate:
         self.coming, self.next, self.changed = None, 0, True
 
     def _send(self) -> bool:
-        """The newest frame goes out; whether it did."""
+        """Send the newest frame; return whether that succeeded."""
         backend, head = self.backend, self._head
         if backend is None:
             return False
@@ -225,11 +233,11 @@ class OutputGate:
         return True
 
     def _note(self) -> None:
-        """The newest frame, or its silence, is what the device does now."""
+        """Record that the newest frame, or its silence, is now at the device."""
         now, head = self._clock(), self._head
         self._gap = max(self._gap, now - self._passed)
         self._passed = now
-        if head.input and head.input != self._input:  # silence has none
+        if head.input and head.input != self._input:  # 0: a silent frame, which has no input
             self._input = head.input
             self._inputs.append(_INPUT.pack(head.input, head.sent, head.received, now))
             self._inputs_until += 1
@@ -241,7 +249,7 @@ class OutputGate:
         processor: int = ANY,
         choice: Configured | None = None,
     ) -> DeviceStatus:
-        """What others are told."""
+        """Return the status to report to the other processes."""
         can = self._can if self.coming is None else self._coming_can
         return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
@@ -270,7 +278,7 @@ class OutputGate:
 
 
 def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: float) -> Frame:
-    """The frame whose head this is. Raises BackendError for one that no device of ours is to get."""
+    """Return the frame with this head. Raises BackendError for a frame that no device may get."""
     size = HEAD + 4 * head.rows * columns
     if head.columns != columns or not 0 < head.rows <= MAX_ROWS or len(data) != size:
         raise BackendError(

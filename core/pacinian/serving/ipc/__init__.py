@@ -1,1 +1,1 @@
-"""How the server's processes start, share memory, keep time, log and let each other in."""
+"""Inter-process basics: how the server's processes start, share memory, keep time, log and authenticate each other."""

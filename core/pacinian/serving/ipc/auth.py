@@ -1,7 +1,8 @@
-"""Who may connect: the mechanism of all the server's sockets, and its keys.
+"""Authentication: the security mechanism of all the server's sockets, and its keys.
 
-On loopback PLAIN, with a token that is new with each start; elsewhere CURVE, with an allow-list. Both go through
-ZAP, so that no byte of a program that may not connect, be it a browser or a port scanner, is ever decoded.
+On loopback, the mechanism is PLAIN, with a token that is new at each start; elsewhere it is CURVE, with an allow-list.
+Both go through ZAP. Therefore no byte from an unauthorised program, such as a browser or a port scanner, is ever
+decoded.
 """
 
 from __future__ import annotations
@@ -28,18 +29,19 @@ if TYPE_CHECKING:
 
 DOMAIN = "pacinian"
 USER = "pacinian"
-HANDSHAKE = 2000  # [ms] in which a connection must have shown who it is
-# [ms] after which what a connection does not confirm ends it. Not by heartbeats of ours: libzmq 4.3 ends the process
-# when one is due of a connection that was closed while its messages waited at the high-water mark (`!_io_error`)
+HANDSHAKE = 2000  # time limit for the handshake [ms]
+# Time after which unacknowledged data ends a connection [ms]. This uses a TCP option, not ZeroMQ
+# heartbeats: libzmq 4.3 aborts (`!_io_error`) if a heartbeat is due on a connection that was closed
+# while its messages waited at the high-water mark.
 UNCONFIRMED = 500
-QUEUE = 256  # messages to or from one client
-BACKLOG = 128  # connections that wait to be accepted
+QUEUE = 256  # high-water mark: messages to or from one client
+BACKLOG = 128  # number of connections that may wait to be accepted
 
 
 def make_secrets(settings: Settings) -> dict[str, str]:
-    """The secrets of one run, for all who bind sockets: a token; or the server's keys and those of one local client.
+    """Make the secrets of one run for all processes that bind sockets.
 
-    Raises ServerError.
+    Returns a token, or the keys of the server and of one local client. Raises ServerError.
     """
     if settings.network.loopback and not settings.security.keys:
         return {"token": secrets.token_hex(32)}
@@ -54,10 +56,10 @@ def make_secrets(settings: Settings) -> dict[str, str]:
 
 
 class Authenticator:
-    """Lets nobody in without the secrets; a context manager, entered before any socket is bound.
+    """Authenticates clients by the secrets. A context manager; enter it before any socket is bound.
 
-    given: the secrets from `make_secrets`. keys: the folder of keys. A change of its `clients` counts from the next
-    connection on.
+    given: the secrets from `make_secrets`. keys: the folder of keys. A change of its folder `clients` applies from the
+    next connection on.
     """
 
     def __init__(self, context: zmq.Context[Any], given: dict[str, str], keys: str = "") -> None:
@@ -65,7 +67,7 @@ class Authenticator:
         self._names: dict[bytes, str] = {}
         self._stamp: tuple[tuple[str, int], ...] = ()
         log = logging.getLogger("pacinian.zap")
-        log.setLevel(logging.INFO)  # below, it would write the token
+        log.setLevel(logging.INFO)  # lower levels would log the token
         self._zap = ThreadAuthenticator(context, log=log)
         self._lock = threading.Lock()
         self._unknown: list[str] = []
@@ -87,7 +89,7 @@ class Authenticator:
         self._zap.stop()
 
     def protect(self, socket: zmq.Socket[Any], longest: int) -> None:
-        """Set all that a socket needs before `bind`. longest: message [bytes]."""
+        """Set all options that a socket needs before `bind`. longest: limit on a message [bytes]."""
         options = {
             zmq.LINGER: 0,
             zmq.MAXMSGSIZE: longest,
@@ -111,7 +113,7 @@ class Authenticator:
             socket.curve_secretkey = self._secrets["server_secret"].encode()
 
     def callback(self, domain: str, key: bytes) -> bool:
-        """Whether a client of this public key (Z85) may connect; called by the authenticator's thread."""
+        """Return whether the client with this public key (Z85) may connect. The authenticator's thread calls this."""
         del domain
         if key == self._secrets["public_key"].encode():
             return True
@@ -122,36 +124,36 @@ class Authenticator:
         return known
 
     def name(self, user: str) -> str:
-        """What a client is called that `User-Id` says is `user`: of its key file, "local", or `user`."""
+        """Return the name of the client whose `User-Id` is `user`: that of its key file, "local", or `user` itself."""
         if user == self._secrets.get("public_key"):
             return "local"
         return self._names.get(user.encode(), user)
 
     def unknown(self) -> list[str]:
-        """The public keys that were refused since this was asked last, at most 16."""
+        """Return the public keys that were refused since the last call, at most 16."""
         with self._lock:
             seen, self._unknown = self._unknown, []
         return seen
 
     def _listed(self) -> dict[bytes, str]:
+        # A key was just removed, or the folder cannot be read: nobody is let in.
         try:
             files = sorted(self._clients.glob("*.key"))
             stamp = tuple((file.name, file.stat().st_mtime_ns) for file in files)
             if stamp != self._stamp:
                 self._names = {_read_public(file): file.stem for file in files}
                 self._stamp = stamp
-        except (
-            OSError
-        ):  # a key was removed just now, or the folder cannot be read: nobody is let in
+        except OSError:
             self._names, self._stamp = {}, ()
         self._names.pop(b"", None)
         return self._names
 
 
 def receive(socket: zmq.Socket[Any]) -> tuple[bytes, str, bytes] | None:
-    """What has come next to a ROUTER: peer, `User-Id`, message; empty where it was no single part. None: nothing.
+    """Return the next message of a ROUTER socket as peer, `User-Id`, message; None if there is none.
 
-    Part by part, as it takes a third of the time of `recv_multipart`.
+    The message is empty unless it was a single part. Reading part by part takes a third of the time of
+    `recv_multipart`.
     """
     try:
         peer = socket.recv(zmq.NOBLOCK)
@@ -168,10 +170,10 @@ def receive(socket: zmq.Socket[Any]) -> tuple[bytes, str, bytes] | None:
 
 
 def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tuple[Path, Path]:
-    """Make a pair of CURVE keys; return the files of the public and the secret one, the latter 0600.
+    """Make a pair of CURVE keys; return the files of the public and the secret key. The secret file has mode 0600.
 
-    The server's are server.key and server.key_secret; a client's public key goes to the allow-list, clients/NAME.key,
-    and NAME.key_secret is for the client alone. Raises ArgumentError, ServerError.
+    The server's files are server.key and server.key_secret. A client's public key goes to the allow-list,
+    clients/NAME.key; NAME.key_secret is for the client alone. Raises ArgumentError, ServerError.
     """
     if not name or len(name) > 64 or not all(c.isalnum() or c in "-_" for c in name):
         raise ArgumentError("name", f"must be letters, digits, - and _, not {name!r}")
@@ -182,10 +184,10 @@ def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tup
     secret = root / f"{name}.key_secret"
     for file in (public, secret):
         if file.exists():
-            raise ServerError(f"{file} is there already: remove it first, or choose another name")
+            raise ServerError(f"{file} already exists: remove it first, or choose another name")
     try:
         public.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        # the library writes secret keys that anybody may read: so in a folder that nobody may
+        # The library writes world-readable secret keys, so it writes to a private folder first.
         with tempfile.TemporaryDirectory(dir=root) as private:
             made = [Path(file) for file in create_certificates(private, name)]
             made[1].chmod(0o600)
@@ -199,7 +201,7 @@ def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tup
 def write_remote_connection(
     folder: str | Path, name: str, host: str, ports: tuple[int, int, int]
 ) -> Path:
-    """Write a connection file, NAME.json, for a client on another machine; return where. Raises ServerError.
+    """Write a connection file, NAME.json, for a client on another machine; return its path. Raises ServerError.
 
     ports: control, command, state.
     """
@@ -220,14 +222,14 @@ def write_remote_connection(
 
 
 def _read_pair(file: Path) -> tuple[str, str]:
-    """Public and secret key."""
+    """Return the public and the secret key of a file."""
     try:
         if os.name == "posix" and file.stat().st_mode & 0o077:
-            raise ServerError(f"{file}: others can read or change it: `chmod 600 {file}`")
+            raise ServerError(f"{file}: others can read or change it: run `chmod 600 {file}`")
         public, secret = load_certificate(file)
     except (OSError, ValueError) as error:
         raise ServerError(
-            f"{file}: no such key: `pacinian keys server --folder {file.parent}` makes the server's"
+            f"{file}: no such key. `pacinian keys server --folder {file.parent}` makes the server's"
         ) from error
     if not secret:
         raise ServerError(f"{file}: has no secret key")
@@ -235,7 +237,7 @@ def _read_pair(file: Path) -> tuple[str, str]:
 
 
 def _read_public(file: Path) -> bytes:
-    """A client's public key; empty where the file has none."""
+    """Return a client's public key; empty if the file has none."""
     try:
         return load_certificate(file)[0]
     except ValueError:

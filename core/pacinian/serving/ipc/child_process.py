@@ -1,4 +1,4 @@
-"""How the server's processes start and end: told by their parent through standard input, whose end is theirs."""
+"""Child processes: the parent configures a child through its standard input. When that closes, the child ends."""
 
 from __future__ import annotations
 
@@ -22,19 +22,22 @@ from pacinian.serving.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-MAX_CONFIG_BYTES = 1 << 20  # [bytes] of what a child is told
-PDEATHSIG = 1  # of Linux's prctl
-HASTE = 8  # so many times less silence of the guard is waited for while there may be sound
-MIN_HANG_LIMIT = 0.1  # [s]
-# [s] that the time between two looks counts for: a process that is late cannot tell whether another one is
+MAX_CONFIG_BYTES = 1 << 20  # largest launch configuration [bytes]
+PDEATHSIG = 1  # option of Linux's prctl
+# Divisor of the guard's hang limit while there may be sound.
+HASTE = 8
+MIN_HANG_LIMIT = 0.1  # lower bound of the divided limit [s]
+# Cap on the time counted between two checks [s]: a late process cannot tell whether another one is
+# late.
 MAX_LOOK_GAP = 0.05
-CALL = b"!"  # what a spare waits for
+# Byte that tells a spare to begin.
+CALL = b"!"
 
 
 class LaunchConfig(Struct, frozen=True):
-    """What a child is told. folder: of the shared memory. secrets: names to values, for the bus alone.
+    """The launch configuration of a child. folder: of the shared memory. secrets: names to values, only for the bus.
 
-    spare: of a spare, the number of the process whose end it waits for.
+    spare: for a spare, the id of the process whose end it waits for; otherwise 0.
     """
 
     folder: str
@@ -42,8 +45,8 @@ class LaunchConfig(Struct, frozen=True):
     secrets: dict[str, str] = {}
     spare: int = 0
 
-    def __repr__(self) -> str:  # never the secrets
-        return f"Told({self.folder!r})"
+    def __repr__(self) -> str:  # never show the secrets
+        return f"LaunchConfig({self.folder!r})"
 
     @property
     def path(self) -> Path:
@@ -52,12 +55,15 @@ class LaunchConfig(Struct, frozen=True):
 
 
 class Process(subprocess.Popen[bytes]):
-    """A child that runs. Its standard input stays open: closed, the child ends."""
+    """A running child. Its standard input stays open; closing it ends the child."""
 
     _telling: threading.Thread | None = None
 
     def tell(self, data: bytes) -> None:
-        """Write to its standard input, after all that it was told before; in a thread, as it may not read."""
+        """Write to the child's standard input, after all earlier data.
+
+        This uses a thread, because the child may not read.
+        """
         if self.stdin is None:
             return
         file, before = os.dup(self.stdin.fileno()), self._telling
@@ -68,7 +74,7 @@ class Process(subprocess.Popen[bytes]):
             with contextlib.suppress(OSError), os.fdopen(file, "wb") as pipe:
                 pipe.write(data)
 
-        # one that does not read holds up nobody; one that has died is seen when it is asked for
+        # A child that does not read blocks nobody. If it has died, its exit code shows that.
         self._telling = threading.Thread(target=write, name="tell", daemon=True)
         self._telling.start()
 
@@ -80,17 +86,20 @@ class Process(subprocess.Popen[bytes]):
 def start(module: str, told: LaunchConfig) -> Process:
     """Start `python -m pacinian.serving.<module>.process`.
 
-    From a thread that lives as long as the child: on Linux the child is killed when that thread ends.
+    Call this from a thread that lives as long as the child: on Linux, the child is killed when that thread ends.
     """
     return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], told)
 
 
 def launch(command: Sequence[str], told: LaunchConfig) -> Process:
-    """Start a child by any command that calls `read_launch_config`. Raises ServerError if it cannot be told so much."""
+    """Start a child by any command that calls `read_launch_config`.
+
+    Raises ServerError if the configuration is too long.
+    """
     data = msgspec.json.encode(told)
     if len(data) > MAX_CONFIG_BYTES:
         raise ServerError(f"the settings take {len(data)} bytes, more than {MAX_CONFIG_BYTES}")
-    # a group of its own: Ctrl-C is the parent's, which ends its children in order
+    # Own process group: Ctrl-C goes to the parent only, which then ends its children in order.
     process = Process(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
     scheduling.lower_child_priority(process.pid)
     process.tell(len(data).to_bytes(4, "little") + data)
@@ -98,7 +107,7 @@ def launch(command: Sequence[str], told: LaunchConfig) -> Process:
 
 
 def end(process: subprocess.Popen[bytes], within: float = 1.0) -> int:
-    """Let a child end by itself within so many seconds, or kill it; return its exit status."""
+    """Let a child end by itself within `within` seconds, otherwise kill it; return its exit status."""
     if process.stdin is not None:
         with contextlib.suppress(OSError):
             process.stdin.close()
@@ -110,10 +119,10 @@ def end(process: subprocess.Popen[bytes], within: float = 1.0) -> int:
 
 
 def read_launch_config(orphaned: Callable[[], object]) -> LaunchConfig:
-    """In the child: read what the parent tells. `orphaned` is called, in a thread, when the parent has gone.
+    """In the child, read the launch configuration. Calls `orphaned` in a thread when the parent has gone.
 
-    On Linux, the system also kills this process then, whatever it does. What runs in this process finds its standard
-    input empty. Raises SystemExit if the parent is gone already, or tells nonsense.
+    On Linux, the system then also kills this process, whatever it does. Code in this process finds its standard input
+    empty. Raises SystemExit if the parent has already gone, or the configuration is invalid.
     """
     parent = Parent()
     parent.watch(orphaned)
@@ -121,7 +130,10 @@ def read_launch_config(orphaned: Callable[[], object]) -> LaunchConfig:
 
 
 class Parent:
-    """In the child: who has started it. told: what it was told. pipe: from it. Raises as `read_launch_config`."""
+    """In the child, its parent. told: the launch configuration. pipe: from the parent.
+
+    Raises as `read_launch_config`.
+    """
 
     def __init__(self) -> None:
         _kill_when_orphaned(True)
@@ -134,17 +146,18 @@ class Parent:
                 _read(self.pipe, min(length, MAX_CONFIG_BYTES)), type=LaunchConfig
             )
         except msgspec.DecodeError as error:
-            raise SystemExit(f"not told what to do: {error}") from None
+            raise SystemExit(f"no valid launch configuration: {error}") from None
 
     def wait(self) -> None:
-        """Until a spare is called. Raises SystemExit when the parent has gone."""
+        """Wait until a spare is called. Raises SystemExit when the parent has gone."""
         if not os.read(self.pipe, len(CALL)):
             raise SystemExit(0)
 
     def watch(self, orphaned: Callable[[], object], *, kill: bool = True) -> None:
         """From now on, call `orphaned` in a thread when the parent has gone.
 
-        kill: on Linux, the system kills this process then: not where it has a device to silence.
+        kill: whether, on Linux, the system then also kills this process. Pass False if the process must silence a
+        device first.
         """
         if not kill:
             _kill_when_orphaned(False)
@@ -158,13 +171,13 @@ class Parent:
 
 
 def _kill_when_orphaned(kill: bool) -> None:
-    """On Linux, have the system kill this process when its parent has gone, or not."""
+    """On Linux, set whether the system kills this process when its parent has gone."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL if kill else 0)
 
 
 def _read(pipe: int, length: int) -> bytes:
-    """So many bytes, fewer only at the end."""
+    """Read `length` bytes, or fewer at the end of the input."""
     data = b""
     while len(data) < length and (more := os.read(pipe, length - len(data))):
         data += more
@@ -172,5 +185,5 @@ def _read(pipe: int, length: int) -> bytes:
 
 
 def compute_hang_limit(hung: float, *, sound: bool) -> float:
-    """Time without a sign of life after which a process is killed [s]. sound: of the guard, while there may be some."""
+    """Return the time without a heartbeat after which a process is killed [s]. sound: the guard's limit with sound."""
     return min(hung, max(MIN_HANG_LIMIT, hung / HASTE)) if sound else hung

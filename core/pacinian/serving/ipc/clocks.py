@@ -1,4 +1,4 @@
-"""Clients' clocks against ours, and how much of something may be done a second. Pure: time is given."""
+"""Clock offset of a client, and rate limits. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -6,32 +6,33 @@ import math
 
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
-WINDOW = 5.0  # [s]; the offset is the least of the last one to two of them
-BACK = MAX_TIME_TO_LIVE  # [s]; a clock that went back by more was set: no command lives so long
+# Time window [s]. The offset is the smallest of the last one to two windows.
+WINDOW = 5.0
+# A clock that went back by more than this was set [s], because no command lives so long.
+BACK = MAX_TIME_TO_LIVE
 
 
 class ClockOffsetEstimator:
-    """What a client's steady clock shows when ours shows something.
+    """Estimates the offset between a client's steady clock and the server's clock.
 
-    A message cannot arrive before it is sent: the least difference seen lately between its receipt and the time it
-    bears is the offset of the clocks plus the shortest way. Ages are counted from that, and so never negative.
-    Drift of a clock is followed within the window: at 100 ppm it makes 1 ms.
+    A message cannot arrive before it is sent. Therefore the smallest recent difference between receipt and time stamp
+    is the clock offset plus the shortest transit time. Ages are measured from that, so they are never negative. The
+    window follows clock drift: 100 ppm makes at most 1 ms.
     """
 
     def __init__(self) -> None:
-        self._latest = -math.inf  # [s] the client's
-        self._until = -math.inf  # [s] of this bucket
-        self._now = self._before = (
-            math.inf
-        )  # least differences [s]: in this bucket, in the one before
+        self._latest = -math.inf  # newest time stamp, by the client's clock [s]
+        self._until = -math.inf  # end of the current window [s]
+        # Smallest differences [s], in the current window and in the one before.
+        self._now = self._before = math.inf
 
     @property
     def offset(self) -> float:
-        """Ours less the client's [s]; infinite before the first message."""
+        """The server's clock minus the client's [s]; infinite before the first message."""
         return min(self._now, self._before)
 
     def age(self, time: float, received: float) -> float:
-        """How long ago a message was sent at `time` [s] of the client's clock, that was received at `received` [s]."""
+        """Return the age [s] of a message sent at `time` [s] by the client's clock and received at `received` [s]."""
         if time < self._latest - BACK:
             self._until = -math.inf
         self._latest = time
@@ -43,7 +44,7 @@ class ClockOffsetEstimator:
 
 
 class TokenBucket:
-    """So many a second, or as many at once: a bucket of tokens."""
+    """A token bucket. rate: tokens per second. burst: capacity; the rate by default."""
 
     def __init__(self, rate: float, burst: float | None = None) -> None:
         self.rate = rate
@@ -52,7 +53,7 @@ class TokenBucket:
         self._seen = -math.inf
 
     def take(self, now: float) -> bool:
-        """Whether there may be one more at `now` [s]."""
+        """Take a token at `now` [s]; return whether there was one."""
         if now > self._seen:
             self._left = min(self.burst, self._left + (now - self._seen) * self.rate)
             self._seen = now

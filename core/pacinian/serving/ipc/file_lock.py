@@ -1,4 +1,4 @@
-"""A lock on a file: whoever holds it lives, as the system lets go of it however its holder ends."""
+"""A file lock. While it is held, its holder lives, because the system releases it however the holder ends."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 if sys.platform == "win32":
     import msvcrt
 
-    FAR = 1 << 30  # where a byte is locked: a locked one cannot be read
+    # Offset of the locked byte, which lies beyond the contents because a locked byte cannot be
+    # read.
+    FAR = 1 << 30
 
     def _try_lock(file: int) -> bool:
         os.lseek(file, FAR, os.SEEK_SET)
@@ -41,7 +43,7 @@ MAX_PID_BYTES = 32
 
 
 class LockHeld(ServerError):
-    """Another process holds the lock. pid: its number; 0 where it has not said so yet."""
+    """Another process holds the lock. pid: its process id; 0 if it has not been written yet."""
 
     def __init__(self, path: Path, pid: int) -> None:
         super().__init__(f"{path} is locked by process {pid or 'unknown'}")
@@ -49,19 +51,18 @@ class LockHeld(ServerError):
 
 
 class FileLock:
-    """The only lock on a file, from now until `close`, or until this process ends. A context manager.
+    """An exclusive lock on a file, held until `close` or the end of this process. A context manager.
 
-    The file is made for this user only, tells the process's number, and is removed at the end. Raises Locked;
-    ServerError where the file cannot be made or locked.
+    The file is readable by this user only, holds the process id, and is removed at the end. Raises LockHeld;
+    ServerError if the file cannot be created or locked.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
             self._file = _open(path)
-            while (
-                not self._is_there()
-            ):  # its last holder has removed it between our opening and locking
+            # The last holder removed the file between our opening and our locking it.
+            while not self._is_there():
                 os.close(self._file)
                 self._file = _open(path)
             os.ftruncate(self._file, 0)
@@ -70,18 +71,18 @@ class FileLock:
             raise ServerError(f"{path}: cannot be locked: {error.strerror}") from error
 
     def _is_there(self) -> bool:
-        """Whether the path still names the file that is locked."""
+        """Whether the path still names the locked file."""
         try:
             return os.path.samestat(os.fstat(self._file), self.path.lstat())
         except FileNotFoundError:
             return False
 
     def close(self) -> None:
-        """Let go of it."""
-        with suppress(OSError):  # while it is held: so nobody else's is removed
+        """Remove the file and release the lock."""
+        with suppress(OSError):  # while the lock is held, the file is ours
             self.path.unlink()
         os.close(self._file)
-        if os.name != "posix":  # Windows removes no file that is open, another's neither
+        if os.name != "posix":  # Windows does not remove an open file
             with suppress(OSError):
                 self.path.unlink()
 
@@ -93,7 +94,7 @@ class FileLock:
 
 
 def _open(path: Path) -> int:
-    """The file, locked. Raises Locked, OSError."""
+    """Return the file, locked. Raises LockHeld, OSError."""
     file = os.open(path, FLAGS, 0o600)
     try:
         if _try_lock(file):

@@ -1,6 +1,6 @@
-"""What the server's processes log, to standard error: for people, or one JSON object a line.
+"""Logging of the server's processes to standard error: readable text, or one JSON object a line.
 
-A thread writes it: where nobody reads standard error, or it is closed, lines are lost, and nothing else.
+A thread writes the lines. If standard error is not read, or is closed, lines are lost and nothing else fails.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 
     from pacinian.serving.settings import Log
 
-OFTEN = 5.0  # times a second that one event is logged
-MAX_FLUSH_TIME = 0.5  # [s] for the last lines at the end
-LINKS, CALLS = 4, 20  # exceptions of a chain, and calls to each, that are logged
+OFTEN = 5.0  # maximum rate of one event [1/s]
+MAX_FLUSH_TIME = 0.5  # time limit to write the last lines at the end [s]
+LINKS, CALLS = 4, 20  # logged exceptions of a chain, and calls of each
 THREAD = "log"
 _waiting: queue.Queue[str] = queue.Queue(1000)
 
 
 def configure(settings: Log, process: str) -> None:
-    """Log as the settings say; each line names the process."""
+    """Log as the settings say. Each line names the process."""
     if not any(thread.name == THREAD for thread in threading.enumerate()):
         threading.Thread(target=_write, name=THREAD, daemon=True).start()
         atexit.register(flush)
@@ -46,13 +46,13 @@ def configure(settings: Log, process: str) -> None:
 
     def printable(_log: object, _method: str, event: Any) -> Any:
         for name, value in event.items():
-            if isinstance(value, str):  # a client's name, say
+            if isinstance(value, str):  # for example, a client's name
                 event[name] = "".join(c if c.isprintable() else "?" for c in shorten(value))
         return event
 
     last: Processor = structlog.processors.JSONRenderer()
     if settings.format != "json":
-        formatter = structlog.dev.plain_traceback  # the usual one warns of texts that are made
+        formatter = structlog.dev.plain_traceback  # the default one warns of rendered text
         last = structlog.dev.ConsoleRenderer(
             colors=sys.stderr.isatty(), exception_formatter=formatter
         )
@@ -74,7 +74,10 @@ def configure(settings: Log, process: str) -> None:
 
 
 def _trace(exc_info: ExcInfo) -> str:
-    """The last calls to an exception, and to those that it came of; no local variables, which may be secret."""
+    """Return the last calls of an exception and its causes.
+
+    Local variables are left out, because they may be secret.
+    """
     error: BaseException | None = exc_info[1]
     links: list[str] = []
     while error is not None and len(links) < LINKS:
@@ -85,7 +88,7 @@ def _trace(exc_info: ExcInfo) -> str:
 
 
 class _Lines:
-    """What structlog calls with a line."""
+    """The logger that structlog calls with each line."""
 
     def __init__(self, *_: object) -> None:
         pass
@@ -100,26 +103,27 @@ class _Lines:
 def _write() -> None:
     while True:
         line = _waiting.get()
-        with contextlib.suppress(OSError, ValueError, AttributeError):  # gone, or closed
+        # Standard error is gone or closed.
+        with contextlib.suppress(OSError, ValueError, AttributeError):
             sys.stderr.write(line + "\n")
             sys.stderr.flush()
         _waiting.task_done()
 
 
 def flush() -> None:
-    """Wait until all is written, but not for long."""
+    """Wait until all lines are written, but at most `MAX_FLUSH_TIME`."""
     due = time.monotonic() + MAX_FLUSH_TIME
     while _waiting.unfinished_tasks and time.monotonic() < due:
         time.sleep(0.001)
 
 
 def log() -> FilteringBoundLogger:
-    """The log."""
+    """Return the log."""
     return cast("FilteringBoundLogger", structlog.get_logger())
 
 
 class RateLimitedLog:
-    """A log that no client can flood: of each event so many a second, then how many there were besides."""
+    """A log that no client can flood: it limits the rate of each event, and then logs how many were left out."""
 
     def __init__(
         self, clock: Callable[[], float] = time.perf_counter, often: float = OFTEN
@@ -129,15 +133,15 @@ class RateLimitedLog:
         self._missed: dict[str, int] = {}
 
     def warning(self, event: str, **values: Any) -> None:
-        """Log a warning, unless there were too many of this event lately."""
+        """Log a warning, unless the event is over its rate."""
         self._add("warning", event, values)
 
     def info(self, event: str, **values: Any) -> None:
-        """Log what is worth knowing."""
+        """Log information, unless the event is over its rate."""
         self._add("info", event, values)
 
     def exception(self, event: str, **values: Any) -> None:
-        """Log an error, with the exception that is handled."""
+        """Log an error with the current exception, unless the event is over its rate."""
         self._add("exception", event, values)
 
     def _add(self, level: str, event: str, values: dict[str, Any]) -> None:

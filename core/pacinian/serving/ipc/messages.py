@@ -1,18 +1,18 @@
-"""What the server's own processes tell each other, each through one `SharedRegister` in the server's private folder.
+"""Messages between the server's processes, each in its own `SharedRegister` in the server's private folder.
 
     file      writer    readers            value
     permit    control   guard, render      Permit
-    sessions  control   bus                Sessions
-    orders    control   render, guard      Orders
-    changes   bus       render             Changes, only when the one before has been taken
-    taken     render    bus                Taken
+    sessions  control   bus                SessionTable
+    orders    control   render, guard      RequestedSettings
+    changes   bus       render             Changes, each only after the last was taken
+    taken     render    bus                ChangesAck
     frame     render    guard, control     FrameHead, then the levels
-    report    render    control, bus       Report
-    device    guard     control, render    Device
-    traffic   bus       control            Traffic
+    report    render    control, bus       RendererStatus
+    device    guard     control, render    DeviceStatus
+    traffic   bus       control            BusStatus
 
-All are MessagePack arrays but the two that are read each tick, which are packed (`struct`). All times are of
-`time.perf_counter`, which is the same in all processes of one machine.
+All are MessagePack arrays, except for `permit` and `frame`, which are read each tick and packed by `struct`. All times
+are of `time.perf_counter`, which all processes of one machine share.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 from pacinian.wire.time import Technique
 
-CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `compute_frame_capacity`
+# Capacities of the files [bytes]. That of `frame` depends on the array: see
+# `compute_frame_capacity`.
+CAPACITIES = {
     "permit": 64,
     "sessions": 1 << 20,
     "orders": 1 << 18,
@@ -43,21 +45,20 @@ CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `compute_fram
     "device": 1 << 19,
     "traffic": 1 << 20,
 }
-MAX_ROWS = 64  # of a frame
-HEAD = 72  # [bytes] before its levels
+MAX_ROWS = 64  # maximum number of rows of a frame
+HEAD = 72  # size of a frame's head, before its levels [bytes]
 
 
 def compute_frame_capacity(transducers: int) -> int:
-    """Of the file `frame` [bytes]."""
+    """Return the capacity of the file `frame` [bytes]."""
     return HEAD + 4 * MAX_ROWS * transducers
 
 
 class Permit(NamedTuple):
-    """Whether there may be sound.
+    """The permit to sound.
 
-    until: when it ends, by itself [s]. epoch: counts how often it was given:
-    only frames of the same epoch are let through. stopped: an emergency stop, or the end, holds. scene: number of
-    the one that may be felt.
+    until: when it expires [s]. epoch: counts the permits given; only frames of the same epoch are let through. stopped:
+    1 after an emergency stop or the server's end. scene: number of the scene that may be rendered.
     """
 
     armed: int = 0
@@ -67,12 +68,12 @@ class Permit(NamedTuple):
     scene: int = 0
 
     def pack(self) -> bytes:
-        """As bytes."""
+        """Return the permit as bytes."""
         return _PERMIT.pack(*self)
 
     @classmethod
     def unpack(cls, data: bytes) -> Permit:
-        """From bytes."""
+        """Return the permit from bytes."""
         return cls(*_PERMIT.unpack(data))
 
 
@@ -80,16 +81,16 @@ _PERMIT = struct.Struct("<qdqqq")
 
 
 def number_scene(name: str) -> int:
-    """Of a scene: the same in all processes; 0 for none."""
+    """Return the number of a scene, the same in all processes; 0 for none."""
     return zlib.crc32(name.encode()) if name else 0
 
 
 class FrameHead(NamedTuple):
-    """What goes before a frame's levels: phase, then amplitude, each (rows, columns) little-endian uint16.
+    """The head of a frame. The levels follow: phase, then amplitude, each (rows, columns) little-endian uint16.
 
-    sequence, time: as of `pacinian.Frame`. epoch: the permit's. device: the generation of the device that it is
-    for. rows: 0 for silence. input: sequence number of the newest hands in it; sent: by the client's clock;
-    received: by ours [s].
+    sequence, time: as in `pacinian.Frame`. epoch: the permit's. device: the generation of the device that the frame is
+    for. rows: 0 for silence. input: sequence number of the newest hand update in the frame; sent: its time by the
+    client's clock [s]; received: its time by the server's clock [s].
     """
 
     sequence: int
@@ -103,12 +104,12 @@ class FrameHead(NamedTuple):
     received: float = 0.0
 
     def pack(self) -> bytes:
-        """As bytes."""
+        """Return the head as bytes."""
         return _FRAME.pack(*self)
 
     @classmethod
     def unpack(cls, data: bytes) -> FrameHead:
-        """From bytes, which go on after it."""
+        """Return the head from the first bytes of a frame."""
         return cls(*_FRAME.unpack_from(data))
 
 
@@ -125,16 +126,16 @@ class SessionInfo(Struct, frozen=True, array_like=True):
 
 
 class SessionTable(Struct, frozen=True, array_like=True):
-    """Who may send commands, and whose scene is felt: "" for none's."""
+    """The sessions that may send commands. owned: the owner's scene, or ""."""
 
     sessions: tuple[SessionInfo, ...] = ()
     owned: str = ""
 
 
 class RequestedSettings(Struct, frozen=True, array_like=True):
-    """What was selected last, numbered so that each is done once; done or failed, it stands in `results`.
+    """The newest selections, numbered so that each is carried out once. `results` then holds its outcome.
 
-    solver, backend: None before any was selected. technique, intensity: of now. reset, reopen: counts.
+    solver, backend: None before the first selection. technique, intensity: the current ones. reset: number of resets.
     """
 
     solver: tuple[int, Choice | None] = (0, None)
@@ -145,17 +146,20 @@ class RequestedSettings(Struct, frozen=True, array_like=True):
 
 
 class Change(Struct, frozen=True, array_like=True, tag=True):
-    """One change of the scene that is felt."""
+    """One change of the rendered scene."""
 
 
 class ResetScene(Change, frozen=True):
-    """All that was there is gone; what follows is of another scene, or of the same again: its number."""
+    """Drop the whole scene.
+
+    The changes that follow belong to another scene, or to the same scene again. scene: its number.
+    """
 
     scene: int = 0
 
 
 class PutObject(Change, frozen=True):
-    """An object of `pacinian.scene`, encoded; default: it has no technique of its own."""
+    """Put an object of `pacinian.scene`, encoded. default: the object has no technique of its own."""
 
     name: str
     item: bytes
@@ -163,7 +167,7 @@ class PutObject(Change, frozen=True):
 
 
 class MoveObject(Change, frozen=True):
-    """A new pose: position [m], rotation; velocities or None; seen at `time` [s]."""
+    """Set a pose: position [m], rotation; velocities or None; seen at `time` [s]."""
 
     name: str
     position: tuple[float, float, float]
@@ -174,20 +178,20 @@ class MoveObject(Change, frozen=True):
 
 
 class SetEnvelope(Change, frozen=True):
-    """A new envelope for an object, encoded."""
+    """Set an object's envelope, encoded."""
 
     name: str
     envelope: bytes
 
 
 class RemoveObject(Change, frozen=True):
-    """An object is gone."""
+    """Remove an object."""
 
     name: str
 
 
 class HandInfo(Struct, frozen=True, array_like=True):
-    """A hand: float32 as on the wire; name: unique among all clients'."""
+    """A hand: arrays as float32, as on the wire. name: unique among the hands of all clients."""
 
     side: str
     name: str
@@ -198,9 +202,10 @@ class HandInfo(Struct, frozen=True, array_like=True):
 
 
 class SetHands(Change, frozen=True):
-    """All hands of all clients of the scene. felt: whether any client tracks hands at all: if not, whole.
+    """Set all hands of all clients of the scene.
 
-    input, sent, received: of the newest of them, as in `FrameHead`.
+    felt: whether any client tracks hands; otherwise whole objects are rendered. input, sent, received: of the newest
+    hand update, as in `FrameHead`.
     """
 
     hands: tuple[HandInfo, ...]
@@ -211,7 +216,7 @@ class SetHands(Change, frozen=True):
 
 
 class SetQuiet(Change, frozen=True):
-    """All quiet zones: position [m], most sound pressure [Pa], radius [m] of each."""
+    """Set all quiet zones: position [m], maximum sound pressure [Pa] and radius [m] of each."""
 
     zones: tuple[tuple[tuple[float, float, float], float, float], ...] = ()
 
@@ -220,16 +225,16 @@ AnyChange = ResetScene | PutObject | MoveObject | SetEnvelope | RemoveObject | S
 
 
 class Changes(Struct, frozen=True, array_like=True):
-    """Changes in order. number: counts up; the bus starts again from 1 when it does."""
+    """Changes in order. number: counts up from 1; a restarted bus starts from 1 again."""
 
     number: int
     run: int
-    """Random: tells a bus that was started anew from the one before."""
+    """A random number that identifies this run of the bus."""
     changes: tuple[AnyChange, ...]
 
 
 class ChangesAck(Struct, frozen=True, array_like=True):
-    """Which changes the renderer has taken last. run: the renderer's own, random: another one wants all again."""
+    """The last changes that the renderer took. run: random, of the renderer's run; a new run needs the whole scene."""
 
     number: int
     run: int
@@ -237,11 +242,11 @@ class ChangesAck(Struct, frozen=True, array_like=True):
 
 
 class RendererStatus(Struct, frozen=True, array_like=True):
-    """How the renderer is.
+    """The status of the renderer.
 
-    run: random. state: fields of `pacinian.wire.state.State`. results: of orders, by
-    "kind number": "" for done, or why not. halted: the fault that holds it silent, or "". refused: names of objects
-    that could not be put, and why.
+    run: random. state: fields of `pacinian.wire.state.State`. results: of orders, by "kind number": "" if done,
+    otherwise the reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be
+    put, and why.
     """
 
     run: int
@@ -251,20 +256,21 @@ class RendererStatus(Struct, frozen=True, array_like=True):
     halted: str = ""
     refused: dict[str, str] = {}
     solvers: tuple[Plugin, ...] = ()
-    """That can be selected."""
+    """The solvers that can be selected."""
 
 
 class DeviceStatus(Struct, frozen=True, array_like=True):
-    """How the device is.
+    """The status of the device.
 
-    generation: counts devices; frames must be for it. next: the one that waits to take over
-    with the first frame for it, or 0. phases, amplitudes, rate: of `generation`, or of `next` if there is one.
-    generation 0: there is none. beat: when the guard last went round [s]. fault: of the device, or "". frames: that it
-    took. silences: how often sound was ended; reasons: by what. longest_gap: between frames since the output was armed
-    last [s]. inputs: the last ones, as in `State`; inputs_until: how many there have been. results: of orders, by
-    "backend number" and "reset number": "" for done, or why not. sizes: amplitude of each level, float32; empty where
-    they are even. processor: that the guard keeps to, or `ANY`. choice: what `generation` is of, or, where another
-    guard had it and died, what may sound still.
+    generation: counts devices; a frame must name the generation it is for; 0: there is no device. next: the generation
+    that takes over with the first frame for it, or 0. phases, amplitudes, rate: of `next` if there is one, otherwise of
+    `generation`. beat: when the guard ran its last round [s]. fault: of the device, or "". frames: number of frames
+    that the device took. silences: number of times sound was ended; reasons: the same by reason. longest_gap: longest
+    time between frames since the output was last armed [s]. inputs: the last hand updates, as in `State`; inputs_until:
+    number of hand updates so far. results: of orders, by "backend number" and "reset number": "" if done, otherwise the
+    reason. sizes: amplitude of each level, float32; empty if they are evenly spaced. processor: the core that the guard
+    is bound to, or `ANY`. choice: the choice of `generation`; or, if another guard had the device and died, of the
+    device that may still sound.
     """
 
     generation: int
@@ -285,7 +291,7 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
     inputs_until: int = 0
     results: dict[str, str] = {}
     backends: tuple[Plugin, ...] = ()
-    """That can be selected."""
+    """The backends that can be selected."""
     reasons: dict[str, int] = {}
     sizes: bytes = b""
     processor: int = ANY
@@ -293,15 +299,15 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
 
     @property
     def capability(self) -> Capability:
-        """What it can do. Raises ArgumentError for what no device can."""
+        """The capability of the device. Raises ArgumentError for values that no device can have."""
         table = tuple(np.frombuffer(self.sizes, "<f4").tolist())
         return Capability(self.phases, table or self.amplitudes, self.rate, self.watchdog)
 
 
 class BusStatus(Struct, frozen=True, array_like=True):
-    """How the bus is. clients: by session key in hex: objects, commands, errors, dropped, newest age [s].
+    """The status of the bus. clients: by session key in hex: objects, commands, errors, dropped, age of the newest [s].
 
-    port: where it listens; 0 until it does. waiting: what the renderer does not know yet.
+    port: where the bus listens; 0 until it does. waiting: number of changes that the renderer has not taken yet.
     """
 
     run: int
@@ -315,12 +321,12 @@ class BusStatus(Struct, frozen=True, array_like=True):
 
 
 def pack(value: Struct) -> bytes:
-    """As bytes."""
+    """Return a message as bytes."""
     return msgspec.msgpack.encode(value)
 
 
 def check_rate(device: float, loop: float) -> None:
-    """Refuse a device of that rate for a loop of that rate [Hz]. Raises ArgumentError."""
+    """Check that a device of that rate suits a loop of that rate [Hz]. Raises ArgumentError if not."""
     if not 1.0 - 1e-9 <= device / loop < MAX_ROWS + 0.5:
         raise ArgumentError(
             "backend",

@@ -1,4 +1,4 @@
-"""What can be selected, and is made: plug-ins by name, with settings of the configuration and of clients."""
+"""Plug-ins by name: which can be selected, and how they are made with options from configuration and clients."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.scene.file import Choice as Configured
 
-LOADING = threading.Lock()  # plug-ins are found by one thread at a time
+LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 
 
 def list_offers(kind: Kind) -> tuple[Plugin, ...]:
-    """The installed plug-ins of a kind; all that may offer such are imported."""
+    """Return the installed plug-ins of a kind. Imports all modules that may offer one."""
     plugins = registry.installed()
     with LOADING:
         plugins.load(kind=kind)
@@ -41,9 +41,10 @@ def list_offers(kind: Kind) -> tuple[Plugin, ...]:
 def make_plugin(
     kind: Kind, choice: Configured | Choice, configured: Configured | Choice
 ) -> Solver | Backend:
-    """A plug-in as configured; or as a client chooses it: with the options of the configuration, if that has the same.
+    """Make a plug-in as configured, or as a client chooses it.
 
-    Raises UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
+    A client's options are added to the configured ones if the configuration names the same plug-in. Raises
+    UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
     """
     offer, options = find_plugin(kind, choice.name), dict(choice.options)
     if isinstance(choice, Choice):
@@ -53,7 +54,7 @@ def make_plugin(
 
 
 def find_plugin(kind: Kind, name: str) -> Offer:
-    """The plug-in of a name, imported where it is not yet. Raises UnknownPlugin, PluginError."""
+    """Return the plug-in of that name; import it if necessary. Raises UnknownPlugin, PluginError."""
     plugins = registry.installed()
     if (kind, name) not in plugins.offers:
         with LOADING:
@@ -62,13 +63,13 @@ def find_plugin(kind: Kind, name: str) -> Offer:
 
 
 def _options(offer: Offer) -> dict[str, int | float | str]:
-    """What clients may set, where it is simple; none of one of which that cannot be read, or told."""
+    """Return the simple options that clients may set; none if they cannot be read or encoded."""
     try:
         allowed, given = find_client_options(offer.cls), offer.options
         found = {
             k: v for k, v in given.items() if k in allowed and isinstance(v, int | float | str)
         }
         msgspec.msgpack.encode(found)
-    except Exception:  # whatever a plug-in does, the process starts
+    except Exception:  # whatever a plug-in does, the process must start
         return {}
     return found

@@ -1,4 +1,4 @@
-"""Who of the server's processes runs before whom, and before all else, and where: as far as the system lets them."""
+"""Priorities, the real-time class and CPU affinity of the server's processes, as far as the system permits them."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-TIMERSLACK = 29  # of Linux's prctl
-AUTOGROUP = Path("/proc/self/autogroup")  # of Linux, where it groups by session
-URGENT = 15  # of a processor shared with one usual process it has 97 %
-EAGER = 5  # 75 %
-ANY = -1  # processor
+TIMERSLACK = 29  # option of Linux's prctl
+AUTOGROUP = Path("/proc/self/autogroup")  # exists where Linux groups processes by session
+URGENT = 15  # niceness -15: 97 % of a core shared with one normal process
+EAGER = 5  # niceness -5: 75 % of it
+ANY = -1  # any core
 _ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
 
 
 def raise_priority(by: int = URGENT) -> None:
-    """Ask the system to prefer this process, and to wake it in time, where it may be asked.
+    """Raise the priority of this process, and ask for precise timers, where the system permits it.
 
-    by: how much, whatever its parent's; 0 as usual. Where so much is not allowed, as much as is. Linux counts it among
-    the threads of a session, and that of the session's leader, as each child is, among sessions (sched(7), autogroup).
+    by: lowers niceness to `-by`, whatever the parent's is; 0 is normal. If the system permits less, the most permitted
+    is used. Linux compares niceness within a session only; sessions are compared by autogroup, which this sets if the
+    process leads its session, as each child does (sched(7)).
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
@@ -39,9 +40,9 @@ def raise_priority(by: int = URGENT) -> None:
 
 
 def lower_child_priority(child: int) -> None:
-    """Let a process that has just been started be `EAGER` at most, until it is ready and asks to be `raise_priority`.
+    """Limit a newly started process to `EAGER`, until it is ready and calls `raise_priority`.
 
-    On Linux; not where it could not ask for it again.
+    Only on Linux, and only where the child can raise its priority again.
     """
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
@@ -49,36 +50,39 @@ def lower_child_priority(child: int) -> None:
             if _limit() < URGENT:
                 os.setpriority(
                     os.PRIO_PROCESS, child, -URGENT - 1
-                )  # which needs a right, whatever was given
+                )  # fails without the privilege, whatever was given
             os.setpriority(os.PRIO_PROCESS, child, max(given, -EAGER))
 
 
 def use_realtime_class() -> int:
-    """On Linux, let this thread go before all usual ones, but not what it starts: for one that mostly sleeps.
+    """On Linux, put this thread in the real-time class; its children do not inherit that.
 
-    Return the core that this thread is bound to, so that other threads can `avoid_cores` it (decision 28). Return `ANY`
-    where the system refuses, or where there is only one core.
+    For a thread that mostly sleeps. Return the core that this thread is bound to, so that other threads can
+    `avoid_cores` it (decision 28). Return `ANY` if the system refuses, or if there is only one core.
     """
     raise_priority()
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
             os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
             if len(_ALLOWED) > 1:
-                own = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]  # not the same for all servers
+                own = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]  # differs between servers
                 os.sched_setaffinity(0, {own})
                 return own
     return ANY
 
 
 def avoid_cores(processor: int) -> None:
-    """Keep this thread off a processor that another one keeps to."""
+    """Keep this thread off the core that another thread is bound to."""
     if sys.platform == "linux" and (rest := _ALLOWED - {processor}):
         with contextlib.suppress(OSError):
             os.sched_setaffinity(0, rest)
 
 
 def start_background_thread(work: Callable[[], object], name: str) -> None:
-    """Do work in a thread of its own, on any processor, wherever this one keeps to, and `EAGER` at most."""
+    """Run `work` in a new thread with priority at most `EAGER`.
+
+    It may use any core, even if this thread is bound to one.
+    """
 
     def run() -> None:
         if sys.platform == "linux":
@@ -91,7 +95,7 @@ def start_background_thread(work: Callable[[], object], name: str) -> None:
 
 
 def _most() -> int:
-    """How much may be asked for without a right of its own: what there is already, or up to the limit on niceness."""
+    """Return the highest priority available without a privilege: the current one, or up to the limit on niceness."""
     return max(0, _limit(), -os.getpriority(os.PRIO_PROCESS, 0)) if sys.platform == "linux" else 0
 
 

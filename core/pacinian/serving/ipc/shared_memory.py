@@ -1,8 +1,8 @@
-"""Shared memory between processes: the newest value wins, no side waits, and any side may be killed.
+"""Shared memory between processes. The newest value wins, no side waits, and any side may be killed.
 
-One process writes, any number read. A file is mapped: in memory where the system has such a folder. A value
-goes to the next of some slots and is then published by its number; a reader that was overtaken while copying sees
-that by the slot's number or by the checksum, in which the number is: so also on machines that reorder stores.
+One process writes, any number read. The memory is a mapped file, in RAM if the system has such a folder. The writer
+puts a value in the next of several slots, then publishes its number. A reader that was overtaken while copying notices
+by the slot's number or by the checksum, which includes the number. This also works on machines that reorder stores.
 """
 
 from __future__ import annotations
@@ -28,22 +28,24 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-PREFIX, LOCK = "pacinian-memory-", ".lock"  # of the folders' names, of the locks beside them
-LOOK = 0.005  # [s] between two tries to remove a folder
+# Prefix of the folders' names; suffix of their lock files.
+PREFIX, LOCK = "pacinian-memory-", ".lock"
+LOOK = 0.005  # interval between two tries to remove a folder [s]
 
 MAGIC = 0x504143494E49414E
 SLOTS = 4
-WORD = 8  # [bytes], aligned: stored and loaded at once
-HEAD = 3  # words: magic, capacity, published number
+WORD = 8  # size of a word [bytes]; aligned words are stored and loaded atomically
+HEAD = 3  # words in the file's head: magic, capacity, published number
 SLOT = 3  # words before each value: number, length, checksum
 TRIES = 100
 
 
 @contextlib.contextmanager
 def folder() -> Generator[Path]:
-    """A new private folder for shared memory, removed at the end. Removes those that killed processes have left, too.
+    """Make a private folder for shared memory; remove it at the end.
 
-    A lock lies beside it, made before it and removed after it. This process holds it as long as it lives.
+    Also removes the folders that killed processes left. A lock file lies beside the new folder, made before it and
+    removed after it. This process holds the lock while it lives.
     """
     root = Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
     for lock in root.glob(f"{PREFIX}*{LOCK}"):
@@ -58,7 +60,7 @@ def folder() -> Generator[Path]:
 
 
 def remove(left: Path, patience: float = 0.0) -> None:
-    """Remove a folder of shared memory whose maker has gone; wait for its end for so long [s]."""
+    """Remove a shared-memory folder whose maker has gone; wait at most `patience` [s] for the maker's end."""
     lock, due = left.with_suffix(LOCK), time.monotonic() + patience
     while _is_ours(lock):
         with contextlib.suppress(ServerError), FileLock(lock):
@@ -71,7 +73,7 @@ def remove(left: Path, patience: float = 0.0) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    """Whether it belongs to this user, and is no link."""
+    """Whether the path belongs to this user, and is not a link."""
     try:
         status = path.lstat()
     except OSError:
@@ -80,10 +82,10 @@ def _is_ours(path: Path) -> bool:
 
 
 class SharedRegister:
-    """A value of at most `capacity` [bytes]; a context manager. Made by `create`, then `attach`ed to by others.
+    """A value of at most `capacity` [bytes]. A context manager. One process calls `create`, the others `attach`.
 
-    A writer that was killed in the middle of a value has not changed what is read; a new one that attaches
-    goes on with the numbers.
+    If a writer is killed in the middle of a value, readers keep the value before. A new writer that attaches continues
+    the numbers.
     """
 
     def __init__(self, path: Path, mapped: mmap.mmap) -> None:
@@ -93,7 +95,7 @@ class SharedRegister:
 
     @classmethod
     def create(cls, path: Path, capacity: int) -> SharedRegister:
-        """New, for values of at most `capacity` [bytes]. Raises ServerError."""
+        """Create a register for values of at most `capacity` [bytes]. Raises ServerError."""
         room = -(-max(1, capacity) // WORD) * WORD
         mapped = _mapped(path, os.O_CREAT | os.O_EXCL, _size(room))
         with memoryview(mapped) as view, view.cast("Q") as words:
@@ -102,7 +104,7 @@ class SharedRegister:
 
     @classmethod
     def attach(cls, path: Path) -> SharedRegister:
-        """What another process has made. Raises ServerError."""
+        """Attach to a register that another process created. Raises ServerError."""
         mapped = _mapped(path, 0, 0)
         if len(mapped) >= WORD * HEAD and len(mapped) % WORD == 0:
             with memoryview(mapped) as view, view.cast("Q") as words:
@@ -110,11 +112,11 @@ class SharedRegister:
             if ours:
                 return cls(path, mapped)
         mapped.close()
-        raise ServerError(f"{path}: is no shared memory of this version")
+        raise ServerError(f"{path}: is not shared memory of this version")
 
     @property
     def number(self) -> int:
-        """Of the newest value; 0 before the first."""
+        """Number of the newest value; 0 before the first."""
         return self._words[2]
 
     def write(self, *parts: bytes | memoryview) -> int:
@@ -136,7 +138,7 @@ class SharedRegister:
         return number
 
     def read(self, after: int = 0) -> tuple[int, bytes] | None:
-        """The newest value and its number; None if that is not above `after`."""
+        """Return the newest value and its number; None if the number is not above `after`."""
         for _ in range(TRIES):
             number = self.number
             if number <= after:
@@ -151,12 +153,12 @@ class SharedRegister:
         return None
 
     def _place(self, number: int) -> tuple[int, int]:
-        """Of a value: the word and the byte where its slot and it begin."""
+        """Return where a value is stored: the word at which its slot begins, and the byte at which the value begins."""
         begin = WORD * HEAD + (number % SLOTS) * (WORD * SLOT + self.capacity)
         return begin // WORD, begin + WORD * SLOT
 
     def close(self) -> None:
-        """Unmap it; may be called twice."""
+        """Unmap the memory. May be called twice."""
         self._words.release()
         self._map.close()
 
@@ -177,7 +179,10 @@ def _size(room: int) -> int:
 
 
 def _mapped(path: Path, flags: int, size: int) -> mmap.mmap:
-    """A file in memory; of a new one all is set apart now: a full disk is found here, not by a crash later."""
+    """Map a file.
+
+    A new file is allocated at once, so that a full disk fails here, and does not crash the process later.
+    """
     try:
         file = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0) | flags, 0o600)
         try:
@@ -193,7 +198,7 @@ def _mapped(path: Path, flags: int, size: int) -> mmap.mmap:
 
 
 class RegisterReader(Generic[T]):
-    """The newest value of a file, decoded once. decode: of its bytes. value: what holds until there is one."""
+    """Reads the newest value of a register, decoding each once. value: the newest value, at first the given default."""
 
     def __init__(self, file: SharedRegister, decode: Callable[[bytes], T], value: T) -> None:
         self.value = value
@@ -201,7 +206,7 @@ class RegisterReader(Generic[T]):
         self._number = 0
 
     def look(self) -> bool:
-        """Whether there was something new. Raises what `decode` raises, once for each value."""
+        """Read the newest value; return whether it is new. Raises what `decode` raises, once for each value."""
         if self._file.number == self._number:
             return False
         read = self._file.read(self._number)
@@ -212,5 +217,5 @@ class RegisterReader(Generic[T]):
         return True
 
     def skip(self) -> None:
-        """What is there now is old."""
+        """Ignore the current value."""
         self._number = self._file.number

@@ -1,1 +1,1 @@
-"""The render process: the loop, its copy of the active scene, solver plug-ins."""
+"""The render process: the loop, its copy of the owner's scene, and solver plug-ins."""

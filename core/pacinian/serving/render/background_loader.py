@@ -1,4 +1,4 @@
-"""Objects that take long to load, in a thread: a mesh of 20,000 triangles takes 0.2 s until it can be felt."""
+"""Background loading of slow objects: a mesh of 20,000 triangles takes 0.2 s to prepare."""
 
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ from pacinian.serving.ipc.scheduling import start_background_thread
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-LIGHT = 1 << 14  # [bytes]; what is shorter is decoded at once
-QUICK = Sphere, Disc, Rectangle  # shapes of which nothing is kept
-SLOW = Noise, Wave  # envelopes of which much is
-COARSE = 0.02  # [m]
+# Size below which data is decoded at once [bytes].
+LIGHT = 1 << 14
+QUICK = Sphere, Disc, Rectangle  # shapes without caches
+SLOW = Noise, Wave  # envelopes with large caches
+COARSE = 0.02  # minimum spacing of the trial samples [m]
 
 _objects: Decoder[Object] = Decoder(Object)
 _envelopes: Decoder[Envelope] = Decoder(Envelope)
 
 
 class Loaded(NamedTuple):
-    """What has come of a job: what was made, or why not."""
+    """The result of a job, or the reason why it failed."""
 
     name: str
     turn: int
@@ -41,7 +42,7 @@ class Loaded(NamedTuple):
 
 
 class BackgroundLoader:
-    """Makes objects and envelopes in order, one after the other: of each name only the newest. thread: for tests."""
+    """Makes objects and envelopes in order, one at a time. Only the newest job of a name waits. thread: for tests."""
 
     def __init__(self, thread: Callable[[Callable[[], None]], object] | None = None) -> None:
         self._jobs: dict[str, tuple[int, Callable[[], Object | Timed]]] = {}
@@ -52,11 +53,11 @@ class BackgroundLoader:
         )
 
     def __len__(self) -> int:
-        """How many wait."""
+        """Number of pending jobs."""
         return len(self._jobs)
 
     def ask(self, name: str, turn: int, job: Callable[[], Object | Timed]) -> None:
-        """Do this, in place of what waits for that name. turn: which it is."""
+        """Queue a job; it replaces a pending one of that name. turn: number of the job."""
         with self._some:
             self._jobs[name] = turn, job
             self._some.notify()
@@ -65,12 +66,12 @@ class BackgroundLoader:
             self._thread(self._work)
 
     def drop(self, name: str) -> None:
-        """What waits for that name is not wanted any more."""
+        """Drop the pending job of that name."""
         with self._some:
             self._jobs.pop(name, None)
 
     def done(self) -> list[Loaded]:
-        """What has been done since this was last asked."""
+        """Return the results since the last call."""
         found: list[Loaded] = []
         while not self._done.empty():
             found.append(self._done.get())
@@ -85,27 +86,27 @@ class BackgroundLoader:
             self._some.wait_for(lambda: self._jobs)
             name = next(iter(self._jobs))
             turn, job = self._jobs.pop(name)
-        gc.disable()  # a search among so many new things takes longer than a tick
+        gc.disable()  # a collection among so many new objects takes longer than a tick
         try:
             self._done.put(Loaded(name, turn, job()))
-        except Exception as error:  # what cannot be loaded is told, and the thread goes on
+        except Exception as error:  # report what cannot be loaded; the thread must go on
             self._done.put(Loaded(name, turn, None, describe_error(error)))
         gc.freeze()
         gc.enable()
 
 
 def decode_object(data: bytes) -> Object:
-    """The object. Raises msgspec.DecodeError, msgspec.ValidationError."""
+    """Return the object. Raises msgspec.DecodeError, msgspec.ValidationError."""
     return _objects.decode(data)
 
 
 def decode_envelope(data: bytes) -> Timed:
-    """The envelope. Raises msgspec.DecodeError, msgspec.ValidationError."""
+    """Return the envelope. Raises msgspec.DecodeError, msgspec.ValidationError."""
     return resolve(_envelopes.decode(data))
 
 
 def is_light(item: Object) -> bool:
-    """Whether it can be felt at once: nothing of it is made at first use that takes long."""
+    """Whether the object needs no slow preparation at first use."""
     if isinstance(item.envelope, SLOW):
         return False
     if isinstance(item, (Point, Path, Particles)):
@@ -114,7 +115,7 @@ def is_light(item: Object) -> bool:
 
 
 def load_object(item: Object) -> Object:
-    """The object, ready to be felt. Raises ArgumentError."""
+    """Prepare an object for rendering and return it. Raises ArgumentError."""
     for _ in item.load():
         pass
     load_envelope(resolve(item.envelope))
@@ -127,6 +128,6 @@ def load_object(item: Object) -> Object:
 
 
 def load_envelope(envelope: Timed) -> Timed:
-    """The envelope, ready to be followed. Raises ArgumentError."""
+    """Prepare an envelope for rendering and return it. Raises ArgumentError."""
     envelope.at(np.zeros(1))
     return envelope

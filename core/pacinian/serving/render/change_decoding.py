@@ -1,4 +1,4 @@
-"""Changes from the bus, decoded to values of the scene. start: the scene's time 0 on the clock of the changes [s]."""
+"""Decodes changes from the bus to scene values. start: the scene's time 0 by the clock of the changes [s]."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 HERE, MOTION = Pose(), Motion()
-LOST = Hand(np.full((26, 3), math.nan))  # with no hand at all, objects are rendered whole
+# Stands for no hand, because a scene without any hand is rendered whole.
+LOST = Hand(np.full((26, 3), math.nan))
 
 
 _changes, _change = Decoder(Changes), Decoder(AnyChange)
@@ -29,9 +30,9 @@ _parts = Decoder(tuple[int, int, list[msgspec.Raw]])
 
 
 def decode_changes(data: bytes) -> tuple[Changes, int]:
-    """The changes that are well formed, and how many are not.
+    """Return the valid changes, and the number of invalid ones.
 
-    Raises msgspec.DecodeError, msgspec.ValidationError where not even their list can be read.
+    Raises msgspec.DecodeError, msgspec.ValidationError if not even their list can be decoded.
     """
     try:
         return _changes.decode(data), 0
@@ -47,7 +48,7 @@ def decode_changes(data: bytes) -> tuple[Changes, int]:
 
 
 def decode_pose(change: MoveObject) -> Pose:
-    """Where an object is now, checked already."""
+    """Return the new pose of an object, without checks."""
     made, rotation = copy.copy(HERE), change.rotation
     force_setattr(made, "position", change.position)
     if rotation != UPRIGHT:
@@ -58,7 +59,7 @@ def decode_pose(change: MoveObject) -> Pose:
 
 
 def decode_motion(change: MoveObject, start: float) -> Motion | None:
-    """How it goes on, checked already; None where that is not known."""
+    """Return the new motion of an object, without checks; None if it is unknown."""
     if change.velocity is None:
         return None
     made = copy.copy(MOTION)
@@ -69,7 +70,7 @@ def decode_motion(change: MoveObject, start: float) -> Motion | None:
 
 
 def decode_hand(info: HandInfo, start: float) -> Hand:
-    """A hand; lost, where it has no joints. Raises ArgumentError, ValueError."""
+    """Return a hand; lost if it has no joints. Raises ArgumentError, ValueError."""
     joints = _rows(info.joints, 3) if info.joints else LOST.joints
     radii = _rows(info.radii, 1)[:, 0] if info.radii else None
     v = _rows(info.velocities, 3) if info.velocities else None

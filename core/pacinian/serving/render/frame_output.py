@@ -1,4 +1,4 @@
-"""The renderer's backend in the server: frames go to the guard, which alone has the device."""
+"""The renderer's backend in the server: passes frames to the guard, which alone has the device."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Input(NamedTuple):
-    """The newest hands in a frame, as in `FrameHead`."""
+    """The newest hand update in a frame, as in `FrameHead`."""
 
     input: int = 0
     sent: float = 0.0
@@ -30,10 +30,10 @@ class Input(NamedTuple):
 
 
 class SharedFrameBackend(Backend):
-    """Writes frames for one device.
+    """A backend that writes frames for one device to shared memory.
 
-    file: `frame`. device, permit: as read last. generation, capability: of the device that the frames are
-    for. tag: tells which hands are in the frame that is being sent.
+    file: `frame`. device, permit: as last read. generation, capability: of the device that the frames are for. tag:
+    returns the hand update of the frame that is being sent.
     """
 
     name: ClassVar[str] = "output"
@@ -54,15 +54,15 @@ class SharedFrameBackend(Backend):
 
     @property
     def capability(self) -> Capability:
-        """Of the device."""
+        """The capability of the device."""
         return self._capability
 
     def open(self, array: Array) -> None:
-        """Nothing sounds before the first frame."""
+        """Set the number of transducers. Nothing sounds before the first frame."""
         self._columns = len(array)
 
     def send(self, frame: Frame) -> None:
-        """Hand over a frame. Raises BackendError if the device has a fault."""
+        """Write a frame. Raises BackendError if the device has a fault."""
         if fault := self._device.value.fault:
             raise BackendError(fault)
         self._sequence, self._time = frame.sequence, frame.time
@@ -70,11 +70,11 @@ class SharedFrameBackend(Backend):
         self._file.write(head.pack(), _bytes(frame.phase), _bytes(frame.amplitude))
 
     def silence(self) -> None:
-        """Hand over a frame without rows."""
+        """Write a frame without rows."""
         self._file.write(self._head(0, Input()).pack())
 
     def close(self) -> None:
-        """Silence."""
+        """Silence the device."""
         self.silence()
 
     def _head(self, rows: int, tag: Input) -> FrameHead:
@@ -100,18 +100,18 @@ class OutputSwitcher:
     ) -> None:
         self._file, self._device, self._permit, self._tag = file, device, permit, tag
         self._rate = rate
-        self._tried = 0  # the last generation
+        self._tried = 0  # last generation tried
 
     def first(self) -> SharedFrameBackend:
-        """For the device there is; or for none, and the loop then runs until one comes."""
+        """Return an output for the current device. Without a device, the loop runs until one comes."""
         try:
             return self._made()
         except ArgumentError:
-            self._tried = 0  # told when it is followed
+            self._tried = 0  # `follow` reports the error
             return self._output(0, Capability(rate=self._rate))
 
     def follow(self, renderer: Renderer) -> dict[str, str]:
-        """Let a renderer make frames for the device that is to have them; return what became of a new one."""
+        """Let the renderer make frames for the device that needs them; return the errors of a new device."""
         device = self._device.value
         generation = device.next or device.generation
         if generation in (0, self._tried):
@@ -120,15 +120,17 @@ class OutputSwitcher:
         try:
             made = self._made()
             made.open(renderer.session.array)
-            renderer.use(
-                made
-            )  # the one before is not closed: the guard goes on with its last frame
+            # The old output stays open, because the guard continues with its last frame.
+            renderer.use(made)
         except ArgumentError as error:
             return {f"device {generation}": describe_error(error)}
         return {}
 
     def _made(self) -> SharedFrameBackend:
-        """For the device that is to have the next frames. Raises ArgumentError where the loop cannot serve it."""
+        """Make an output for the device that needs the next frames.
+
+        Raises ArgumentError if the loop does not suit it.
+        """
         device = self._device.value
         generation = self._tried = device.next or device.generation
         if not generation:

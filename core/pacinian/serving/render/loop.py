@@ -1,4 +1,4 @@
-"""The renderer in the server: it takes changes at each tick, orders between ticks, and reports."""
+"""The render loop of the server: takes changes at each tick, and orders between ticks; reports its status."""
 
 from __future__ import annotations
 
@@ -40,17 +40,16 @@ if TYPE_CHECKING:
     from pacinian.wire.time import Technique as WireTechnique
 
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
-EARLY = 0.01  # [s] before a permit ends, the scene fades
-MAX_RESULTS = 64  # results of orders
+EARLY = 0.01  # lead time of the fade before a permit expires [s]
+MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
 class ServerLoop:
-    """Renders what the bus tells, while control permits it, for the guard.
+    """Renders the bus's changes for the guard, while control permits it.
 
-    files: those of `FILES`, by name. array, medium: as the settings have them. solvers, loader: make what
-    takes long. The loop's life: `open`, then `renderer.run(on_tick=loop.between)`, or ticks; then `close`.
-    Raises ArgumentError.
+    files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
+    then `renderer.run(on_tick=loop.between)` or single ticks, then `close`. Raises ArgumentError.
     """
 
     def __init__(
@@ -66,7 +65,7 @@ class ServerLoop:
         self.run = int.from_bytes(os.urandom(6), "little")
         self.results: dict[str, str] = {}
         self.solvers: tuple[Plugin, ...] = ()
-        """That can be selected."""
+        """The solvers that can be selected."""
         self._files, self._settings, self._choosing = files, settings, solvers
         self.clock = clock or SystemClock()
         self._permit = RegisterReader(files["permit"], messages.Permit.unpack, messages.Permit())
@@ -106,13 +105,14 @@ class ServerLoop:
         self._quiet = True
         self._quieting = ZonePlacement(array, self.renderer.session.medium, limits, len(zones))
         self._done = messages.RequestedSettings()
-        self._kind: tuple[str, Technique] = "", SIMULTANEOUS  # what is presented
+        # The default technique, by name and value.
+        self._kind: tuple[str, Technique] = "", SIMULTANEOUS
         self._intensity = 1.0
         self._reset = 0
-        self._told = 0.0  # [s] when the next report is due
+        self._told = 0.0  # when the next report is due [s]
 
     def open(self) -> None:
-        """From now on, ticks render what the bus tells. What was told before is not for us."""
+        """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
         self.renderer.open()
         self.felt.start = self.renderer.start
         self._changes.skip()
@@ -124,11 +124,11 @@ class ServerLoop:
         self._report(self.clock.now())
 
     def close(self) -> None:
-        """Silence."""
+        """Silence the output."""
         self.renderer.close()
 
     def between(self, report: object = None) -> None:
-        """Between two ticks: orders, a new device, a new solver, a report. It never raises an Exception."""
+        """Do the work between two ticks: orders, a new device, a new solver, a report. Never raises an Exception."""
         for step in self._follow, self._listen, self._choose, self._mend:
             self._try(step)
         now = self.clock.now()
@@ -137,7 +137,7 @@ class ServerLoop:
             self._try(lambda: self._report(now))
 
     def _try(self, step: Callable[[], object]) -> str:
-        """Do it; what is wrong with it, which is told. Whatever it is, the loop goes on."""
+        """Call `step`; report and return its error, if any, so that the loop goes on."""
         try:
             step()
         except Exception as error:
@@ -155,7 +155,7 @@ class ServerLoop:
             self._obey(self._orders.value)
 
     def _scene(self, t: float) -> Scene:
-        """The scene of a tick."""
+        """Return the scene of a tick."""
         self._permit.look()
         self._try(self._take)
         self._quiet = self._is_quiet()
@@ -166,7 +166,7 @@ class ServerLoop:
         return self.felt.hushed if hushed else self.felt.scene
 
     def _take(self) -> None:
-        """Take the changes there are."""
+        """Apply the new changes."""
         last = self._changes.value[0]
         if not self._changes.look():
             self.felt.apply()
@@ -181,7 +181,7 @@ class ServerLoop:
         )
 
     def _is_quiet(self) -> bool:
-        """Whether the quiet zones of now can be kept: until they are prepared, there is silence."""
+        """Whether the current quiet zones can be enforced. There is silence until they are prepared."""
         if not self._quieting.keeps(self.felt.zones):
             return False
         self.renderer.limits = self._quieting.limits
@@ -194,7 +194,7 @@ class ServerLoop:
             session.solver = solver
 
     def _obey(self, orders: RequestedSettings) -> None:
-        """Do what is new in the orders; what cannot be done does not keep the rest from it."""
+        """Carry out the new orders. An order that fails does not stop the others."""
         done, self._done = self._done, orders
         (solver, choice), (technique, asked), (intensity, level) = (
             orders.solver, orders.technique, orders.intensity
@@ -209,19 +209,19 @@ class ServerLoop:
             self._note({f"intensity {intensity}": self._try(lambda: self._dim(level))})
 
     def _present(self, technique: WireTechnique | None) -> None:
-        """Another technique. Raises ArgumentError, WireError."""
+        """Set the default technique. Raises ArgumentError, WireError."""
         name = "" if technique is None else str(technique.__struct_config__.tag)
         kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
         self.felt.present(kind, self._intensity)
         self._kind = name, kind
 
     def _dim(self, intensity: float) -> None:
-        """Another factor on all pressures."""
+        """Set the factor on all pressures."""
         self.felt.present(self._kind[1], intensity)
         self._intensity = intensity
 
     def _mend(self) -> None:
-        """After a reset, once the device is well: begin again."""
+        """After a reset, restart the renderer once the device has no fault."""
         reset = self._orders.value.reset
         if reset == self._reset or self._device.value.fault:
             return
@@ -235,11 +235,11 @@ class ServerLoop:
             del self.results[old]
 
     def _tag(self) -> Input:
-        """The newest hands in the frame that is being sent: with turns, not the newest there are."""
+        """Return the newest hand update in the frame that is being sent. A newer one may have arrived since."""
         return self.felt.input(self.renderer.shown)
 
     def _report(self, now: float) -> None:
-        """Tell how it is; or where that cannot be told, that it lives."""
+        """Report the status; if its state cannot be encoded, report without it, as a heartbeat."""
         halted = self.renderer.halted
         report = messages.RendererStatus(
             self.run,

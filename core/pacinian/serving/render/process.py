@@ -1,6 +1,6 @@
-"""The render process: the loop, the scene that is felt, solver plug-ins. Its frames go to the guard.
+"""The render process: the loop, its copy of the owner's scene, and solver plug-ins. Its frames go to the guard.
 
-It ends with its parent, or on SIGTERM; the last thing it hands over is silence.
+It ends with its parent, or on SIGTERM. The last frame that it writes is silence.
 """
 
 from __future__ import annotations
@@ -24,14 +24,13 @@ from pacinian.serving.render.loop import FILES, ServerLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.render.warmup import warm_up
 
-SWITCH = (
-    1e-4  # [s] after which another thread gets the interpreter: helpers must not hold up a tick
-)
-LOOK = 0.002  # [s] between two looks for a device
+# Thread switch interval [s]: background threads must not delay a tick.
+SWITCH = 1e-4
+LOOK = 0.002  # interval between two checks for a device [s]
 
 
 def main() -> None:
-    """Render until told to end."""
+    """Render until the parent ends or asks this process to end."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     told = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
     sys.setswitchinterval(SWITCH)
@@ -66,7 +65,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         stack.callback(loop.close)
         loop.open()
         scheduling.start_background_thread(functools.partial(_list, loop), "offers")
-        # the past is not made up for: what is sent is of now, and the newest hands are seen at once
+        # Skip late ticks, so that frames are current and the newest hands are used at once.
         loop.renderer.run(on_tick=loop.between, behind=0.0)
 
 

@@ -1,4 +1,7 @@
-"""Which quiet zones are kept. They are prepared beside the loop, with room to move in; until then there is silence."""
+"""Quiet zones in the render process.
+
+They are prepared outside the loop, with a margin for movement. Until then, there is silence.
+"""
 
 from __future__ import annotations
 
@@ -16,26 +19,26 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)
-ROOM = 0.02  # [m] by which the ball that is kept is larger than one that may move
+ROOM = 0.02  # margin by which the prepared ball is larger than a zone that may move [m]
 
 
 class ZonePlacement:
-    """Prepares quiet zones for an array in a medium. limits: of gain and power. fixed: how many zones never move.
+    """Prepares quiet zones for an array in a medium. limits: of gain and power. fixed: number of zones that never move.
 
-    note: what people should know while there is silence.
+    note: the status to show while there is silence.
     """
 
     def __init__(self, array: Array, medium: Air, limits: Limits, fixed: int = 0) -> None:
         self.note = ""
         self.limits = limits
-        """With the zones that are prepared."""
+        """Limits that include the prepared zones."""
         self._array, self._medium, self._fixed = array, medium, fixed
         self._preparation = Preparation()
         self._next: tuple[Zone, ...] | None = None
         self._seen: tuple[Zone, ...] | None = None
 
     def keeps(self, zones: tuple[Zone, ...]) -> bool:
-        """Whether all these are quiet with `limits`, which may be new; it does not wait for what is being prepared."""
+        """Whether `limits` keeps all these zones quiet. May replace `limits`. Does not wait for a preparation."""
         self.note = ""
         if not zones:
             self._next = None
@@ -50,7 +53,7 @@ class ZonePlacement:
         return _room(self.limits.zones, zones) >= 0.0
 
     def _look(self, zones: tuple[Zone, ...]) -> None:
-        """Take what has been prepared."""
+        """Take the result of a preparation, if there is one."""
         assert self._next is not None
         rms = self.limits.rms(len(self._array))
         self.note = "silent: the quiet zones are being prepared"
@@ -58,7 +61,7 @@ class ZonePlacement:
             made = self._preparation.nulls(self._array, self._medium, self._next, rms, AT_ONCE)
         except ArgumentError as error:
             self.note = f"silent: {describe_error(error)}"
-            self._next = zones  # without room to move in, or where they are now
+            self._next = zones  # without a margin, or at the current places
             return
         if made is not None:
             self.limits, self._next, self._seen = replace(self.limits, zones=self._next), None, None
@@ -67,7 +70,7 @@ class ZonePlacement:
         return zone if k < self._fixed else replace(zone, radius=zone.radius + ROOM)
 
     def _is_tight(self, zones: tuple[Zone, ...]) -> bool:
-        """Whether others should be prepared: half of the room to move in is used up."""
+        """Whether new zones should be prepared, because half of the margin is used up."""
         kept, n = self.limits.zones, self._fixed
         return (
             len(kept) != len(zones)
@@ -77,7 +80,7 @@ class ZonePlacement:
 
 
 def _room(kept: tuple[Zone, ...], zones: tuple[Zone, ...]) -> float:
-    """How much each of `zones` may still move within that which is kept for it [m]; negative if any is outside."""
+    """Return how far each of `zones` may still move within the ball prepared for it [m]; negative if any is outside."""
     if len(kept) != len(zones):
         return -math.inf
     rooms = [

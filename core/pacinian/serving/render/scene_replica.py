@@ -1,7 +1,7 @@
-"""The scene that is felt: changes from the bus, applied in order, all of a tick at once.
+"""The renderer's copy of the owner's scene. Changes from the bus are applied in order, all of a tick at once.
 
-Positions, velocities and times come checked from the bus; they are put into copies of the objects without being
-checked again, as this happens at each tick.
+The bus has already checked positions, velocities and times. They are put into copies of the objects without another
+check, because this happens at each tick.
 """
 
 from __future__ import annotations
@@ -30,11 +30,12 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Workspace
     from pacinian.serving.render.background_loader import BackgroundLoader
 
-MAX_REFUSALS = 256  # refused objects that are told
+# Number of refused objects remembered for reports.
+MAX_REFUSALS = 256
 
 
 class Given(NamedTuple):
-    """What an object was put with: it is felt with the intensity and the default technique of now."""
+    """The values an object was put with. The current intensity and default technique are applied to them."""
 
     radiation_pressure: float | None
     force: float | None
@@ -42,32 +43,33 @@ class Given(NamedTuple):
 
 
 class SceneReplica:
-    """Keeps a scene as the bus tells it.
+    """Keeps a scene that follows the changes of the bus.
 
-    workspace: of every scene. zones: until the bus tells. loader: for objects that take long: until one is
-    loaded, the one in whose place it comes is felt.
+    workspace: of every scene. zones: quiet zones until the bus sends some. loader: for slow objects; until a new object
+    is loaded, the one that it replaces is rendered.
     """
 
     def __init__(
         self, workspace: Workspace | None, loader: BackgroundLoader, zones: tuple[Zone, ...] = ()
     ) -> None:
         self.start = 0.0
-        """What is time 0 of the scene, by the clock that changes are dated by [s]."""
+        """Time 0 of the scene, by the clock of the changes [s]."""
         self.scene = Scene(workspace=workspace)
         self.zones = zones
-        """What is to stay quiet."""
+        """The quiet zones."""
         self.refused: dict[str, str] = {}
-        """Objects that could not be put, and why; the last ones."""
+        """The last objects that could not be put, and why."""
         self._loader = loader
         self.number = 0
-        """Of the scene that it is."""
+        """Number of the scene."""
         self._technique: Technique = SIMULTANEOUS
         self._intensity = 1.0
         self._items: dict[str, Object] = {}
         self._given: dict[str, Given] = {}
         self._turn = 0
-        self._loading: dict[str, tuple[int, list[messages.AnyChange]]] = {}  # and what came since
-        self._new: dict[str, Object] = {}  # since the scene was made
+        # Turn, and the changes since then.
+        self._loading: dict[str, tuple[int, list[messages.AnyChange]]] = {}
+        self._new: dict[str, Object] = {}  # changed since the scene was last made
         self._gone: dict[str, None] = {}
         self._hands: tuple[Hand, ...] | None = None
         self._input = Input()
@@ -84,7 +86,7 @@ class SceneReplica:
         }
 
     def apply(self, changes: Iterable[messages.AnyChange] = ()) -> None:
-        """Take these changes, and what has been loaded; what cannot be done is dropped, and told."""
+        """Apply changes, and take what has been loaded. Invalid changes are dropped and reported."""
         for done in self._loader.done():
             self._take(done)
         for change in changes:
@@ -103,10 +105,10 @@ class SceneReplica:
                 self._inputs[scene] = self._input
 
     def _with_new(self, scene: Scene) -> Scene:
-        """The scene with all that is new; an object that cannot be there is dropped."""
+        """Return the scene with all new objects; an invalid object is dropped."""
         try:
             return scene.put(*self._new.values())
-        except Exception:  # of one of them
+        except Exception:  # one of them is invalid
             for name, item in self._new.items():
                 try:
                     scene = scene.put(item)
@@ -117,18 +119,18 @@ class SceneReplica:
 
     @property
     def hushed(self) -> Scene:
-        """Without its objects, but held by the same hands: what sounds fades as it is felt. Always the same."""
+        """The scene without its objects but with the same hands, so that sound fades. One instance for each scene."""
         if self._hushed[0] is not self.scene:
             names = [item.name for item in self.scene.objects]
             self._hushed = self.scene, self.scene.remove(*names)
         return self._hushed[1]
 
     def input(self, scene: Scene) -> Input:
-        """The newest hands in a scene that this was."""
+        """Return the newest hand update in an earlier state of this scene."""
         return self._inputs.get(scene, Input())
 
     def present(self, technique: Technique, intensity: float) -> None:
-        """The technique of objects that have none of their own, and the factor on all pressures, from now on."""
+        """Set the technique of objects without their own, and the factor on all pressures."""
         if (technique, intensity) == (self._technique, self._intensity):
             return
         self._technique, self._intensity = technique, intensity
@@ -145,7 +147,7 @@ class SceneReplica:
             self._loading[name] = waiting[0], [*kept, change]
         try:
             self._does[type(change)](change)
-        except Exception as error:  # whatever it is, the loop goes on
+        except Exception as error:  # whatever a change raises, the loop must go on
             self.refuse(name, describe_error(error))
 
     def _drop(self, name: str) -> None:
@@ -154,12 +156,12 @@ class SceneReplica:
             there.pop(name, None)
 
     def _forget(self, name: str) -> None:
-        """What is being loaded under that name is not wanted any more."""
+        """Drop the pending load of that name."""
         if self._loading.pop(name, None) is not None:
             self._loader.drop(name)
 
     def refuse(self, name: str, problem: str) -> None:
-        """Tell that an object could not be put, or "" for none in particular."""
+        """Record that an object could not be put; "" for an error of no object in particular."""
         self.refused.pop(name, None)
         self.refused[name] = shorten(problem)
         while len(self.refused) > MAX_REFUSALS:
@@ -191,7 +193,7 @@ class SceneReplica:
             self._load(change, lambda: background_loader.load_object(item))
 
     def _enter(self, name: str, item: Object, default: bool) -> None:
-        """An object that is ready. It is nobody else's: it is changed in place."""
+        """Add an object that is ready. The replica owns it, so it is changed in place."""
         force_setattr(item, "name", name)
         if item.motion is not None:
             motion = copy.copy(item.motion)
@@ -219,7 +221,7 @@ class SceneReplica:
     def _take(self, done: background_loader.Loaded) -> None:
         turn, (change, *later) = self._loading.get(done.name, (0, [messages.ResetScene()]))
         if turn != done.turn:
-            return  # something else has come since
+            return  # a newer change has replaced it
         del self._loading[done.name]
         if done.made is None:
             self.refuse(done.name, done.problem)
@@ -257,10 +259,11 @@ class SceneReplica:
             self._change(item, envelope=envelope)
 
     def _change(self, item: Object, **fields: Any) -> None:
-        """Other fields of an object that is there, checked already."""
+        """Set fields of an existing object, without checks."""
         changed = copy.copy(item)
         if isinstance(item, Particles):
-            vars(changed).update(vars(item))  # how far it reaches, which takes long to find
+            # Keep its bounding radius, which takes long to compute.
+            vars(changed).update(vars(item))
         for field, value in fields.items():
             force_setattr(changed, field, value)
         self._new[item.name] = self._items[item.name] = changed

@@ -1,4 +1,7 @@
-"""Solvers, made and tried out in threads, so that the loop goes on; it takes one over between two ticks."""
+"""The solver switcher: makes and tries out solvers in threads while the loop runs.
+
+A new one takes over between two ticks.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +25,16 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.wire.control import Choice
 
-SUPERSEDED = "another one was selected since"
-MAKING = 10.0  # [s] after which one that is not made yet gives way to another: its client waits no longer
-MAX_HANGING = 4  # threads in solvers that gave way: only the process's end takes them away
+SUPERSEDED = "replaced by a newer selection"
+# Time after which a solver that is not made yet gives way to a newer selection [s]; its client no
+# longer waits.
+MAKING = 10.0
+# Number of threads that may hang in abandoned solvers; only the end of the process ends them.
+MAX_HANGING = 4
 
 
 class MadeSolver(NamedTuple):
-    """What has come of an order: a solver that has solved, or why there is none."""
+    """The result of an order: a solver that passed a trial solve, or the reason why there is none."""
 
     order: int
     solver: Solver | None
@@ -36,12 +42,12 @@ class MadeSolver(NamedTuple):
 
 
 class SolverSwitcher:
-    """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
+    """Chooses the solver: the newest selected. It makes one at a time, and keeps only the newest that waits.
 
-    chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread, clock: for
-    tests.
+    chosen: the first solver. array, medium: to try out new ones. configured: with the owner's options. thread, clock:
+    for tests.
 
-    A solver that takes longer than `MAKING` gives way to the next one: it may hang.
+    A solver that takes longer than `MAKING` gives way to the next one, because it may hang.
     """
 
     def __init__(
@@ -59,21 +65,21 @@ class SolverSwitcher:
         self._thread = thread or functools.partial(start_background_thread, name="solver")
         self._made: queue.SimpleQueue[MadeSolver] = queue.SimpleQueue()
         self._clock = clock
-        self._making = 0  # the order of the solver that is being made; 0 if none is
-        self._since = 0.0  # [s], when that began
-        self._hanging = 0  # gave way, and have not come back
-        self._next: tuple[int, Choice] | None = None  # once none is being made
+        self._making = 0  # order number of the solver being made; 0 if none
+        self._since = 0.0  # when making it began [s]
+        self._hanging = 0  # number of abandoned solvers whose threads have not returned
+        self._next: tuple[int, Choice] | None = None  # to make next, once none is being made
         self._results: dict[str, str] = {}
 
     def order(self, number: int, choice: Choice) -> None:
-        """Begin to make a solver; the newest order wins."""
+        """Order a solver; the newest order wins."""
         if self._next is not None:
             self._results[f"solver {self._next[0]}"] = SUPERSEDED
         self._next = number, choice
         self._begin()
 
     def _begin(self) -> None:
-        """Begin with what is next, unless one is being made."""
+        """Start to make the next solver, unless one is being made."""
         if self._making or self._next is None:
             return
         (number, choice), self._next = self._next, None
@@ -85,10 +91,11 @@ class SolverSwitcher:
         self._making, self._since = number, self._clock()
 
         def work() -> None:
+            # Catch whatever a plug-in raises, because an exception must not end the thread.
             try:
                 solver = make_solver(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
-            except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
+            except BaseException as error:
                 self._made.put(MadeSolver(number, None, f"{choice.name}: {describe_error(error)}"))
             else:
                 self._made.put(MadeSolver(number, solver))
@@ -96,7 +103,7 @@ class SolverSwitcher:
         self._thread(work)
 
     def poll(self) -> dict[str, str]:
-        """Take what has been made; return what became of orders."""
+        """Take the solvers that were made; return the results of orders."""
         while not self._made.empty():
             order, solver, problem = self._made.get()
             if order != self._making:
@@ -112,7 +119,7 @@ class SolverSwitcher:
         return results
 
     def _end(self, problem: str) -> None:
-        """No more is made of an order; begin with the next."""
+        """Record the result of the current order; start the next."""
         self._results[f"solver {self._making}"], self._making = problem, 0
         self._begin()
 

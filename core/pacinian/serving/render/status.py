@@ -1,4 +1,4 @@
-"""What the renderer tells: what is emitted, and how the loop is."""
+"""The renderer's part of the published state: the emitted pressures and the condition of the loop."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Complexes, Floats
 
-LOOKS = 20  # that what is felt is the mean of: a second or so
+# Number of measurements averaged for `felt`, which take about a second.
+LOOKS = 20
 UNKNOWN = (math.nan,) * 4
-FAULTS = 5  # that are told
-EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # [s] between the bins of `State.tick_counts`
+FAULTS = 5  # number of faults reported
+EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # edges between the bins of `State.tick_counts` [s]
 
 
 def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
-    """Fields of `pacinian.wire.state.State` at time t [s] of the scene."""
+    """Return fields of `pacinian.wire.state.State` at time t [s] of the scene."""
     report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
     hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
     return {
@@ -47,7 +48,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
 
 
 def _emitted(renderer: Renderer) -> dict[str, Any]:
-    """Samples, and what presses on them, at full envelope."""
+    """Return the samples and the pressures on them, at full envelope."""
     player, session = renderer.player, renderer.session
     if renderer.halted is not None or not player.solved:
         return {}
@@ -59,7 +60,7 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
     if player.cycle.count > 1:
         samples, targets = player.cycle.samples, player.cycle.targets
         p = renderer.hear(samples.positions, player.cycle.facing)
-    elif solved is player.placed:  # or else it is a step of a modulation, as it was solved
+    elif solved is player.placed:  # otherwise a step of a modulation; report it as solved
         p = session.propagator.apply(renderer.emitted)
     error, shown = targets.relative_error(p), samples.regions != BESIDE
     samples, p = samples.only(shown), p[shown]
@@ -78,7 +79,7 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
 
 
 def _zones(renderer: Renderer) -> dict[str, Any]:
-    """What is to be said where quiet zones are louder than they may be: by what the device makes of the gains."""
+    """Return a status if rounding by the device makes quiet zones louder than their limit."""
     nulls = renderer.session.propagator.nulls
     if nulls is None or (heard := nulls.heard(renderer.emitted)) <= 1.0:
         return {}
@@ -89,27 +90,27 @@ def _zones(renderer: Renderer) -> dict[str, Any]:
 
 
 def _felt(renderer: Renderer, items: list[Object]) -> bytes:
-    """Force, rms, holes and spill of each object, between its samples."""
+    """Return force, rms, holes and spill of each object, measured between its samples."""
     felt = renderer.report.felt(LOOKS)
     figures = [felt.get(name_of(item), UNKNOWN) for item in items]
     return np.array(figures, dtype="<f4").tobytes()
 
 
 def _joints(hand: Hand, t: float) -> Floats | None:
-    """Where a hand's joints are, carried on by their velocities; None if it is lost."""
+    """Return a hand's joints, extrapolated by their velocities; None if the hand is lost."""
     if hand.lost or hand.time is None:
         return None if hand.lost else hand.joints
     return hand.after(min(max(t - hand.time, 0.0), HOLD)).joints
 
 
 def _counts(ticks: Floats) -> bytes:
-    """How many times in order, (T,) [s], are in each bin."""
+    """Return the number of sorted times (T,) [s] in each bin."""
     below = np.searchsorted(ticks, EDGES)
     return np.diff(below, prepend=0, append=len(ticks)).astype("<u4").tobytes()
 
 
 def _milliseconds(ticks: Floats) -> tuple[float, float, float]:
-    """Median, 99 % and maximum of times in order, (T,) [s]."""
+    """Return median, 99th percentile and maximum [ms] of sorted times (T,) [s]."""
     if not len(ticks):
         return 0.0, 0.0, 0.0
     last = len(ticks) - 1

@@ -1,4 +1,4 @@
-"""Before the render process is ready: what the first ticks need is loaded."""
+"""Warm-up of the render process: loads what the first ticks need."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.types import Floats
 
-ABOVE = 0.15  # [m] in front of the array
-TICKS = 4  # of each scene: the first bring all that the later ones need
-QUIET = 1.0  # [Pa] of sound in a quiet zone
-POWER = 1e-3  # less than points take, so that the solver has to see to it
+ABOVE = 0.15  # height above the array [m]
+TICKS = 4  # ticks of each scene: the first ones load all that later ones need
+QUIET = 1.0  # sound pressure limit in a quiet zone [Pa]
+POWER = 1e-3  # less than the points need, so that the solver must enforce it
 PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
 
 def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, rate: float) -> None:
-    """Render a few scenes of all kinds, with and without quiet zones and a limit of power, for nobody."""
+    """Render a few scenes of all kinds without a device, with and without quiet zones and a power limit."""
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
     x, y, z = (place + 0.1).tolist()

@@ -1,4 +1,4 @@
-"""What goes wrong at a client's end, or on the way to it. Each function does one to a stage, once."""
+"""Faults of a client, or of its connection. Each function injects one fault into a stage, once."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 FREEZE = 0.6  # [s]
 HOUR = 3600.0  # [s]
-READERS, READ = 20, 3.0  # who never read; for so long [s]
+READERS, READ = 20, 3.0  # subscribers that never read; length of the test [s]
 MOST_TOPICS = 20_000
 
 
 def killed(stage: Stage) -> Times:
-    """kill -9 of the game; another is started."""
+    """Kill the game with kill -9, then start another."""
     return Times(stage.broken(stage.end), stage.healed(stage.play))
 
 
 def stopped(stage: Stage) -> Times:
-    """SIGSTOP of the game, its sockets stay open; SIGCONT."""
+    """Stop the game with SIGSTOP, so that its sockets stay open, then continue it with SIGCONT."""
     stage.sounding()
     game = stage.game
     if game is None:
@@ -40,13 +40,13 @@ def stopped(stage: Stage) -> Times:
 
 
 def frozen(stage: Stage) -> Times:
-    """The game's thread freezes, its sockets are alive; it thaws."""
+    """Freeze the game's thread while its sockets stay alive, then let it go on."""
     silence = stage.broken(lambda: stage.tell("freeze", seconds=FREEZE))
     return Times(silence, stage.healed(after=FREEZE))
 
 
 def half_open(stage: Stage) -> Times:
-    """The wire is cut and no end is told; the game comes anew, by another."""
+    """Cut the connection without closing either end. A new game then connects directly."""
     stage.end()
     with Proxy(address(stage, "control")) as control, Proxy(address(stage, "command")) as command:
         stage.play(control=control.address, command=command.address)
@@ -61,24 +61,26 @@ def half_open(stage: Stage) -> Times:
 
 
 def address(stage: Stage, name: str) -> str:
-    """Of one of the server's sockets."""
+    """Return the address of one of the server's sockets."""
     with Peer(stage.server.file) as peer:
         return str(peer.file[name])
 
 
 def jumped(stage: Stage) -> Times:
-    """The game's clock goes on by an hour, then back by two; it should sound on."""
+    """Set the game's clock forward by an hour, then back by two. The output should continue."""
     gaps = [
         stage.gap(partial(stage.tell, "jump", seconds=ahead), 0.5)
         for ahead in (HOUR, -2.0 * HOUR, HOUR)
     ]
     silence = stage.broken(lambda: stage.tell("freeze", seconds=FREEZE))
     recovery = stage.healed(after=FREEZE)
-    return Times(silence, recovery, max(gaps), note="then frozen: the lease is no longer than ever")
+    return Times(
+        silence, recovery, max(gaps), note="then frozen: the lease is no longer than before"
+    )
 
 
 def slow(stage: Stage) -> Times:
-    """Clients that subscribe to the state and never read it: memory."""
+    """Subscribe to the state and never read it; check the memory."""
     context = zmq.Context()
     file = stage.onlooker.file
     process = psutil.Process(stage.server.process.pid)
@@ -96,11 +98,11 @@ def slow(stage: Stage) -> Times:
         for socket in sockets:
             socket.close()
         context.term()
-    return Times(gap=gap, note=f"{READERS} of them for {READ:g} s: {grown / 1e6:+.1f} MB")
+    return Times(gap=gap, note=f"{READERS} subscribers for {READ:g} s: {grown / 1e6:+.1f} MB")
 
 
 def greedy(stage: Stage) -> Times:
-    """A client that subscribes to thousands of topics: memory."""
+    """Subscribe to thousands of topics; check the memory."""
     context = zmq.Context()
     file = stage.onlooker.file
     process = psutil.Process(stage.server.process.pid)
@@ -121,20 +123,20 @@ def greedy(stage: Stage) -> Times:
 
 
 def emergency(stage: Stage) -> Times:
-    """An emergency stop from another client; then a reset."""
+    """Stop the output from another client, then reset it."""
     onlooker = stage.onlooker
     silence = stage.broken(lambda: onlooker.say("stop"))
-    time.sleep(0.2)  # the game arms again and again meanwhile, and must not be heard
+    time.sleep(0.2)  # the game keeps arming meanwhile, and must not sound
     events = stage.events()
     heard = bool(events["sounds"][events["time"] > stage.at + silence].any())
     recovery = stage.healed(lambda: onlooker.ask("reset"))
-    return Times(silence, recovery, note="was heard before the reset" if heard else "")
+    return Times(silence, recovery, note="sounded before the reset" if heard else "")
 
 
 def restarted(stage: Stage) -> Times:
-    """kill -9 of the server under a running client, and a new one in its place.
+    """Kill the server with kill -9 under a running client, and start a new one in its place.
 
-    What the client sends meanwhile must not arrive, nor its session and token be good for anything.
+    Messages that the client sends in between must not arrive, and its old session and token must not be valid.
     """
     stage.sounding()
     with Peer(stage.server.file) as old:
@@ -157,7 +159,9 @@ def restarted(stage: Stage) -> Times:
             answered = old.answer(old.id, 0.5)["type"] == "renewed"
         except Silent:
             answered = False
-    wrong = ["the old session lives"] * answered + ["a stale client"] * ("left behind" in names)
+    wrong = ["the old session is still valid"] * answered + ["a stale client"] * (
+        "left behind" in names
+    )
     wrong += ["stale objects"] * ("stale" in status["objects"])
     note = "; ".join(wrong) or f"nothing stale; the new one was ready after {ready - since:.1f} s"
     return Times(silence, recovery, note=note)

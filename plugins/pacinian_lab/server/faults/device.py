@@ -1,4 +1,4 @@
-"""A device that remembers all it was told, in a file that outlives its process, and can be unplugged."""
+"""A device that logs everything it receives, in a file that outlives its process. It can be unplugged."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-FOLDER = "PACINIAN_FAULTS"  # environment: where the devices keep their files
-UNPLUGGED = "unplugged"  # as long as there is such a file, all devices are gone
-BLOCKED = "blocked"  # where there is such a file, a device removes it, and does not return from its next frame
-BLOCK = 8.0  # [s] for so long
+FOLDER = "PACINIAN_FAULTS"  # environment variable: folder of the devices' files
+UNPLUGGED = "unplugged"  # while this file exists, all devices are unplugged
+BLOCKED = "blocked"  # if this file exists, a device removes it and blocks in its next frame
+BLOCK = 8.0  # [s] length of the block
 EVENT = np.dtype([("time", "<f8"), ("sounds", "<i8")])
-ROOM = 1 << 20  # events, of which the newest stay
-HEAD = 8  # [bytes]: how many there were
+ROOM = 1 << 20  # capacity in events; the newest are kept
+HEAD = 8  # [bytes] number of events
 
 
 class Log:
-    """When a device sounded: each frame that sounds, and each end of sound. A context manager."""
+    """Log of when a device sounded: each frame that sounds, and each end of sound. A context manager."""
 
     def __init__(self, path: Path) -> None:
         with path.open("a+b") as file:
@@ -40,18 +40,18 @@ class Log:
 
     @property
     def count(self) -> int:
-        """Of events so far."""
+        """Number of events so far."""
         return int(_COUNT.unpack_from(self._map)[0])
 
     def write(self, sounds: bool, at: float | None = None) -> None:
-        """One event, now, or at a time [s]."""
+        """Log one event, now or at a time [s]."""
         count = self.count
         place = HEAD + count % ROOM * EVENT.itemsize
         _EVENT.pack_into(self._map, place, time.perf_counter() if at is None else at, sounds)
         _COUNT.pack_into(self._map, 0, count + 1)
 
     def read(self, after: int = 0) -> NDArray[np.void]:
-        """Events from number `after` on, at most the newest: fields `time` [s], `sounds`."""
+        """Return the events from number `after` on, as far as they are kept: fields `time` [s], `sounds`."""
         count = self.count
         first = max(after, count - ROOM + 1, 0)
         ring = np.frombuffer(self._map[HEAD:], EVENT) if count - first > ROOM // 8 else None
@@ -61,7 +61,7 @@ class Log:
         return np.frombuffer(b"".join(parts), EVENT)
 
     def close(self) -> None:
-        """Unmap it."""
+        """Unmap the file."""
         self._map.close()
 
     def __enter__(self) -> Log:
@@ -84,7 +84,7 @@ _COUNT, _EVENT = struct.Struct("<q"), struct.Struct("<dq")
 
 
 class Probe(pc.Backend):
-    """A device without a watchdog of its own: it sounds on until it is told otherwise, or opened again."""
+    """A device without a watchdog: it sounds until it is told otherwise, or opened again."""
 
     name: ClassVar[str] = "probe"
 
@@ -95,18 +95,18 @@ class Probe(pc.Backend):
 
     @property
     def capability(self) -> pc.Capability:
-        """256 levels of each, 1 kHz."""
+        """256 levels of amplitude and phase, 1 kHz."""
         return pc.Capability()
 
     def open(self, array: pc.Array) -> None:
-        """Silent from now on. Raises BackendError while unplugged."""
+        """Open the device, silent. Raises BackendError while unplugged."""
         self._require()
         self._log = Log(self._folder / self.name)
         self._sounds = True
         self.silence()
 
     def send(self, frame: pc.Frame) -> None:
-        """Sound, or not; or block. Raises BackendError while unplugged."""
+        """Sound or fall silent, as the frame says, or block. Raises BackendError while unplugged."""
         self._require()
         if os.path.exists(self._folder / BLOCKED):
             os.unlink(self._folder / BLOCKED)
@@ -118,13 +118,13 @@ class Probe(pc.Backend):
             self._sounds = True
 
     def silence(self) -> None:
-        """No sound."""
+        """End the sound."""
         if self._sounds and self._log is not None:
             self._log.write(False)
             self._sounds = False
 
     def close(self) -> None:
-        """No sound, for good."""
+        """End the sound and close the log."""
         self.silence()
         if self._log is not None:
             self._log.close()
@@ -132,17 +132,17 @@ class Probe(pc.Backend):
 
     def _require(self) -> None:
         if os.path.exists(self._folder / UNPLUGGED):
-            self.silence()  # without its drive it is silent
+            self.silence()  # without its power the device is silent
             raise pc.BackendError("unplugged")
 
 
 class Other(Probe):
-    """Another such device, to change to."""
+    """A second such device, for swaps."""
 
     name: ClassVar[str] = "probe-other"
 
 
 @pc.hookimpl
 def register_backends() -> Iterable[type[pc.Backend]]:
-    """Both."""
+    """Return both devices."""
     return [Probe, Other]

@@ -1,8 +1,8 @@
-"""A game in a process of its own: `python -m pacinian_lab.server.faults.game FILE [control=tcp://...]`.
+"""A game in a separate process: `python -m pacinian_lab.server.faults.game FILE [control=tcp://...]`.
 
-It puts an object, arms, renews and moves it at 90 Hz, and arms again when it has lost the output, until its
-standard input ends. A line there is a request for the control socket, as JSON; `freeze` and `jump`, with
-`seconds`, are done to its thread and to its clock. Answers come as JSON lines.
+The game puts an object and arms the output. It renews and moves at 90 Hz, and arms again when it has lost the output,
+until its standard input ends. Each input line is a request for the control socket, as JSON, except that `freeze` and
+`jump`, with `seconds`, act on the game's thread and clock. Answers are JSON lines.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from pacinian_lab.server.faults.raw_client import Message, Peer, Silent
 
 RATE = 90.0  # [Hz]
 AGAIN = 0.05  # [s] between attempts to arm
-LOST = 0.5  # [s] without an answer: connect anew
-RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s] of where the point goes
+LOST = 0.5  # [s] without an answer until the game reconnects
+RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s] circle of the point
 POINT: Message = {"type": "point", "position": [0.0, 0.0, HEIGHT], "radiation_pressure": 20.0}
 
 
 class Game:
-    """One that plays on. file: the server's connection file. hide: as in `Peer`."""
+    """The game. file: the server's connection file. hide: as in `Peer`."""
 
     def __init__(self, file: Path, **hide: str) -> None:
         self.file, self.hide = file, hide
-        self._ahead = 0.0  # [s] its clock
+        self._ahead = 0.0  # [s] offset of its clock
         self._peer: Peer | None = None
         self._heard = self._tried = 0.0
 
     def clock(self) -> float:
-        """Its own [s]."""
+        """Return the game's time [s]."""
         return time.perf_counter() + self._ahead
 
     def do(self, kind: str, seconds: float = 0.0, **fields: object) -> None:
-        """What it is told."""
+        """Perform an order."""
         if kind == "freeze":
             time.sleep(seconds)
         elif kind == "jump":
@@ -49,7 +49,7 @@ class Game:
             self._peer.say(kind, **fields)
 
     def tick(self) -> list[Message]:
-        """One of the game's; what was answered."""
+        """Play one tick, and return the answers received."""
         now = time.perf_counter()
         try:
             if self._peer is None or now - self._heard > LOST:
@@ -60,7 +60,7 @@ class Game:
             poses = pack([[x, y, HEIGHT, 0.0, 0.0, 0.0, 1.0]])
             self._peer.tell("move", names=["thing"], poses=poses)
             return self._listen(self._peer, now)
-        except (Silent, PacinianError):  # no server
+        except (Silent, PacinianError):  # the server is gone
             self._heard = 0.0
             return []
 
@@ -86,7 +86,7 @@ class Game:
         return [reply for reply in told if reply["type"] in ("ok", "error")]
 
     def close(self) -> None:
-        """Away."""
+        """Close the connection."""
         if self._peer is not None:
             self._peer.close()
             self._peer = None

@@ -1,4 +1,4 @@
-"""Installed backends behind the log of what they make sound: to swap between them."""
+"""Installed backends with a log of when they sound, for swaps between them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Through(Probe):
-    """A backend as it is, whose frames sound as soon as it has taken them."""
+    """An installed backend. Its frames count as sounding as soon as it has taken them."""
 
     backend: ClassVar[str]
     options: ClassVar[dict[str, Any]] = {}
@@ -23,22 +23,22 @@ class Through(Probe):
     def __init__(self) -> None:
         super().__init__()
         self.inner: Any = registry.backend(self.backend, **self.options)
-        self._begins = math.inf  # [s] from when on what was sent sounds
+        self._begins = math.inf  # [s] time from which sent frames sound
 
     @property
     def capability(self) -> pc.Capability:
-        """Its own."""
+        """The capability of the backend."""
         can: pc.Capability = self.inner.capability
         return can
 
     def open(self, array: pc.Array) -> None:
-        """Silent from now on. Raises what it raises; BackendError while unplugged."""
+        """Open the backend, silent. Raises its errors; BackendError while unplugged."""
         self._require()
         self.inner.open(array)
         super().open(array)
 
     def send(self, frame: pc.Frame) -> None:
-        """Sound, or not. Raises what it raises; BackendError while unplugged."""
+        """Send a frame, or silence. Raises the backend's errors; BackendError while unplugged."""
         self._require()
         if not frame.amplitude.any():
             self.silence()
@@ -53,17 +53,17 @@ class Through(Probe):
             self._sounds = True
 
     def wait(self, frame: pc.Frame) -> float:
-        """How long until a frame sounds that was sent now, in silence [s], at most."""
+        """Return the longest time until a frame that is sent now, during silence, sounds [s]."""
         return 0.0
 
     def silence(self) -> None:
-        """No sound."""
+        """End the sound."""
         self.inner.silence()
         self._begins = math.inf
         super().silence()
 
     def close(self) -> None:
-        """No sound, for good."""
+        """End the sound and close the backend."""
         super().close()
         self.inner.close()
 
@@ -76,14 +76,14 @@ class Simulated(Through):
 
 
 class Models(Through):
-    """Models of `usb-autd` devices, in which frames wait for a while, as they say themselves."""
+    """Models of `usb-autd` devices. Frames wait in their buffers, as the models report."""
 
     name: ClassVar[str] = "probe-usb-autd"
     backend: ClassVar[str] = "usb-autd"
     options: ClassVar[dict[str, Any]] = {"pretend": True}
 
     def wait(self, frame: pc.Frame) -> float:
-        """Until the rows before it have been played."""
+        """Return the time until the rows before the frame have been played."""
         if math.isfinite(self._begins):
             return math.inf
         rows = max(board.status().waiting for board in self.inner.boards) - len(frame.phase)
@@ -92,5 +92,5 @@ class Models(Through):
 
 @pc.hookimpl
 def register_backends() -> Iterable[type[pc.Backend]]:
-    """Both."""
+    """Return both backends."""
     return [Simulated, Models]

@@ -1,4 +1,4 @@
-"""The device and the solver as an installed distribution: a folder for PYTHONPATH."""
+"""The devices and the solver as an installed distribution, in a folder for PYTHONPATH."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ stuck = pacinian_lab.server.faults.solvers
 
 
 def install(folder: Path) -> dict[str, str]:
-    """Write it into `folder`; return the environment of processes that are to see it."""
+    """Write the distribution into `folder`. Returns the environment for processes that use it."""
     made = folder / "pacinian_faults-1.dist-info"
     made.mkdir()
     made.joinpath("METADATA").write_text(

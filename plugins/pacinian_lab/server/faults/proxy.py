@@ -1,4 +1,4 @@
-"""A wire that can be cut: both ends stay open, and nothing passes any more."""
+"""A connection that can be cut: both ends stay open, but no more bytes pass."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CHUNK = 1 << 16  # [bytes]
 
 
 class Proxy:
-    """Passes bytes on to a `tcp://host:port`; a context manager. address: where it listens."""
+    """Forwards bytes to a `tcp://host:port`; a context manager. address: where the proxy listens."""
 
     def __init__(self, to: str) -> None:
         host, port = to.removeprefix("tcp://").rsplit(":", 1)
@@ -26,7 +26,7 @@ class Proxy:
         threading.Thread(target=self._accept, daemon=True).start()
 
     def cut(self) -> None:
-        """From now on nothing passes."""
+        """Stop forwarding."""
         self._cut.set()
 
     def _accept(self) -> None:
@@ -48,7 +48,7 @@ class Proxy:
                 sink.shutdown(socket.SHUT_WR)
 
     def close(self) -> None:
-        """Close all."""
+        """Close all sockets."""
         for each in (self._listener, *self._open):
             with contextlib.suppress(OSError):
                 each.shutdown(socket.SHUT_RDWR)

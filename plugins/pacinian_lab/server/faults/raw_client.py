@@ -1,4 +1,4 @@
-"""A client without manners: raw messages as maps, over the sockets that any client has."""
+"""A client that may misbehave: it sends raw messages, as maps, over the usual sockets."""
 
 from __future__ import annotations
 
@@ -24,14 +24,15 @@ HEARTBEAT = 50  # [ms]
 
 
 class Silent(TimeoutError):
-    """No answer in time."""
+    """No answer arrived in time."""
 
 
 class Peer:
-    """Connected to the server of a connection file; a context manager.
+    """A client connected to the server of a connection file; a context manager.
 
-    hide: takes the place of parts of the file, as another token or address. clock: its own [s]. beats: whether its
-    link to control ends, as a game's, where it is not heard for a moment. Raises ServerError where there is no server.
+    hide: replaces fields of the file, such as the token or an address. clock: the client's clock [s]. beats: use
+    heartbeats on the control socket, as a game does, so that a lost connection ends. Raises ServerError if there is
+    no server.
     """
 
     def __init__(
@@ -50,9 +51,9 @@ class Peer:
         self.session = b""
         self.sequence = self.id = 0
         self.told: list[Message] = []
-        """What the server said unasked."""
+        """Messages from the server, also unsolicited ones."""
         self.codes: Counter[str] = Counter()
-        """Of all errors received."""
+        """Counts of all errors received, by code."""
 
     def _dealer(self, name: str, beats: bool) -> zmq.Socket[bytes]:
         made = self.context.socket(zmq.DEALER)
@@ -61,26 +62,26 @@ class Peer:
         return made
 
     def hello(self, wait: float = 5.0, **more: Any) -> Message:
-        """Say hello; the answer is `welcome`, or `error`."""
+        """Say hello and return the answer, `welcome` or `error`."""
         fields = {"protocol": [MAJOR, MINOR], "client": "peer", **more}
         reply = self.ask("hello", wait, **fields)
         self.session = reply.get("session", b"")
         return reply
 
     def ask(self, kind: str, wait: float = 2.0, **fields: Any) -> Message:
-        """Ask the control socket, return its answer. Raises Silent."""
+        """Send a request to the control socket and return its answer. Raises Silent."""
         self.say(kind, **fields)
         return self.answer(self.id, wait)
 
     def say(self, kind: str, **fields: Any) -> None:
-        """Tell the control socket."""
+        """Send a request to the control socket."""
         self.id += 1
         if kind not in ("hello", "stop"):
             fields.setdefault("session", self.session)
         send(self.control, {"type": kind, "id": self.id, **fields})
 
     def renew(self) -> None:
-        """The game is alive."""
+        """Renew the lease."""
         self.sequence += 1
         self.say("renew", sequence=self.sequence, time=self.clock())
 
@@ -94,7 +95,7 @@ class Peer:
         return None if wait is None else self.answer(number, wait, self.command)
 
     def answer(self, number: int, wait: float, socket: zmq.Socket[bytes] | None = None) -> Message:
-        """The answer of that number within `wait` [s]; others are kept in `told`. Raises Silent."""
+        """Return the answer with this number, waiting up to `wait` [s]. Keeps all messages in `told`. Raises Silent."""
         socket = socket or self.control
         end = time.perf_counter() + wait
         while (left := end - time.perf_counter()) > 0.0:
@@ -106,7 +107,7 @@ class Peer:
         raise Silent(f"no answer within {wait:g} s")
 
     def drain(self) -> list[Message]:
-        """What has come since, from both sockets."""
+        """Return the messages that have arrived on both sockets."""
         self.told.clear()
         for socket in (self.control, self.command):
             while socket.poll(0):
@@ -122,7 +123,7 @@ class Peer:
         return reply
 
     def close(self) -> None:
-        """Away, without a word."""
+        """Close the sockets without saying bye."""
         self.control.close()
         self.command.close()
         self.context.term()
@@ -140,12 +141,12 @@ class Peer:
 
 
 def prepare(socket: zmq.Socket[bytes], file: dict[str, Any], *, beats: bool = True) -> None:
-    """Options of a client's socket, with the credentials of a connection file."""
+    """Set the options and credentials of a client's socket."""
     socket.linger, socket.immediate = 0, True
     if beats:
         socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT, 2 * HEARTBEAT
         socket.heartbeat_ttl = 4 * HEARTBEAT
-        socket.rcvhwm = 0  # no limit: libzmq 4.3 ends the process if a heartbeat is due at one
+        socket.rcvhwm = 0  # unlimited: at a limit, libzmq 4.3 aborts if a heartbeat is due
     if file["server_key"]:
         socket.curve_serverkey = file["server_key"].encode()
         socket.curve_publickey = file["public_key"].encode()
@@ -155,7 +156,7 @@ def prepare(socket: zmq.Socket[bytes], file: dict[str, Any], *, beats: bool = Tr
 
 
 def send(socket: zmq.Socket[bytes], message: Message) -> None:
-    """Send if it can be sent at once within 5 s. Raises Silent."""
+    """Send a message, waiting up to 5 s for room. Raises Silent."""
     if not socket.poll(5000, zmq.POLLOUT):
         raise Silent("the server is not there")
     socket.send(msgspec.msgpack.encode(message))

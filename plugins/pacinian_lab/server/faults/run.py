@@ -1,4 +1,4 @@
-"""All faults, each several times: the worst times, and beside them what the server states."""
+"""Run all faults, each several times: the worst times, next to the documented bounds."""
 
 from __future__ import annotations
 
@@ -25,20 +25,21 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator
 
 STATED = Safety()
-SWAP = "no gap longer by more than a tick than undisturbed"
-LED = "the same, and the lead that frames wait for in a device"
-TICK, ROUND = 1e-3, 2 * guard_process.ROUND  # [s]; of the guard: its pause, and what a round takes
-LEAD = 2.5e-3  # [s] of `usb-autd`, and what is left of the row then
+SWAP = "gap at most a tick longer than undisturbed"
+LED = "the same, plus the time that frames wait in the device"
+TICK, ROUND = 1e-3, 2 * guard_process.ROUND  # [s]; a guard's round is its pause plus its work
+LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
 LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
-OPENED = 0.1  # [s]: the guard's end is seen, and the spare opens the device
-# [s]: in steps of 20 ms it is seen to hang
+OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
+# [s]; a hang is detected in steps of 20 ms
 HUNG = STATED.hung / child_process.HASTE + 0.05 + OPENED
 
 
 class Fault(NamedTuple):
-    """One of the table.
+    """A fault to inject.
 
-    bound: on silence [s]; where it should sound on, on how much longer `gap` is than undisturbed; nan: none is stated.
+    bound: on the silence [s]. For a fault during which the output should continue, on the increase of `gap` over the
+    undisturbed gap. nan if no bound is documented.
     """
 
     name: str
@@ -48,25 +49,32 @@ class Fault(NamedTuple):
 
 
 FAULTS = (
-    Fault("client killed -9", clients.killed, LEASE, "link, or lease"),
+    Fault("client killed -9", clients.killed, LEASE, "end of the link, or lease"),
     Fault("client stopped (SIGSTOP)", clients.stopped, LEASE, "lease"),
     Fault("game thread frozen", clients.frozen, LEASE, "lease"),
-    Fault("half open: nothing is passed on", clients.half_open, LEASE, "lease"),
+    Fault(
+        "half-open connection: a relay that passes nothing on", clients.half_open, LEASE, "lease"
+    ),
     Fault("client's clock jumps by 1 h", clients.jumped, LEASE, "lease"),
-    Fault("state is never read", clients.slow, math.nan, "memory bounded"),
-    Fault("thousands of topics", clients.greedy, math.nan, "memory bounded"),
-    Fault("emergency stop by another", clients.emergency, TICK, "the way, and two rounds"),
+    Fault("subscribers that never read the state", clients.slow, math.nan, "memory bounded"),
+    Fault("subscriber to thousands of topics", clients.greedy, math.nan, "memory bounded"),
+    Fault("emergency stop by another client", clients.emergency, TICK, "delivery and two rounds"),
     Fault("solver never returns", parts.solver_hangs, STALE, "stale"),
     Fault("solver holds the interpreter", parts.solver_holds, STALE, "stale"),
     Fault("renderer killed -9", parts.render_killed, STALE, "stale"),
     Fault("renderer stopped", parts.render_stopped, STALE, "stale"),
-    Fault("bus killed -9", parts.bus_killed, math.nan, "as soon as it is seen"),
-    Fault("guard killed -9", parts.guard_killed, OPENED, "device's watchdog, or the spare"),
-    Fault("guard stopped", parts.guard_stopped, HUNG, "an eighth of hung, and as before"),
+    Fault("bus killed -9", parts.bus_killed, math.nan, "until its end is detected"),
+    Fault("guard killed -9", parts.guard_killed, OPENED, "device's watchdog, or the spare guard"),
+    Fault("guard stopped", parts.guard_stopped, HUNG, "an eighth of `hung`, then the spare guard"),
     Fault("device blocks in a frame", parts.guard_blocked, HUNG, "the same"),
     Fault("control killed -9", parts.control_killed, LEASE, "lease"),
     Fault("control stopped", parts.control_stopped, LEASE, "lease"),
-    Fault("all stand still, and go on", parts.all_stopped, ROUND, "a round, from then"),
+    Fault(
+        "all processes suspended and resumed",
+        parts.all_stopped,
+        ROUND,
+        "a round, after they resume",
+    ),
     Fault("server killed and restarted", clients.restarted, LEASE, "lease"),
     Fault("device unplugged", parts.unplugged, TICK + ROUND, "the next frame"),
     Fault("... while swapping solvers", parts.unplugged_swapping, TICK + ROUND, "the next frame"),
@@ -75,14 +83,14 @@ FAULTS = (
     Fault("devices swapped", parts.devices_swapped, TICK, SWAP),
     Fault("simulated to USB models", parts.to_models, LEAD + TICK, LED),
     Fault("USB models to simulated", parts.from_models, TICK, SWAP),
-    Fault("a hanging solver is warmed", parts.solver_hangs_warming, TICK, SWAP),
+    Fault("solver hangs while it warms up", parts.solver_hangs_warming, TICK, SWAP),
     Fault("SIGTERM of the server", parts.terminated, math.nan, "silent first, exit code 0"),
 )
 
 
 @dataclass
 class Row:
-    """All times of one fault. failed: what went otherwise than it should."""
+    """All times of one fault. failed: what did not go as it should."""
 
     fault: str
     bound: float
@@ -91,11 +99,11 @@ class Row:
     failed: list[str] = field(default_factory=list)
 
     def worst(self, name: str) -> float:
-        """Of one of `Times` [s]; nan where there is none."""
+        """Return the worst of a field of `Times` [s], or nan if there is none."""
         return max(self._all(name), default=math.nan)
 
     def median(self, name: str) -> float:
-        """The same in the middle [s]."""
+        """Return the median of a field of `Times` [s], or nan if there is none."""
         values = self._all(name)
         return statistics.median(values) if values else math.nan
 
@@ -105,12 +113,15 @@ class Row:
 
     @property
     def notes(self) -> list[str]:
-        """Each once."""
+        """All notes, without duplicates."""
         return list(dict.fromkeys([*self.failed, *(t.note for t in self.times if t.note)]))
 
 
 def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5, busy: int = 0) -> Iterator[Row]:
-    """Each fault so many times, on a server that goes on where it can. busy: so many processes run beside it."""
+    """Yield a row for each fault, repeated `repeats` times. Replaces a server that a fault has broken.
+
+    busy: number of processes that load the CPU meanwhile.
+    """
     with _busy(busy), tempfile.TemporaryDirectory(prefix="pacinian-faults-") as folder:
         made = iter(range(1 << 30))
         server: Server | None = None
@@ -131,7 +142,7 @@ def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5, busy: int = 0) -
 
 @contextlib.contextmanager
 def _busy(count: int) -> Generator[None]:
-    """Processes that never wait, each in a session of its own, by which Linux shares time out."""
+    """Run busy-looping processes, each in its own session, because Linux shares CPU time among sessions."""
     command = [sys.executable, "-c", "while True: pass"]
     processes = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
     try:
@@ -154,7 +165,7 @@ def _start(folder: Path) -> Server:
 
 
 def _once(server: Server, fault: Fault, row: Row) -> bool:
-    """Whether the server is well after it."""
+    """Inject the fault once. Returns whether the server works afterwards."""
     try:
         with Stage(server) as stage:
             row.times.append(fault.do(stage))

@@ -1,4 +1,4 @@
-"""A server to be broken: real processes, with the device that remembers."""
+"""A server to inject faults into: real processes, and the device that logs."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ DEVICES = Probe, Other, Simulated, Models
 
 
 class Server:
-    """`pacinian serve` in a folder of its own; a context manager, which leaves nothing running.
+    """`pacinian serve` in its own folder; a context manager that leaves no process running.
 
-    more: TOML that is added to its configuration.
+    more: TOML to append to its configuration.
     """
 
     def __init__(self, folder: Path, more: str = "") -> None:
@@ -57,7 +57,7 @@ class Server:
         self._shared: set[Path] = set()
 
     def start(self) -> None:
-        """Start it, also again after its end, and wait until all its processes run. Raises ServerError."""
+        """Start the server, also after its end, and wait until all its processes run. Raises ServerError."""
         command = [sys.executable, "-m", "pacinian", "serve", str(self._configuration)]
         self.file.unlink(missing_ok=True)
         if self._process is not None:
@@ -76,13 +76,13 @@ class Server:
 
     @property
     def process(self) -> subprocess.Popen[bytes]:
-        """The parent: control."""
+        """The parent process, which is control."""
         if self._process is None:
             raise ServerError("the server has not been started")
         return self._process
 
     def parts(self) -> dict[str, psutil.Process]:
-        """Its children by name; "spare", if there is one, is the guard that waits."""
+        """Return the child processes by name. "spare" is the spare guard, if there is one."""
         found: dict[str, psutil.Process] = {}
         with contextlib.suppress(psutil.Error):
             children = psutil.Process(self.process.pid).children()
@@ -96,16 +96,16 @@ class Server:
         return found
 
     def signal(self, part: str, number: int) -> None:
-        """Send a signal to one of its processes; "control" is the parent."""
+        """Send a signal to one of the processes; "control" is the parent."""
         process = self.process if part == "control" else self.parts()[part]
         process.send_signal(number)
 
     def said(self) -> str:
-        """All that it has written."""
+        """Return the output of the server."""
         return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
 
     def events(self) -> list[dict[str, Any]]:
-        """Its log, as far as it is in JSON."""
+        """Return the entries of its log that are JSON."""
         found: list[dict[str, Any]] = []
         for line in self.said().splitlines():
             with contextlib.suppress(ValueError):
@@ -114,16 +114,16 @@ class Server:
         return found
 
     def terminate(self, wait: float = 10.0) -> int:
-        """SIGTERM; the exit code."""
+        """Send SIGTERM and return the exit code."""
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(wait)
 
     def left(self) -> list[psutil.Process]:
-        """Processes of it that still run."""
+        """Return the server's processes that still run."""
         return [process for process in self._seen if _runs(process)]
 
     def close(self) -> None:
-        """End whatever still runs, and the logs."""
+        """End all processes that still run, and close the logs."""
         if self._process is not None:
             self.parts()
             if self._process.poll() is None:
@@ -136,7 +136,7 @@ class Server:
             with contextlib.suppress(psutil.Error):
                 process.kill()
                 process.wait(5.0)
-        for folder in self._shared:  # one that is killed leaves it
+        for folder in self._shared:  # a killed server leaves them behind
             shutil.rmtree(folder, ignore_errors=True)
         for log in self.logs:
             log.close()
@@ -161,11 +161,11 @@ class Server:
 def _runs(process: psutil.Process) -> bool:
     try:
         return process.is_running() and bool(process.status() != psutil.STATUS_ZOMBIE)
-    except psutil.NoSuchProcess:  # it ended between the two
+    except psutil.NoSuchProcess:  # it ended between the two calls
         return False
 
 
 def memory(pid: int) -> set[Path]:
-    """Folders of shared memory that a process maps."""
+    """Return the folders of shared memory that a process maps."""
     maps = psutil.Process(pid).memory_maps() if os.name == "posix" else []
     return {Path(m.path).parent for m in maps if "/pacinian-" in m.path and m.path[0] == "/"}

@@ -1,4 +1,4 @@
-"""What goes wrong inside the server, or at its device. Each function does one to a stage, once."""
+"""Faults inside the server, or of its device. Each function injects one fault into a stage, once."""
 
 from __future__ import annotations
 
@@ -23,51 +23,51 @@ if TYPE_CHECKING:
 
     from pacinian_lab.server.faults.stage import Stage
 
-WINDOW = 0.5  # [s] that is looked at for gaps, with a swap and without
+WINDOW = 0.5  # [s] observed for gaps, with and without a swap
 STILL = 1.3 * Safety().hung  # [s]
-READY, USED = 0.5, 0.03  # [s] in which a spare that waits uses less than so much of a processor [s]
-SWAPPING = 0.03  # [s] after a selection, in which something is being swapped
+READY, USED = 0.5, 0.03  # [s]: a waiting spare uses less than USED of CPU time in READY
+SWAPPING = 0.03  # [s] after a selection during which the swap is in progress
 
 
 def render_killed(stage: Stage) -> Times:
-    """kill -9 of the renderer."""
+    """Kill the renderer with kill -9."""
     return _signalled(stage, "render", signal.SIGKILL)
 
 
 def render_stopped(stage: Stage) -> Times:
-    """SIGSTOP of the renderer, until it is killed for it."""
+    """Stop the renderer with SIGSTOP, until control kills it for hanging."""
     return _signalled(stage, "render", signal.SIGSTOP)
 
 
 def bus_killed(stage: Stage) -> Times:
-    """kill -9 of the bus: sessions end, the game says hello again."""
+    """Kill the bus with kill -9. Sessions end, and the game says hello again."""
     return _signalled(stage, "bus", signal.SIGKILL)
 
 
 def guard_killed(stage: Stage) -> Times:
-    """kill -9 of the guard: a device without a watchdog sounds on until the spare has opened it."""
+    """Kill the guard with kill -9. A device without a watchdog sounds until the spare guard has opened it."""
     return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGKILL))
 
 
 def guard_stopped(stage: Stage) -> Times:
-    """SIGSTOP of the guard: as before, once it is killed for it."""
+    """Stop the guard with SIGSTOP. Control kills it, and the spare guard takes over."""
     return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGSTOP))
 
 
 def guard_blocked(stage: Stage) -> Times:
-    """The device does not return from a frame: as before."""
+    """Block the device in a frame. Control kills the guard, and the spare guard takes over."""
     file = stage.server.folder / BLOCKED
     return _guard_lost(stage, lambda guard: file.touch())
 
 
 def _guard_lost(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
-    """Lose the guard while there is a spare, which has had time to make itself ready."""
+    """Take out the guard while a spare guard is ready."""
     until(lambda: any(_waits(p) for name, p in stage.server.parts().items() if name == SPARE))
     return _lost(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
 
 
 def _waits(process: psutil.Process) -> bool:
-    """Whether it has used no processor to speak of for a while: it has made itself ready, and waits."""
+    """Return whether a process has started up and now waits, using almost no CPU time."""
     before = process.cpu_times()
     time.sleep(READY)
     after = process.cpu_times()
@@ -79,7 +79,8 @@ def _waits(process: psutil.Process) -> bool:
 def _signalled(stage: Stage, part: str, number: int) -> Times:
     process = stage.server.parts()[part]
     if stage.onlooker.ask("status")["restarts"][part]:
-        # one that ends again and again is started later and later, which is not what is measured
+        # Control delays the restart of a process that ends repeatedly, and this delay is not to be
+        # measured.
         until(lambda: time.time() - process.create_time() > WELL)
     return _lost(stage, lambda: process.send_signal(number))
 
@@ -96,7 +97,7 @@ def _lost(stage: Stage, lose: Callable[[], object], quiet: float = QUIET) -> Tim
 
 
 def control_killed(stage: Stage) -> Times:
-    """kill -9 of the parent: all its children go, too; a new server."""
+    """Kill the parent with kill -9, which ends its children too, and start a new server."""
     silence = stage.broken(lambda: stage.server.signal("control", signal.SIGKILL))
     until(lambda: not stage.server.left())
     gone = time.perf_counter() - stage.at
@@ -105,13 +106,13 @@ def control_killed(stage: Stage) -> Times:
 
 
 def control_stopped(stage: Stage) -> Times:
-    """SIGSTOP of the parent: nobody renews the permit; SIGCONT."""
+    """Stop the parent with SIGSTOP, so that nobody renews the permit, then continue it with SIGCONT."""
     silence = stage.broken(lambda: stage.server.signal("control", signal.SIGSTOP))
     return Times(silence, stage.healed(lambda: stage.server.signal("control", signal.SIGCONT)))
 
 
 def all_stopped(stage: Stage) -> Times:
-    """SIGSTOP of all, as where the machine stands still, for longer than one may hang; SIGCONT: none is replaced."""
+    """Suspend all processes, as on a suspended machine, for longer than `hung`, then resume them. None is replaced."""
     before = stage.server.parts()
     processes = [psutil.Process(stage.server.process.pid), *before.values()]
 
@@ -123,7 +124,7 @@ def all_stopped(stage: Stage) -> Times:
         for process in processes:
             process.resume()
 
-    silence = stage.broken(act, quiet=0.0)  # the game may be there again at once
+    silence = stage.broken(act, quiet=0.0)  # the game may continue at once
     recovery = stage.healed(after=0.0)
     after = stage.server.parts()
     replaced = [name for name, process in before.items() if after.get(name) != process]
@@ -131,12 +132,12 @@ def all_stopped(stage: Stage) -> Times:
 
 
 def solver_hangs(stage: Stage) -> Times:
-    """A solver that was selected while it sounded never returns."""
+    """Select a solver that never returns once the output sounds."""
     return _stuck(stage, hold=False)
 
 
 def solver_holds(stage: Stage) -> Times:
-    """The same, and it holds the interpreter lock."""
+    """The same with a solver that holds the interpreter lock."""
     return _stuck(stage, hold=True)
 
 
@@ -159,7 +160,7 @@ def _stuck(stage: Stage, *, hold: bool) -> Times:
 
 
 def solver_hangs_warming(stage: Stage) -> Times:
-    """A solver that never returns is selected: the one before should sound on."""
+    """Select a solver that never returns while it warms up. The previous solver should continue."""
     file = stage.server.folder / STUCK
     undisturbed = stage.gap(lambda: None, 3.0)
     file.touch()
@@ -173,22 +174,22 @@ def solver_hangs_warming(stage: Stage) -> Times:
 
 
 def solvers_swapped(stage: Stage) -> Times:
-    """Another solver, and back, while it sounds."""
+    """Swap the solver and back while the output sounds."""
     return _swapped(stage, "solver", "lagrange", "auto")
 
 
 def devices_swapped(stage: Stage) -> Times:
-    """Another device, and back, while it sounds."""
+    """Swap the device and back while the output sounds."""
     return _swapped(stage, "backend", Other.name, Probe.name)
 
 
 def to_models(stage: Stage) -> Times:
-    """Models of USB devices take over from the simulated array while it sounds."""
+    """Swap from the simulated array to models of USB devices while the output sounds."""
     return _from(stage, Simulated.name, Models.name)
 
 
 def from_models(stage: Stage) -> Times:
-    """The simulated array takes over from models of USB devices while they sound."""
+    """Swap from models of USB devices to the simulated array while the output sounds."""
     return _from(stage, Models.name, Simulated.name)
 
 
@@ -201,7 +202,7 @@ def _from(stage: Stage, old: str, new: str) -> Times:
 
 
 def _swapped(stage: Stage, kind: str, *names: str) -> Times:
-    """Select each; before each, look on for as long while nothing is done."""
+    """Select each in turn. Before each selection, observe for as long without a swap."""
     undisturbed, gaps = list[float](), list[float]()
     for name in names:
         undisturbed.append(stage.gap(lambda: None, WINDOW))
@@ -217,22 +218,22 @@ def _select(stage: Stage, kind: str, name: str) -> None:
 
 
 def unplugged(stage: Stage) -> Times:
-    """The device is gone, and back; reset."""
+    """Unplug the device and plug it in again, then reset."""
     return _unplugged(stage, lambda: None)
 
 
 def unplugged_swapping(stage: Stage) -> Times:
-    """The device is gone while solvers are swapped."""
+    """Unplug the device while solvers are swapped."""
     return _unplugged(stage, partial(_begin, stage, "solver", "lagrange"))
 
 
 def unplugged_both(stage: Stage) -> Times:
-    """Both devices are gone while one takes over from the other."""
+    """Unplug both devices while one takes over from the other."""
     return _unplugged(stage, partial(_begin, stage, "backend", Other.name))
 
 
 def _begin(stage: Stage, kind: str, name: str) -> None:
-    """Select it, and go on somewhere in the middle."""
+    """Start a selection, and return at a random time during the swap."""
     _select(stage, kind, name)
     time.sleep(random.uniform(0.0, SWAPPING))
 
@@ -257,7 +258,7 @@ def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
 
 
 def terminated(stage: Stage) -> Times:
-    """SIGTERM of the server: silent, exit code 0, no file left; a new one."""
+    """Send SIGTERM to the server: silence, exit code 0 and no files left. Then start a new one."""
     stage.sounding()
     shared = memory(stage.server.process.pid)
     silence = stage.broken(lambda: stage.server.signal("control", signal.SIGTERM))

@@ -1,4 +1,4 @@
-"""A solver that hangs on request, with the interpreter lock or without."""
+"""A solver that hangs on request, with or without the interpreter lock."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from pacinian_lab.server.faults.device import FOLDER
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-STUCK = "stuck"  # as long as there is such a file, it never returns
-SINCE = "stuck-since"  # where it says when that began [s]
+STUCK = "stuck"  # while this file exists, the solver never returns
+SINCE = "stuck-since"  # file for the time at which the hang began [s]
 
 
 class Stuck(pc.Solver):
-    """As `auto`, until it never returns. hold: nor does it let any other thread of its process run."""
+    """Solves as `auto` until it is told to hang. hold: hang with the interpreter lock held."""
 
     name: ClassVar[str] = "stuck"
 
@@ -50,5 +50,5 @@ class Stuck(pc.Solver):
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """It."""
+    """Return the solver."""
     return [Stuck]

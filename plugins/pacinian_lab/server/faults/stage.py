@@ -1,4 +1,4 @@
-"""A server, a game that makes it sound, and an onlooker: what faults are done to."""
+"""The stage for faults: a server, a game that makes it sound, and an onlooker."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ if TYPE_CHECKING:
     from pacinian_lab.server.faults.server import Server
 
 POLL = 0.005  # [s]
-STEADY = 0.2  # [s] of sound before something is broken
-QUIET = 0.1  # [s] of silence that is more than a late renderer's
-WAIT = 30.0  # [s] until what should happen has
+STEADY = 0.2  # [s] of sound before a fault
+QUIET = 0.1  # [s] of silence; shorter silences are a late renderer's
+WAIT = 30.0  # [s] longest wait for an expected event
 T = TypeVar("T")
 
 
 class Times(NamedTuple):
-    """Of one fault [s].
+    """Times of one fault [s].
 
-    silence: from it to silence. recovery: to sound again, from the fault, or from when it was undone.
-    gap: the longest between two frames, where it should sound on; undisturbed: the same just before, when nothing
-    was done. note: what else was seen.
+    silence: from the fault to silence. recovery: until sound, from the fault or from its undoing. gap: the longest
+    time between two frames, for faults during which the output should continue; undisturbed: the same just before,
+    without a fault. note: other observations.
     """
 
     silence: float = math.nan
@@ -47,22 +47,22 @@ class Times(NamedTuple):
 
 
 class Stage:
-    """Around a running server; a context manager."""
+    """Runs a game and an onlooker on a running server; a context manager."""
 
     def __init__(self, server: Server) -> None:
         self.server = server
         self.game: subprocess.Popen[str] | None = None
         self.answers: list[dict[str, Any]] = []
-        """Of the game's requests."""
+        """Answers to the game's requests."""
         self.at = 0.0
-        """When it was broken [s]."""
+        """Time of the fault [s]."""
         self._marks = [0] * len(server.logs)
         self._quiet = QUIET
         self._onlooker: Peer | None = None
 
     @property
     def onlooker(self) -> Peer:
-        """Another client, with a session."""
+        """A second client, with a session."""
         if self._onlooker is not None and self._onlooker.session:
             self._onlooker.drain()
             try:
@@ -93,20 +93,20 @@ class Stage:
                     answers += [json.loads(line)]
 
     def tell(self, kind: str, **fields: Any) -> None:
-        """Tell the game."""
+        """Send an order to the game."""
         if self.game is not None and self.game.stdin is not None:
             self.game.stdin.write(json.dumps({"type": kind, **fields}) + "\n")
             self.game.stdin.flush()
 
     def select(self, **fields: Any) -> dict[str, Any]:
-        """Let the game select; the answer."""
+        """Let the game select, and return the answer."""
         self.answers.clear()
         self.tell("select", **fields)
         until(lambda: bool(self.answers))
         return self.answers[-1]
 
     def end(self) -> None:
-        """Kill the game at once."""
+        """Kill the game."""
         if self.game is not None:
             self.game.kill()
             self.game.wait()
@@ -115,10 +115,10 @@ class Stage:
             self.game = None
 
     def sounding(self) -> None:
-        """Wait until it sounds steadily; from there on events count."""
+        """Wait until the output sounds steadily. Events count from there on."""
         if self.game is None:
             self.play()
-        since = time.perf_counter()  # what sounded before may be the end of another game
+        since = time.perf_counter()  # earlier sound may be the end of another game
 
         def steady() -> bool:
             now = time.perf_counter()
@@ -132,13 +132,13 @@ class Stage:
         until(steady)
 
     def events(self) -> NDArray[np.void]:
-        """Of all devices since it sounded, in order."""
+        """Return the events of all devices since the output sounded, in order."""
         logs = zip(self.server.logs, self._marks, strict=True)
         every = np.concatenate([log.read(mark) for log, mark in logs])
         return every[np.argsort(every["time"], kind="stable")]
 
     def broken(self, act: Callable[[], object], quiet: float = QUIET) -> float:
-        """Do it while it sounds; how long until it is silent, for longer than `quiet` [s]."""
+        """Inject a fault while the output sounds. Returns the time until silence that lasts longer than `quiet` [s]."""
         self.sounding()
         self._quiet = quiet
         self.at = time.perf_counter()
@@ -146,14 +146,14 @@ class Stage:
         return self.quiet() - self.at
 
     def healed(self, act: Callable[[], object] | None = None, after: float = math.nan) -> float:
-        """Undo it; how long until it sounds [s]. after: of the fault [s], when it ends by itself."""
+        """Undo a fault and return the time until sound [s]. after: length of a fault that ends by itself [s]."""
         since = time.perf_counter() if math.isnan(after) else self.at + after
         if act is not None:
             act()
         return self.heard(max(since, self.quiet())) - since
 
     def quiet(self) -> float:
-        """When the sound ended since it was broken [s]; a late renderer's short silences are none."""
+        """Return when the sound ended after the fault [s], ignoring the short silences of a late renderer."""
 
         def found() -> float:
             now, events = time.perf_counter(), self.events()
@@ -167,7 +167,7 @@ class Stage:
         return until(found)
 
     def heard(self, since: float) -> float:
-        """When it sounded first after `since` [s]. Raises TimeoutError."""
+        """Return when the output first sounded after `since` [s]. Raises TimeoutError."""
 
         def found() -> float:
             events = self.events()
@@ -177,7 +177,7 @@ class Stage:
         return until(found)
 
     def gap(self, act: Callable[[], object], seconds: float = 1.0) -> float:
-        """Do it while it sounds; the longest time without a frame from then to `seconds` [s] after [s]."""
+        """Call `act` while the output sounds. Returns the longest time without a frame in the next `seconds` [s]."""
         self.sounding()
         self.at = time.perf_counter()
         act()
@@ -188,13 +188,13 @@ class Stage:
         return float(np.diff(times, append=time.perf_counter()).max())
 
     def leave(self) -> None:
-        """The onlooker goes."""
+        """Close the onlooker."""
         if self._onlooker is not None:
             self._onlooker.close()
             self._onlooker = None
 
     def close(self) -> None:
-        """End the game; nothing is blocked, unplugged or stuck."""
+        """End the game, and remove the files that block, unplug or hang."""
         self.end()
         self.leave()
         for name in (BLOCKED, UNPLUGGED, STUCK):
@@ -213,7 +213,7 @@ class Stage:
 
 
 def until(found: Callable[[], T], wait: float = WAIT) -> T:
-    """What `found` gives as soon as that is something. Raises TimeoutError after `wait` [s]."""
+    """Return the value of `found` as soon as it is true. Raises TimeoutError after `wait` [s]."""
     end = time.perf_counter() + wait
     while not (value := found()):
         if time.perf_counter() > end:

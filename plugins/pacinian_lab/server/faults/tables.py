@@ -1,4 +1,4 @@
-"""Faults as a table for a terminal."""
+"""Results of the fault injection, as a table for a terminal."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def faults(rows: Sequence[Row]) -> Table:
-    """Fault by worst times, beside what is stated; gaps beside those of the same run undisturbed."""
+    """Return a table of the worst times of each fault, next to the bounds, and of gaps with and without the fault."""
     head = [
         "",
         "times",
@@ -38,9 +38,9 @@ def faults(rows: Sequence[Row]) -> Table:
         ]
         for row in rows
     ]
-    return plain_table("Faults: the worst of all times [ms]", head, table)
+    return plain_table("Faults: worst times [ms]", head, table)
 
 
 def milliseconds(seconds: float) -> str:
-    """In ms, or nothing where there is none."""
+    """Return a time in milliseconds as text, or nothing for nan."""
     return "" if math.isnan(seconds) else f"{1e3 * seconds:.1f}"

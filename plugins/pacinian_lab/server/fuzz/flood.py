@@ -1,7 +1,7 @@
-"""Who sends it all: `python -m pacinian_lab.server.fuzz.flood FILE KIND SEED MESSAGES SECONDS`; tells counts as JSON.
+"""The sending process: `python -m pacinian_lab.server.fuzz.flood FILE KIND SEED MESSAGES SECONDS`. Prints JSON.
 
-KIND: `command` or `control`: spoiled messages of one who has the password; `raw`: connections; `burn`: only as
-much work, of which the server sees nothing. Ends after so many messages or seconds, whichever comes first.
+KIND: `command` or `control`: mutated messages of an authenticated client; `raw`: raw connections; `burn`: the same
+CPU load, without sending. Ends after so many messages or seconds, whichever comes first. Prints counts.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from pacinian_lab.server.fuzz.packets import ANSWERS, packet, throw, within
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-FAREWELL = 5  # [ms] for the server to end a connection that sent too much
-PATIENCE = 5.0  # [s] for an answer
-HELLO, KNOWN = 0.02, 0.2  # shares: of control messages, of raw connections
-BATCH = 200  # between two good messages, which show that all was heard
+FAREWELL = 5  # [ms] for the server to close a connection that sent too much
+PATIENCE = 5.0  # [s] longest wait for an answer
+HELLO, KNOWN = 0.02, 0.2  # share of hellos in control messages; of handshakes in connections
+BATCH = 200  # messages between two valid ones, which show that the server has read them all
 
 
 class Flood:
-    """Sends until it is over. sent: by what was done; codes: of the answers."""
+    """Sends until the run is over. sent: counts by mutation; codes: counts of the answers."""
 
     def __init__(self, file: Path, seed: int) -> None:
         self.file, self.random = file, Random(seed)
@@ -42,14 +42,14 @@ class Flood:
         self.failed = 0
 
     def messages(self, kind: str) -> Iterator[Peer]:
-        """Spoiled messages from an authenticated client, whose heartbeats are a part of the load."""
+        """Send mutated messages from an authenticated client. Its heartbeats are part of the load."""
         examples = COMMANDS if kind == "command" else CONTROLS
         with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
             spoiler = Spoiler(self.random, b"")
             socket = peer.command if kind == "command" else peer.control
             longest = MAX_COMMAND_BYTES if kind == "command" else MAX_CONTROL_BYTES
             while True:
-                if not self._heard(peer, spoiler, kind):  # its last sequence number may be spoiled
+                if not self._heard(peer, spoiler, kind):  # a mutation may have used up the sequence
                     peer.hello(client="hostile")
                     spoiler.session, spoiler.sequence = peer.session, 0
                 for _ in range(BATCH):
@@ -64,7 +64,7 @@ class Flood:
 
     @staticmethod
     def _heard(peer: Peer, spoiler: Spoiler, kind: str) -> bool:
-        """Whether all was heard, and a good message is still taken."""
+        """Return whether the server has read all messages and still takes a valid one."""
         try:
             if kind == "control":
                 return bool(peer.ask("status", PATIENCE)["type"] == "state")
@@ -86,14 +86,14 @@ class Flood:
         self.sent[name] += 1
 
     def _apart(self, data: bytes) -> None:
-        """By a connection of its own, which it ends."""
+        """Send a message that is too long on a separate connection, because it ends the connection."""
         with Peer(self.file, beats=True) as peer:
             if peer.control.poll(1000, zmq.POLLOUT):
                 peer.control.send(data)
                 peer.control.poll(FAREWELL)
 
     def packets(self) -> Iterator[None]:
-        """Raw connections to all sockets."""
+        """Open raw connections to all sockets."""
         file = asdict(Connection.read(self.file))
         token = file["token"].encode()
         while True:
@@ -105,7 +105,7 @@ class Flood:
             yield
 
     def burn(self) -> Iterator[None]:
-        """As much work, for nobody."""
+        """Do the same work without sending."""
         spoiler = Spoiler(self.random, b"")
         while True:
             self.sent[spoiler.next(COMMANDS, 0.0)[0]] += 1
@@ -113,7 +113,7 @@ class Flood:
 
 
 def main() -> None:
-    """Send; tell."""
+    """Send, then print the counts."""
     name, kind, seed, messages, seconds = sys.argv[1:]
     flood, codes = Flood(Path(name), int(seed)), Counter[str]()
     start = time.perf_counter()

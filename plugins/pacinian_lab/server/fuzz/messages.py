@@ -1,4 +1,4 @@
-"""One good message of each type, as maps: what is spoiled."""
+"""One valid message of each type, as maps, to be mutated."""
 
 from __future__ import annotations
 
@@ -82,4 +82,4 @@ HELLO: Message = {
     "type": "hello", "id": 1, "protocol": [MAJOR, MINOR], "client": "spoiled", "version": "1",
     "scene": "shared", "lease": 0.2,
 }  # fmt: skip
-STOP: Message = {"type": "stop", "id": -1}  # with a good id it would be a good message
+STOP: Message = {"type": "stop", "id": -1}  # with a valid id it would stop the output

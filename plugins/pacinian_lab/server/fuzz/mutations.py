@@ -1,4 +1,4 @@
-"""What is done to good messages, by their structure or their bytes; the same seed spoils alike."""
+"""Mutations of valid messages, by structure or by bytes. The same seed gives the same mutations."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ TYPES = (
 )  # fmt: skip
 LENGTHS = b"\xdc", b"\xdd", b"\xde", b"\xdf", b"\xd9", b"\xda", b"\xdb", b"\xc5", b"\xc6", b"\xc9"
 DEEP = 5000
-LONG = 200_000  # [bytes] of the long ones, which are rare
+LONG = 200_000  # [bytes] maximum of the long ones, which are rare
 
 encode: Callable[[Any], bytes] = msgspec.msgpack.Encoder().encode
 
 
 def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Ways to all that is inside a message."""
+    """Return the paths to all values inside a message."""
     if isinstance(value, dict):
         items: Any = value.items()
     elif isinstance(value, list):
@@ -47,7 +47,7 @@ def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 
 
 def replaced(value: Any, at: tuple[Any, ...], change: Callable[[Any], Any]) -> Any:
-    """The message with what is at that place changed; a copy as far as need be."""
+    """Return the message with the value at a path changed. Copies only the containers along the path."""
     if not at:
         return change(value)
     key, rest = at[0], at[1:]
@@ -57,7 +57,7 @@ def replaced(value: Any, at: tuple[Any, ...], change: Callable[[Any], Any]) -> A
 
 
 class Spoiler:
-    """Spoiled messages without end. session: of a client, whose good ones they were."""
+    """An endless source of mutated messages. session: of the client that sends them."""
 
     def __init__(self, random: Random, session: bytes) -> None:
         self.random, self.session = random, session
@@ -76,7 +76,7 @@ class Spoiler:
         self._weights = [way[0] for way in self._ways]
 
     def next(self, examples: tuple[Message, ...], time: float) -> tuple[str, bytes]:
-        """What was done, and the message."""
+        """Return the name of the mutation and the message."""
         _, name, way = self.random.choices(self._ways, self._weights)[0]
         self.sequence += 1
         head = {"session": self.session, "id": self.random.randrange(2)}
@@ -89,7 +89,7 @@ class Spoiler:
         return name, data
 
     def hello(self) -> tuple[str, bytes]:
-        """A spoiled hello, or stop."""
+        """Return a mutated hello, or a stop."""
         if self.random.random() < 0.2:
             return "stop", encode({**STOP, "id": self.random.choice(["", -1, math.nan, [], {}])})
         ways: tuple[tuple[str, Callable[[Message], Any]], ...] = (

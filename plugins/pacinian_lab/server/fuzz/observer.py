@@ -1,4 +1,4 @@
-"""How a server takes it: its output, its memory, its answers; and the floods themselves."""
+"""Observe how a server takes a flood: its output, memory and answers. Starts the flooding processes."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
     from pacinian_lab.server.faults.stage import Stage
 
-LOOK = 0.05  # [s] between two questions
-ANSWER = 5.0  # [s] until one that is not answered is given up
+LOOK = 0.05  # [s] between two requests
+ANSWER = 5.0  # [s] longest wait for an answer
 TICK = 1e-3  # [s]
 
 
 @dataclass
 class Phase:
-    """What was seen while some processes sent, or none.
+    """Observations while some processes sent, or none.
 
-    gaps: between two frames [s]. answers: how long `status` took [s]. silences: how often sound ended.
+    gaps: between two frames [s]. answers: response times of `status` [s]. silences: how often the sound ended.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Phase:
     answers: list[float] = field(default_factory=list)
     silences: int = 0
     lost: int = 0
-    """Questions without an answer."""
+    """Requests without an answer."""
 
     @property
     def gap(self) -> Floats:
@@ -52,21 +52,21 @@ class Phase:
 
     @property
     def over(self) -> int:
-        """Gaps of more than one tick beyond the regular one."""
+        """Number of gaps more than one tick longer than the regular one."""
         return int((self.gap > 2.0 * TICK).sum())
 
     @property
     def often(self) -> float:
-        """Silences a second."""
+        """Silences per second."""
         return self.silences / max(self.seconds, 1e-9)
 
     def worst(self) -> float:
-        """The longest gap [s]."""
+        """Return the longest gap [s]."""
         return float(self.gap.max(initial=0.0))
 
 
 class Watch:
-    """Looks on; a `Stage` with a game that sounds. memory: of each process, [bytes] at each look."""
+    """Observes a `Stage` with a game that sounds. memory: of each process [bytes], at each reading."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -76,9 +76,9 @@ class Watch:
     def phase(
         self, phase: Phase, messages: Mapping[str, int], seed: int, seconds: float, times: int = 1
     ) -> None:
-        """Let processes of each kind send so many messages, and look on until they end.
+        """Let processes of each kind send `messages`, and observe until they end.
 
-        seconds: after which they end anyway. times: how many of each kind there are.
+        seconds: time after which they end anyway. times: number of processes of each kind.
         """
         self.stage.sounding()
         onlooker = self.stage.onlooker
@@ -125,7 +125,7 @@ class Watch:
 
     def _look(self) -> None:
         for name, process in self.parts.items():
-            with contextlib.suppress(psutil.NoSuchProcess):  # told by `same`
+            with contextlib.suppress(psutil.NoSuchProcess):  # reported by `same`
                 self.memory[name].append(process.memory_info().rss)
 
     @property
@@ -135,7 +135,7 @@ class Watch:
         return all(now.get(n, p.pid) == p.pid and p.is_running() for n, p in self.parts.items())
 
     def growth(self) -> dict[str, float]:
-        """Of each process's memory from the second quarter to the last [bytes]."""
+        """Return the growth of each process's memory from the second to the last quarter [bytes]."""
         found: dict[str, float] = {}
         for name, values in self.memory.items():
             quarter = max(1, len(values) // 4)

@@ -1,4 +1,4 @@
-"""What raw TCP connections are sent: other protocols, older ones, halves, lies about lengths, noise."""
+"""Data for raw TCP connections: other protocols, older versions, truncated data, wrong lengths, noise."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ USER = b"pacinian"
 WAIT = 0.5  # [s] for a step of the handshake
 ANSWERS = {
     "wrong password": 64 + 1
-}  # [bytes] to read before closing: a greeting, and the refusal's beginning
+}  # [bytes] to read before closing: a greeting, and the first byte of the refusal
 SIGNATURE = b"\xff\0\0\0\0\0\0\0\x01\x7f"
 HTTP = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
@@ -31,29 +31,29 @@ STOP = encode({"type": "stop", "id": 1})
 
 
 def greeting(mechanism: bytes, major: int = 3, server: bool = False) -> bytes:
-    """The first 64 bytes of ZMTP 3."""
+    """Return the first 64 bytes of ZMTP 3."""
     return SIGNATURE + bytes([major, 1]) + mechanism.ljust(20, b"\0") + bytes([server]) + b"\0" * 31
 
 
 def frame(body: bytes, flags: int = 0) -> bytes:
-    """A frame of ZMTP 2 and 3."""
+    """Return a frame of ZMTP 2 and 3."""
     if len(body) < 256:
         return bytes([flags, len(body)]) + body
     return bytes([flags | 2]) + struct.pack(">Q", len(body)) + body
 
 
 def command(name: bytes, body: bytes = b"") -> bytes:
-    """A command of ZMTP 3."""
+    """Return a command of ZMTP 3."""
     return frame(bytes([len(name)]) + name + body, 4)
 
 
 def hello(user: bytes, password: bytes) -> bytes:
-    """Of the PLAIN mechanism."""
+    """Return the HELLO command of the PLAIN mechanism."""
     return command(b"HELLO", bytes([len(user)]) + user + bytes([len(password)]) + password)
 
 
 def metadata(key: bytes, value: bytes) -> bytes:
-    """One property."""
+    """Return one metadata property."""
     return bytes([len(key)]) + key + struct.pack(">I", len(value)) + value
 
 
@@ -62,7 +62,7 @@ PLAIN = greeting(b"PLAIN")
 
 
 def packet(random: Random) -> tuple[str, bytes]:
-    """What it is, and the bytes: of one who does not know the password."""
+    """Return a name and bytes from a peer that does not know the password."""
     noise = random.randbytes(random.choice([1, 8, 64, 300, 5000]))
     kinds: tuple[tuple[str, bytes], ...] = (
         ("nothing", b""),
@@ -88,7 +88,7 @@ def packet(random: Random) -> tuple[str, bytes]:
 
 
 def within(random: Random) -> tuple[str, bytes]:
-    """The same, of one who knows it: after the handshake."""
+    """Return a name and bytes from a peer that knows the password, for use after the handshake."""
     noise = random.randbytes(random.choice([1, 8, 64, 300]))
     kinds: tuple[tuple[str, bytes], ...] = (
         ("in: length 2^63", b"\x02" + struct.pack(">Q", 2**63) + noise),
@@ -117,11 +117,11 @@ def _flip(random: Random, data: bytes) -> bytes:
 
 
 def throw(address: str, data: bytes, token: bytes | None = None, answer: int = 0) -> bool:
-    """Connect, with the password if given, send, read that many bytes, close. Whether all of it could be done."""
+    """Connect (with the password, if given), send, read `answer` bytes and close. Returns whether all of it worked."""
     host, port = address.removeprefix("tcp://").rsplit(":", 1)
     with socket.socket() as raw, contextlib.suppress(OSError):
         raw.settimeout(WAIT)
-        # closed at once, with no state left behind in the system
+        # Close at once and leave no TIME_WAIT state behind.
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         raw.connect((host, int(port)))
         if token is not None:

@@ -1,4 +1,4 @@
-"""A server that sounds, in turn flooded and beside processes that only work as hard."""
+"""Alternate between flooding a server that sounds and loading the machine as much without sending."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from pacinian_lab.server.fuzz.observer import Phase, Watch
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-SHARES = {"command": 0.6, "control": 0.3, "raw": 0.1}  # of the messages
-BUSY = len(SHARES) + 2  # processes that a flood keeps busy: those who send, control and the bus
-CHUNK = 200_000  # messages between two looks at what is usual
+SHARES = {"command": 0.6, "control": 0.3, "raw": 0.1}  # fractions of the messages
+BUSY = len(SHARES) + 2  # processes that a flood keeps busy: the senders, control and the bus
+CHUNK = 200_000  # messages between two control runs
 CONFIGURATION = """[clients]
 rate = 1e6
 [metrics]
 port = {port}
-"""  # the rate: so that what is spoiled is decoded, not only counted
+"""  # the high rate limit makes the server decode the messages, not only count them
 COUNT = re.compile(r"^pacinian_control_(\w+)_total (\S+)$", re.MULTILINE)
 
 
 @dataclass
 class Found:
-    """What happened.
+    """Results of a run.
 
-    growth: of memory, late against early; memory: the most, both by process [bytes]. same: no process was
-    replaced. ended: the exit code after SIGTERM. counts: what the control process counted, as in its metrics.
+    growth: of memory, late minus early; memory: maximum; both by process [bytes]. same: no process was replaced.
+    ended: exit code after SIGTERM. counts: counters of the control process, as in its metrics.
     """
 
     flooded: Phase
@@ -49,7 +49,7 @@ class Found:
 
     @property
     def messages(self) -> int:
-        """All that were sent."""
+        """Number of messages sent."""
         return self.flooded.sent.total()
 
 
@@ -59,8 +59,8 @@ def run(
     seed: int = 1,
     tell: Callable[[int], object] = lambda done: None,
 ) -> Found:
-    """Send that many messages, within about so many seconds [s]."""
-    flooded, burdened, idle = Phase("flooded"), Phase("beside as much work"), Phase("idle")
+    """Send `messages` messages within about `seconds` [s]. Returns the results."""
+    flooded, burdened, idle = Phase("flooded"), Phase("equal CPU load"), Phase("idle")
     port = _free()
     with (
         tempfile.TemporaryDirectory(prefix="pacinian-hostile-") as folder,

@@ -1,4 +1,4 @@
-"""What a flood did, as tables for a terminal, and which aims are met."""
+"""Results of a flood: tables for a terminal, and the verdicts."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from pacinian_lab.server.fuzz.run import Found
 
 ENOUGH = 1_000_000  # messages
-GROWN = 4e6  # [bytes] of a process, from an early to a late quarter
-SOON = 0.05  # [s] to an answer, for 99 of 100
+GROWN = 4e6  # maximum growth of a process from an early to a late quarter [bytes]
+SOON = 0.05  # [s] within which 99 % of the requests must be answered
 QUANTILES = 0.5, 0.999
 
 
 class Verdict(NamedTuple):
-    """Whether an aim is met."""
+    """Whether a target is met."""
 
     aim: str
     found: str
@@ -28,7 +28,7 @@ class Verdict(NamedTuple):
 
 
 def phases(found: Found) -> Table:
-    """Gaps in the output and times to an answer, by phase."""
+    """Return a table of gaps in the output and of response times, by phase."""
     head = ["", "s", "frames", "gap [ms]\np50", "\np99.9", "\nmax", "over a\ntick, 1/s", "silences"]
     head += ["answer [ms]\np50", "\np99", "\nmax", "\nnone"]
     rows = [
@@ -39,7 +39,7 @@ def phases(found: Found) -> Table:
         + [str(phase.lost)]
         for phase in (found.idle, found.burdened, found.flooded)
     ]
-    return plain_table("The output, and what control answered, meanwhile", head, rows)
+    return plain_table("Output and response times of control, by phase", head, rows)
 
 
 def _at(values: np.ndarray, share: float) -> float:
@@ -47,21 +47,21 @@ def _at(values: np.ndarray, share: float) -> float:
 
 
 def sent(found: Found) -> Table:
-    """What was sent, by what was done to it."""
+    """Return a table of the messages sent, by mutation."""
     rows = [[name, f"{count:,}"] for name, count in found.flooded.sent.most_common()]
     total = f"{found.messages:,} in {found.flooded.seconds:.0f} s"
-    return plain_table(f"Sent: {total}; {found.flooded.failed:,} could not be", ["", ""], rows)
+    return plain_table(f"Sent: {total}; {found.flooded.failed:,} could not be sent", ["", ""], rows)
 
 
 def refused(found: Found) -> Table:
-    """What control counted; and errors that came back, by code, of which a client is told a few a second."""
+    """Return a table of control's counters and of the errors received. A client gets only a few errors per second."""
     rows = [[name, f"{count:,}"] for name, count in sorted(found.counts.items())]
-    rows += [[f"told: {code}", f"{n:,}"] for code, n in found.flooded.codes.most_common()]
-    return plain_table("Counted by control, and told by all", ["", ""], rows)
+    rows += [[f"error: {code}", f"{n:,}"] for code, n in found.flooded.codes.most_common()]
+    return plain_table("Counters of control, and errors received", ["", ""], rows)
 
 
 def memory(found: Found) -> Table:
-    """Of each process."""
+    """Return a table of the memory of each process."""
     rows = [
         [name, f"{found.memory[name] / 1e6:.0f}", f"{grown / 1e6:+.2f}"]
         for name, grown in found.growth.items()
@@ -70,7 +70,7 @@ def memory(found: Found) -> Table:
 
 
 def verdicts(found: Found) -> list[Verdict]:
-    """The aims."""
+    """Return the verdicts."""
     flooded, beside = found.flooded, found.burdened
     grown = max(found.growth.values())
     answer = _at(np.array(flooded.answers), 0.99)
@@ -79,16 +79,16 @@ def verdicts(found: Found) -> list[Verdict]:
         Verdict("at least 1,000,000 messages", f"{found.messages:,}", found.messages >= ENOUGH),
         Verdict("no process ended", "the same" if found.same else "others", found.same),
         Verdict(
-            "no gap over a tick more than without",
+            "no gap over a tick longer than without the flood",
             f"{1e3 * flooded.worst():.1f} against {1e3 * beside.worst():.1f} ms",
             flooded.worst() <= usual,
         ),
         Verdict(
-            "no more silences a second than without",
+            "no more silences per second than without the flood",
             f"{flooded.often:.2f} against {beside.often:.2f}",
             flooded.often <= beside.often,
         ),
-        Verdict("memory flat", f"{grown / 1e6:+.2f} MB", grown < GROWN),
+        Verdict("memory does not grow", f"{grown / 1e6:+.2f} MB", grown < GROWN),
         Verdict("control answers within 50 ms (p99)", f"{1e3 * answer:.1f} ms", answer < SOON),
         Verdict(
             "no request failed",
@@ -100,6 +100,6 @@ def verdicts(found: Found) -> list[Verdict]:
 
 
 def judged(found: Found) -> Table:
-    """The verdicts."""
+    """Return a table of the verdicts."""
     rows = [[v.aim, v.found, "met" if v.met else "not met"] for v in verdicts(found)]
-    return plain_table("Aims", ["", "found", ""], rows)
+    return plain_table("Targets", ["", "found", ""], rows)

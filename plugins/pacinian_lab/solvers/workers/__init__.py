@@ -1,1 +1,1 @@
-"""What each contestant does in its own process; loaded by file, so none imports its neighbours."""
+"""The contestants' code for their own processes. Each file is loaded by path and imports none of the others."""

@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 torch: Any = import_module("torch")
 solvers: Any = import_module("acoustools.Solvers")
 
-STEPS = 200  # their default
+STEPS = 200  # the peer's default
 
 
 def versions() -> dict[str, str]:
-    """Of the libraries that matter."""
+    """Return the versions of the relevant libraries."""
     return {name: version(name) for name in ("acoustools", "torch", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:
-    """Both on the processor, without gradients."""
+    """Return both methods, on the CPU and without gradients."""
     torch.set_num_threads(threads)
     torch.set_grad_enabled(False)
     return {
@@ -33,7 +33,7 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any
 
 
 def iterative(method: Any) -> Callable[[dict[str, Any]], Any]:
-    """A method with the medium, the strength and the omnidirectional transducers (radius 0) of the problem."""
+    """Prepare a method with the problem's medium, strength and omnidirectional transducers (radius 0)."""
 
     def prepare(problem: dict[str, Any]) -> Any:
         r, q, t = (np.array(problem[k]) for k in ("positions", "frames", "targets"))
@@ -47,7 +47,7 @@ def iterative(method: Any) -> Callable[[dict[str, Any]], Any]:
             return method(points, iterations=STEPS, board=board, b=targets, **air).numpy()
 
         def read(output: Any) -> Any:
-            return output[0, :, 0].conj(), q  # their waves are exp(+jkr)
+            return output[0, :, 0].conj(), q  # AcousTools' waves are exp(+jkr)
 
         return solve, read
 

@@ -20,12 +20,15 @@ FULL = 255  # intensity
 
 
 def versions() -> dict[str, str]:
-    """Of the libraries that matter."""
+    """Return the versions of the relevant libraries."""
     return {name: version(name) for name in ("autd3", "autd3-pattern-holo", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:
-    """GS-PAT with its own 100 steps and with 10; the rest as they come. Its threads only where allowed."""
+    """Return GS-PAT with its default of 100 steps and with 10; the others with their defaults.
+
+    They use several threads only if `threads` allows it.
+    """
     parallel = threads > 1
     gspat, few = (holo.GspatOption(repeat=n, parallel=parallel) for n in (100, 10))
     gs, naive = holo.GsOption(parallel=parallel), holo.NaiveOption(parallel=parallel)
@@ -39,7 +42,7 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any
 
 
 def linear(method: Any, option: Any) -> Callable[[dict[str, Any]], Any]:
-    """A method that writes phases and intensities; `Clamp`, the default, takes the pascals asked as they are."""
+    """Prepare a method that writes phases and intensities. The default, `Clamp`, takes the targets [Pa] unscaled."""
 
     def prepare(problem: dict[str, Any]) -> Any:
         geometry, length, q, t, phases, intensities = given(problem)
@@ -56,7 +59,7 @@ def linear(method: Any, option: Any) -> Callable[[dict[str, Any]], Any]:
 
 
 def greedy(problem: dict[str, Any]) -> Any:
-    """Phases one by one, 16 levels, in random order, at full drive."""
+    """Prepare the greedy method: phases one by one, 16 levels, in random order, at full drive."""
     geometry, length, q, t, phases, intensities = given(problem)
     option = holo.GreedyOption()
     full = core.Intensity(FULL)
@@ -72,7 +75,7 @@ def greedy(problem: dict[str, Any]) -> Any:
 
 
 def given(problem: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Geometry [mm], wavelength, points [m], targets [Pa], and buffers to write to."""
+    """Return geometry [mm], wavelength, points [m], targets [Pa], and buffers for the output."""
     r = np.array(problem["positions"])
     units = geometry_size(problem)
     geometry = core.Geometry(
@@ -87,12 +90,12 @@ def given(problem: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
 
 
 def geometry_size(problem: dict[str, Any]) -> int:
-    """How many units."""
+    """Return the number of units."""
     return len(problem["positions"]) // UNIT
 
 
 def foci(q: Any, t: Any) -> list[Any]:
-    """Their targets; part of what is timed."""
+    """Return the targets in the peer's own type. The conversion is part of the timed work."""
     points, amplitudes = (1e3 * q).tolist(), t.tolist()
     return [
         holo.AmplitudeTarget(point, amplitude * holo.Pa)
@@ -101,6 +104,6 @@ def foci(q: Any, t: Any) -> list[Any]:
 
 
 def gains(phases: Any, intensities: Any) -> Any:
-    """From levels to (N,); their waves are exp(+jkr), so the phase is turned."""
+    """Return the gains (N,) of the levels. The phase is negated because autd3's waves are exp(+jkr)."""
     phase, intensity = phases.to_numpy().ravel(), intensities.to_numpy().ravel()
     return intensity / FULL * np.exp(-2j * np.pi / 256 * phase)

@@ -1,7 +1,7 @@
 """levitate 3.0: L-BFGS-B over phases and amplitudes. NumPy and SciPy, double precision.
 
-The objective is ours, as its users write theirs: sum (|p| - t)^2 as one `FieldImplementation`. A sum of M of
-its own `Pressure` fields makes the same steps, 2 to 60 times slower.
+The objective, sum (|p| - t)^2, is written as one `FieldImplementation`, as users of levitate do. A sum of M of its
+own `Pressure` fields makes the same steps, 2 to 60 times slower.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore")  # it uses names that NumPy 1.23 deprecates
+    warnings.simplefilter("ignore")  # levitate uses names that NumPy 1.23 deprecates
     arrays: Any = import_module("levitate.arrays")
     optimization: Any = import_module("levitate.optimization")
     transducers: Any = import_module("levitate.transducers")
     fields: Any = import_module("levitate.fields._wrappers")
 
-LOOSE = {"options": {"ftol": 1e-4, "gtol": 1e-9}}  # its own: ftol 1e-15
+LOOSE = {"options": {"ftol": 1e-4, "gtol": 1e-9}}  # levitate's default: ftol 1e-15
 
 
 class Misses(fields.FieldImplementation):  # type: ignore[misc]
@@ -41,23 +41,23 @@ class Misses(fields.FieldImplementation):  # type: ignore[misc]
         self.t = t
 
     def values(self, pressure_derivs_summed: Any) -> Any:
-        """Of pressures (1, M)."""
+        """Return the sum for pressures (1, M)."""
         return ((np.abs(pressure_derivs_summed[0]) - self.t) ** 2).sum()
 
     def jacobians(self, pressure_derivs_summed: Any, pressure_derivs_individual: Any) -> Any:
-        """Of pressures (1, M) and each transducer's part (1, N, M): (N,)."""
+        """Return the gradient (N,) for pressures (1, M) and each transducer's part (1, N, M)."""
         p = pressure_derivs_summed[0]
         size = np.abs(p)
         return pressure_derivs_individual[0] @ (2.0 * (size - self.t) * p.conj() / size)
 
 
 def versions() -> dict[str, str]:
-    """Of the libraries that matter."""
+    """Return the versions of the relevant libraries."""
     return {name: version(name) for name in ("levitate", "scipy", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:
-    """With its own tolerances, also from the last answer, and with loose ones."""
+    """Return the solver with default tolerances, cold and warm, and with loose tolerances."""
     return {
         ("levitate", "cold"): optimised(None, False),
         ("levitate", "warm"): optimised(None, True),
@@ -66,7 +66,7 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any
 
 
 def optimised(settings: Any, warm: bool) -> Callable[[dict[str, Any]], Any]:
-    """`minimize` with `variable_amplitudes`; warm: from the last answer, the points moved by 1 mm."""
+    """Prepare `minimize` with `variable_amplitudes`. warm: start from the last result, with points moved by 1 mm."""
 
     def prepare(problem: dict[str, Any]) -> Any:
         r, frames, t = (np.array(problem[k]) for k in ("positions", "frames", "targets"))
@@ -90,7 +90,7 @@ def optimised(settings: Any, warm: bool) -> Callable[[dict[str, Any]], Any]:
             return found, q
 
         def read(output: Any) -> Any:
-            return output[0].conj(), output[1]  # its waves are exp(+jkr)
+            return output[0].conj(), output[1]  # levitate's waves are exp(+jkr)
 
         return solve, read
 

@@ -1,4 +1,4 @@
-"""Our solvers through the public API, and what they are held against: the roofline and a fixed GEMM."""
+"""Pacinian's solvers through the public API, and the references: the roofline and a fixed GEMM."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Task = tuple["Callable[[], Any]", "Callable[[Any], Any]"]
 
 
 def versions() -> dict[str, str]:
-    """Of the libraries that matter."""
+    """Return the versions of the relevant libraries."""
     return {name: version(name) for name in ("pacinian", "numpy", "scipy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Task]]:
-    """Every installed solver, cold and as a session updates it, and the references."""
+    """Return every installed solver, cold and as a session updates it, and the references."""
     found: dict[tuple[str, str], Callable[[dict[str, Any]], Task]] = {
         ("roofline", "reference"): roofline,
         ("gemm", "reference"): gemm,
@@ -43,7 +43,7 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Tas
 
 
 def cold(name: str) -> Callable[[dict[str, Any]], Task]:
-    """`pacinian.solve`, with no state kept."""
+    """Prepare `pacinian.solve`, which keeps no state."""
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
@@ -54,7 +54,7 @@ def cold(name: str) -> Callable[[dict[str, Any]], Task]:
 
 
 def warm(name: str) -> Callable[[dict[str, Any]], Task]:
-    """One `Session`; every point has moved by 1 mm since the last solve."""
+    """Prepare one `Session`. Every point has moved by 1 mm since the last solve."""
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
@@ -64,7 +64,7 @@ def warm(name: str) -> Callable[[dict[str, Any]], Task]:
 
 
 def one_moved(name: str) -> Callable[[dict[str, Any]], Task]:
-    """One `Session`; the first point has moved by 1 mm since the last solve, the others have not."""
+    """Prepare one `Session`. Only the first point has moved, by 1 mm, since the last solve."""
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
@@ -75,7 +75,7 @@ def one_moved(name: str) -> Callable[[dict[str, Any]], Task]:
 
 
 def rescaled(name: str) -> Callable[[dict[str, Any]], Task]:
-    """One `Session`; only the strength of all targets has changed, between 0.5 and 0.4 of those given."""
+    """Prepare one `Session`. Only the strength changes, between 0.5 and 0.4 of the targets."""
 
     def prepare(problem: dict[str, Any]) -> Task:
         array, frames, t = given(problem)
@@ -85,7 +85,7 @@ def rescaled(name: str) -> Callable[[dict[str, Any]], Task]:
 
 
 def updated(session: Session, path: list[tuple[Any, Any]]) -> Task:
-    """Solve for the (points, targets) of `path` in turn, and from its start again."""
+    """Solve for the (points, targets) of `path` in turn, repeatedly."""
     steps = itertools.cycle(path)
 
     def again() -> Any:
@@ -96,7 +96,7 @@ def updated(session: Session, path: list[tuple[Any, Any]]) -> Task:
 
 
 def roofline(problem: dict[str, Any]) -> Task:
-    """What nearly every solver must do: B, its Gram matrix, B^H z and B g, by our own kernels."""
+    """Prepare the work that nearly every solver must do: B, its Gram matrix, B^H z and B g, with Pacinian's kernels."""
     array, frames, t = given(problem)
     propagator, path = Propagator(array, AIR), itertools.cycle(frames)
     z = t.astype(np.complex64)
@@ -110,7 +110,7 @@ def roofline(problem: dict[str, Any]) -> Task:
 
 
 def gemm(problem: dict[str, Any]) -> Task:
-    """A fixed product, 64 x 2241 by 2241 x 64: how steady the machine is."""
+    """Prepare a fixed product, 64 x 2241 by 2241 x 64, which shows how steady the machine is."""
     rng = np.random.default_rng(0)
     a = rng.normal(size=(64, 2241)).astype(np.complex64)
     b, out = np.ascontiguousarray(a.T), np.empty((64, 64), np.complex64)
@@ -118,6 +118,6 @@ def gemm(problem: dict[str, Any]) -> Task:
 
 
 def given(problem: dict[str, Any]) -> tuple[Array, Any, Any]:
-    """The array, the points of all frames (6, M, 3) [m], the targets (M,) [Pa]."""
+    """Return the array, the points of all frames (6, M, 3) [m] and the targets (M,) [Pa]."""
     array = Array(problem["positions"], transducer=Transducer(pressure=problem["pressure"]))
     return array, np.array(problem["frames"]), np.array(problem["targets"])

@@ -15,5 +15,5 @@ __all__ = ["Autd3", "register_backends"]
 
 @pc.hookimpl
 def register_backends() -> Iterable[type[pc.Backend]]:
-    """This plug-in's backend."""
+    """Return this plug-in's backend."""
     return [Autd3]

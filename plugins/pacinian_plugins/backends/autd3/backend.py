@@ -1,4 +1,4 @@
-"""The backend `autd3`: an array's frames, to AUTD3 units."""
+"""The backend `autd3`: sends frames to AUTD3 units."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
     from pacinian_plugins.backends.autd3.transport import Transport
 
-ROOM = 6  # rows of a tick: the units have room for 7 messages
+ROOM = 6  # maximum number of rows in a tick; the units buffer 7 messages
 
 
 @dataclass
 class Autd3(pc.Backend):
     """AUTD3 units, through the AUTD3 project's packages: docs/autd3.md.
 
-    link: how to reach them: "udp", "simulator", "server", "loopback" or "emulator". interface: of the network,
-    found unless given. port: of the simulator or server, theirs unless given. description: a file that says where
-    the units are and what of them is dead; without one the array is whole units, in the order of their cables.
-    rate: rows a second [Hz]; 40 kHz is a multiple. watchdog: after which units are silent when frames stop [s].
-    lead: by how much rows are sent ahead of when they are due, so that they do not jitter [s]. timeout: for which
-    units may not answer [s]. clock: [s], for tests.
+    link: how to reach them: "udp", "simulator", "server", "loopback" or "emulator". interface: network interface,
+    detected unless given. port: of the simulator or server, default unless given. description: file with the poses and
+    the dead transducers of the units; without it, the array consists of whole units in the order of their cables.
+    rate: rows per second [Hz], a divisor of 40 kHz. watchdog: time after the last frame at which units fall silent [s].
+    lead: time by which rows are sent before they are due, to avoid jitter [s]. timeout: time for which units may not
+    answer [s]. clock: [s], for tests.
     """
 
     name: ClassVar[str] = NAME
@@ -45,7 +45,7 @@ class Autd3(pc.Backend):
     timeout: float = 0.1
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
     line: Transport | None = field(default=None, init=False, repr=False)
-    """The way to the units, of the last `open`."""
+    """Transport to the units, set by the last `open`."""
 
     def __post_init__(self) -> None:
         if self.link in transports.ETHERCAT:
@@ -67,11 +67,11 @@ class Autd3(pc.Backend):
 
     @property
     def capability(self) -> pc.Capability:
-        """256 phases, and all amplitudes that the units' pulses make."""
+        """The capability: 256 phases, and all distinct amplitudes of the units' pulses."""
         return self._capability
 
     def open(self, array: pc.Array) -> None:
-        """Reach the units, and leave them silent. Raises BackendError, SceneFileError, MissingExtra."""
+        """Connect to the units; they stay silent. Raises BackendError, SceneFileError, MissingExtra."""
         self.close()
         if self.description:
             described = pc.DeviceDescription.load(self.description)
@@ -87,7 +87,7 @@ class Autd3(pc.Backend):
         self._open = True
 
     def send(self, frame: pc.Frame) -> None:
-        """Send what is new of a frame. Raises BackendError if the units are lost, or refuse."""
+        """Send the changes of a frame. Raises BackendError if the units are lost or refuse them."""
         line, rows = self._line(), frame.phase.shape
         if rows[0] > ROOM:
             raise pc.BackendError(
@@ -112,13 +112,13 @@ class Autd3(pc.Backend):
         )
 
     def silence(self) -> None:
-        """End all sound. Raises BackendError if the units do not answer: their failsafe silences them."""
+        """Stop all sound. Raises BackendError if the units do not answer; then their failsafe silences them."""
         if self._open:
             self._stream.forget()
             self._line().silence()
 
     def close(self) -> None:
-        """Silence the units and let them go."""
+        """Silence the units and disconnect."""
         if self._open:
             line, self._open = self._line(), False
             line.close()

@@ -1,4 +1,4 @@
-"""What units are told to be: exact, and silent."""
+"""Commands for units: change levels without ramps, and be silent."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from typing import Any
 
 from pacinian_plugins.backends.autd3.packages import import_package
 
-AT_ONCE = 65535  # of 256 levels in units of 1/256: in one period of the ultrasound
+AT_ONCE = 65535  # largest change of a level per period of the ultrasound, in 1/256 of a level
 
 
 def make_exact() -> Any:
-    """The command that lets levels change from one period to the next: the silencer ramps them otherwise.
+    """Return the command that lets levels change from one period to the next, instead of the silencer's ramps.
 
-    `SetSilencer.disable()` does not: in the emulator some phases then run the long way round, for up to 1 ms.
+    `SetSilencer.disable()` does not do this: in the emulator, some phases then take the long way round, up to 1 ms.
     """
     commands = import_package("autd3.commands")
     return commands.SetSilencer(commands.FixedUpdateRate(AT_ONCE, AT_ONCE))
 
 
 def make_silent(units: int) -> Any:
-    """The command that ends all sound."""
+    """Return the command that stops all sound."""
     return import_package("autd3.commands").Pattern(
         import_package("autd3_pattern").PhaseBuffer(units), 0
     )

@@ -1,4 +1,4 @@
-"""The AUTD3 project's emulator in place of units: what they would emit, and its field."""
+"""The AUTD3 project's emulator in place of units: computes what they would emit, and the field."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from pacinian.types import Gains
     from pacinian_plugins.backends.autd3.transport import Due
 
-CYCLE = 25_000  # [ns] of the ultrasound
-MAX_MESSAGES = 4096  # messages; at most two cycles of them say what sounds now
+CYCLE = 25_000  # period of the ultrasound [ns]
+MAX_MESSAGES = 4096  # messages kept; at most two cycles determine the current sound
 
 
 class EmulatedTransport:
-    """Units that are in the emulator only.
+    """Units that exist in the emulator only.
 
-    geometry: of the units. clock: [s]; that of the units is 0 now.
+    geometry: of the units. clock: [s]; the units' own clock starts at 0.
     """
 
     def __init__(self, geometry: Any, clock: Callable[[], float]) -> None:
@@ -43,33 +43,33 @@ class EmulatedTransport:
         return self._clock() - self._start
 
     def post(self, told: Sequence[Due]) -> None:
-        """Take these: nothing ever waits."""
+        """Record these frames; they never wait."""
         now = self.time
         for frames, due in told:
             self._log.append((now if due is None else due, frames))
             self.messages += len(frames)
 
     def check(self) -> None:
-        """Nothing fails."""
+        """Do nothing: the emulator never fails."""
 
     def silence(self) -> None:
-        """End all sound."""
+        """Stop all sound."""
         now = self.time
         while self._log and self._log[-1][0] > now:
             self._log.pop()
         self.post([(self._silent, None)])
 
     def close(self) -> None:
-        """Silence; what was sent can still be looked at."""
+        """Silence the units; their record stays available."""
         self.silence()
 
     def record(self, seconds: float = 1e-9 * CYCLE) -> Any:
-        """What they emitted in the last `seconds` [s], as the emulator's `Record`: `record.sound_field(...)`.
+        """Return the emission of the last `seconds` [s] as the emulator's `Record`: `record.sound_field(...)`.
 
-        One period unless given. It is slow, and large: 150 kB for each millisecond and unit.
+        Default: one period. This is slow and needs 150 kB for each millisecond and unit.
         """
         span = max(1, round(1e9 * check_number("seconds", seconds, low=0.0) / CYCLE))
-        end = round(1e9 * self.time) // CYCLE + 1  # periods; the one that has begun is over then
+        end = round(1e9 * self.time) // CYCLE + 1  # in periods, after the current one
         recorder = self._emulator.Recorder(self._geometry, CYCLE * max(0, end - span))
         at = max(0, end - span)
         for frame in self._begin:
@@ -87,7 +87,7 @@ class EmulatedTransport:
         return recorder.into_record()
 
     def gains(self) -> Gains:
-        """The gains that sound now, of all transducers of the units, (249 units,)."""
+        """Return the gains emitted now by all transducers, (249 * units,)."""
         record = self.record()
         phase, width = (table.to_numpy()[:, -1] for table in (record.phase(), record.pulse_width()))
         size = np.sin(np.pi * width / PERIOD)

@@ -1,4 +1,4 @@
-"""What went wrong on the way to AUTD3 units, and what the user should do about it."""
+"""Error messages of the AUTD3 packages, with advice for the user."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LOST = (
     "the units have stopped answering: a cable, the power, or another program that opened them. Their failsafe "
     f"silences them. Mend that, then {AGAIN}"
 )
-ADVICE = {  # by what the packages say
+ADVICE = {  # by a part of the packages' error message
     "no interface has an AUTD3": "switch the units on, connect the first to this machine, allow UDP from port 44336 "
     "through the firewall; units with EtherCAT firmware (0.9 or older) must be updated: docs/autd3.md",
     "no simulator answers": "start it: the Simulator of autd3-console",
@@ -23,7 +23,7 @@ ADVICE = {  # by what the packages say
 
 
 def explain(error: Exception, gone: bool = False) -> str:
-    """What to say of an error of the packages. gone: whether a unit is known to be lost."""
+    """Return the message for an error of the packages. gone: whether a unit is known to be lost."""
     if gone:
         return f"{NAME}: {LOST}"
     said = str(error)

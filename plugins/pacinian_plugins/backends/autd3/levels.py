@@ -1,4 +1,4 @@
-"""Our levels, and those of AUTD3."""
+"""Conversion of Pacinian's levels to those of AUTD3."""
 
 from __future__ import annotations
 
@@ -15,35 +15,35 @@ if TYPE_CHECKING:
     from pacinian_plugins.backends.autd3.units import Layout
 
 PHASES, INTENSITIES = 256, 256
-PERIOD = 512  # steps of a pulse's width in a period of the ultrasound
+PERIOD = 512  # steps of pulse width per period of the ultrasound
 
 _intensities = np.arange(INTENSITIES)
 WIDTHS = np.round(PERIOD * np.arcsin(_intensities / (INTENSITIES - 1)) / np.pi).astype(int)
-"""The pulse that an intensity makes, in steps: what the device's own table holds."""
+"""Pulse width of each intensity [steps], as in the device's own table."""
 _widths, _first = np.unique(WIDTHS, return_index=True)
 SIZES: tuple[float, ...] = tuple(np.sin(np.pi * _widths / PERIOD).tolist())
-"""The sound pressures that differ: some of the weaker intensities make the same pulse."""
+"""Distinct sound pressures, relative to the strongest; some of the weaker intensities make the same pulse."""
 LEVELS = len(SIZES)
 INTENSITY: NDArray[np.uint8] = _intensities[_first].astype(np.uint8)
-"""The intensity of each of them."""
+"""Intensity of each distinct sound pressure."""
 
 
 class Packer:
-    """Turns rows of levels into what the units are sent, phases and intensities, (rows, units, 249)."""
+    """Converts rows of levels to the phases and intensities of the units, (rows, units, 249)."""
 
     def __init__(self, layout: Layout) -> None:
         self._units, self._places = len(layout.units), layout.places
         self._all = len(self._places) == UNIT * self._units
 
     def pack(self, phase: Levels, amplitude: Levels) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """Pack rows, (K, N). Their phases count delays, ours leads. Raises ValueError for levels that are none."""
+        """Pack rows, (K, N). AUTD3 phases are lags, ours are leads. Raises ValueError for levels out of range."""
         if (
             phase.shape[1] != len(self._places)
             or phase.max() >= PHASES
             or amplitude.max() >= LEVELS
         ):
             raise ValueError(f"levels of {phase.shape[1]} transducers")
-        delay = (-phase.astype(np.int16)).astype(np.uint8)  # modulo 256, all of a turn
+        delay = (-phase.astype(np.int16)).astype(np.uint8)  # modulo 256, one turn
         return self._placed(delay), self._placed(INTENSITY[amplitude])
 
     def _placed(self, levels: NDArray[np.uint8]) -> NDArray[np.uint8]:

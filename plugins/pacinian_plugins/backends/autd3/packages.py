@@ -11,7 +11,7 @@ NAME = "autd3"
 
 
 def import_package(name: str) -> Any:
-    """One of the packages. Raises MissingExtra."""
+    """Import one of the packages. Raises MissingExtra."""
     try:
         return import_module(name)
     except ImportError as error:

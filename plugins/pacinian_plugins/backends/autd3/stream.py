@@ -1,4 +1,4 @@
-"""Rows of levels to what the units must be told: nothing, where they play them by themselves."""
+"""Converts rows of levels to commands for the units, and sends nothing while they play a cycle by themselves."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 CARRIER = 40_000  # [Hz]
 Told = tuple[Any, int]
-"""Frames of the packages, and with which row of the tick they are due."""
+"""Frames of the packages, and the row of the tick at which they are due."""
 
 
 class Stream:
-    """Tells the units of a geometry what to play, `rate` rows a second [Hz].
+    """Generates the commands for the units of a geometry. rate: rows per second [Hz].
 
-    A row is a pattern in bank B0, which sounds until the next; one that sounds already is not sent. Rows that come
-    again and again are written to bank B1 as they come by, one a tick, and then played from there.
+    A row is a pattern in bank B0 that plays until the next one; a row that is already playing is not sent again.
+    Periodic rows are written to bank B1, one row per tick, and then played from there.
     """
 
     def __init__(self, geometry: Any, rate: int) -> None:
@@ -35,17 +35,17 @@ class Stream:
         self._encode = import_package("autd3").Frames.encode
         self._bank = self._value.PatternBank.B1
         self._cycles = RepeatDetector()
-        self._held: int | None = None  # the digest of what sounds
+        self._held: int | None = None  # digest of the row that is playing
 
     def forget(self) -> None:
-        """What the units have is not known any more."""
+        """Forget the state of the units, because it is unknown."""
         self._cycles.stop()
         self._held = None
 
     def tell(self, first: int, phases: Rows, intensities: Rows, time: float) -> list[Told]:
-        """What to send for the rows of a tick, (rows, units, 249).
+        """Return the frames to send for the rows of a tick, (rows, units, 249).
 
-        first: when the first is due, counted in rows. time: when that is on the units' clock [s].
+        first: due time of the first row, counted in rows. time: the same on the units' clock [s].
         """
         cycles, K = self._cycles, len(phases)
         digests = [hash((phases[k].tobytes(), intensities[k].tobytes())) for k in range(K)]
@@ -74,18 +74,18 @@ class Stream:
         ]
 
     def _spare(self, first: int, K: int, time: float) -> int | None:
-        """Which of these rows is to be written to the spare bank."""
+        """Return which of these rows to write to the spare bank."""
         cycles = self._cycles
         if not cycles.period:
             if not (period := cycles.found()):
                 return None
-            turn = round(time * self._rate)  # the bank turns with their clock
+            turn = round(time * self._rate)  # the bank follows the units' clock
             cycles.begin(period, turn - first)
         index = cycles.wants(range(first, first + K))
         return None if index is None else index - first
 
     def _played(self, period: int) -> list[Any]:
-        """Play the spare bank."""
+        """Return the commands that play the spare bank."""
         every = self._value.SamplingConfig(CARRIER // self._rate)
         forever, now = self._value.LoopBehavior.Infinite, self._value.TransitionMode.Immediate
         return [

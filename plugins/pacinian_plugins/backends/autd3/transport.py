@@ -1,4 +1,4 @@
-"""What the backend needs of the units, wherever they are."""
+"""The interface between the backend and the units, wherever they are."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Due = tuple[Any, float | None]
 
 
 class Transport(Protocol):
-    """A way to the units of an array, open and silent, until `close`."""
+    """A connection to the units of an array. It is open, and the units are silent, from the start."""
 
     failures: int
-    """How often something that was posted did not arrive, or may not have."""
+    """Number of posted frames that did not arrive, or may not have arrived."""
 
     @property
     def time(self) -> float:
@@ -24,21 +24,21 @@ class Transport(Protocol):
 
     @property
     def waits(self) -> bool:
-        """Whether what was posted last still waits to be sent."""
+        """Whether the last post is still waiting to be sent."""
         ...
 
     def post(self, told: Sequence[Due]) -> None:
-        """Send these, in place of what still waits, without waiting; nothing to tell says that the host is alive."""
+        """Queue these frames in place of waiting ones, without blocking. An empty post is a heartbeat."""
         ...
 
     def check(self) -> None:
-        """Raise BackendError if the units do not take what they are sent."""
+        """Raise BackendError if the units do not accept frames."""
         ...
 
     def silence(self) -> None:
-        """End all sound, and be sure of it. Raises BackendError."""
+        """Stop all sound, and confirm it. Raises BackendError."""
         ...
 
     def close(self) -> None:
-        """Silence the units and let them go. Never raises."""
+        """Silence the units and disconnect. Never raises."""
         ...

@@ -1,4 +1,4 @@
-"""The ways to units that there are."""
+"""The available transports to AUTD3 units."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LINKS = {
     "loopback": "the units' own software in this process, behind a real socket",
     "emulator": "the AUTD3 project's emulator, which tells what is emitted",
 }
-FAILSAFE = "udp", "simulator", "loopback"  # where units notice that this process is gone
+FAILSAFE = "udp", "simulator", "loopback"  # links whose units notice the end of this process
 ETHERCAT = "twincat", "remote-twincat", "soem", "ethercrab", "echocat", "remote"
 GONE = (
     "was for the EtherCAT firmware, up to 0.9: the AUTD3 packages have no such link any more. Update the units with "
@@ -37,7 +37,7 @@ def make_transport(
     timeout: float,
     clock: Callable[[], float],
 ) -> Transport:
-    """Open one. Raises BackendError, MissingExtra."""
+    """Open the transport of a link. Raises BackendError, MissingExtra."""
     if link == "emulator":
         return EmulatedTransport(geometry, clock)
     api = import_package("autd3")

@@ -1,4 +1,4 @@
-"""Units on a network, or what stands for them there: a client of the AUTD3 packages, in a thread of its own."""
+"""Transport to units on a network, or to a stand-in: a client of the AUTD3 packages in a thread of its own."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
     from pacinian_plugins.backends.autd3.transport import Due
 
-OPENING = 60.0  # [s]; the packages give up before
-LOOK = 1.0  # [s] between two looks whether the units' failsafe has silenced them
-TRIES = 3  # of ending that
-MORE = 1.0  # [s] that a call may take beyond the time in which units must answer
+OPENING = 60.0  # timeout of opening [s]; the packages give up earlier
+LOOK = 1.0  # interval at which the units' failsafe is checked [s]
+TRIES = 3  # attempts to release the failsafe
+MORE = 1.0  # time that a call may take beyond the timeout of the units [s]
 
 
 class UdpTransport:
-    """Units that a client of the packages reaches.
+    """Transport through a client of the AUTD3 packages.
 
-    geometry: of the units. option: how they are reached. watchdog: after which they are silent when nothing is sent
-    [s]. timeout: for which they may not answer [s]. clock: [s]. failsafe: whether they are to be told of the watchdog.
-    units: what stands for them, held while it is open. Raises BackendError.
+    geometry: of the units. option: link option of the packages. watchdog: time without frames after which the units
+    fall silent [s]. timeout: time for which they may not answer [s]. clock: [s]. failsafe: whether to configure the
+    watchdog on the units. units: stand-in for the units, kept alive while open. Raises BackendError.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class UdpTransport:
         self._silent = make_silent(len(geometry))
         self._next: Sequence[Due] = ()
         self._sent = self._looked = clock()
-        self._failing: float | None = None  # [s] since when nothing was answered
+        self._failing: float | None = None  # time of the first failure without an answer since [s]
         self._problem = ""
         self._silences = 0
         self._tasks: set[asyncio.Task[None]] = set()
@@ -77,11 +77,11 @@ class UdpTransport:
 
     @property
     def waits(self) -> bool:
-        """Whether what was posted last still waits to be sent."""
+        """Whether the last post is still waiting to be sent."""
         return bool(self._next) and self._next is not self._nop
 
     def post(self, told: Sequence[Due]) -> None:
-        """Send these, in place of what still waits, without waiting; nothing to tell says that the host is alive."""
+        """Queue these frames in place of waiting ones, without blocking. An empty post is a heartbeat."""
         if not told:
             if self._next or self._clock() - self._sent < 0.25 * self._watchdog:
                 return
@@ -90,12 +90,12 @@ class UdpTransport:
         self._loop.call_soon_threadsafe(self._wake.set)
 
     def check(self) -> None:
-        """Raise BackendError if the units do not take what they are sent."""
+        """Raise BackendError if the units do not accept frames."""
         if self._problem:
             raise pc.BackendError(self._problem)
 
     def silence(self) -> None:
-        """End all sound, and be sure of it. Units that have been lost for the watchdog's time are silent.
+        """Stop all sound, and confirm it. Units lost for longer than the watchdog's time are already silent.
 
         Raises BackendError.
         """
@@ -104,7 +104,7 @@ class UdpTransport:
             self._ask(self._silenced(), self._timeout + MORE)
 
     def close(self) -> None:
-        """Silence the units and let them go. Never raises."""
+        """Silence the units and disconnect. Never raises."""
         if self._loop.is_closed():
             return
         with suppress(Exception):
@@ -116,7 +116,7 @@ class UdpTransport:
             self._loop.close()
 
     def _ask(self, work: Coroutine[Any, Any, None], timeout: float) -> None:
-        """Have something done in the client's thread. Raises BackendError."""
+        """Run a coroutine in the client's thread and wait for it. Raises BackendError."""
         asked = asyncio.run_coroutine_threadsafe(work, self._loop)
         try:
             asked.result(timeout)
@@ -147,7 +147,7 @@ class UdpTransport:
         task.add_done_callback(self._tasks.discard)
 
     async def _pump(self) -> None:
-        """Send what is posted."""
+        """Send posted frames, for ever."""
         while True:
             await self._wake.wait()
             self._wake.clear()
@@ -171,7 +171,7 @@ class UdpTransport:
             await self._released()
 
     async def _settled(self, response: Any) -> None:
-        """Wait for the answer to a frame."""
+        """Await the answer to a frame."""
         try:
             (await response).check()
             self._failing = None
@@ -179,7 +179,7 @@ class UdpTransport:
             self._failed(error)
 
     async def _released(self) -> None:
-        """End the silence that the units' failsafe may have begun, now that they are told again what to play."""
+        """Release the units' failsafe if it has silenced them, now that frames are sent again."""
         self._looked = self._clock()
         for _ in range(TRIES):
             states = await self._client.read_fpga_state()
@@ -189,7 +189,7 @@ class UdpTransport:
                 await self._client.send(self._commands.ReleaseFailsafe())
 
     def _failed(self, error: Exception) -> None:
-        """One more was lost: a fault if a unit is, if it cannot be sent, or if nothing was answered for too long."""
+        """Count a lost frame. It is a fault if a unit is lost, sending is impossible, or the timeout has passed."""
         self.failures += 1
         now, gone = self._clock(), False
         self._failing = now if self._failing is None else self._failing
@@ -223,6 +223,6 @@ class UdpTransport:
 
 
 def _at(api: Any, due: float) -> Any:
-    """When to take effect, as the packages say it."""
+    """Return the execution time `due` [s] as an object of the packages."""
     time = import_package("autd3.value").SysTime.from_nanos(round(1e9 * due))
     return api.ExecAt.At(time)

@@ -1,4 +1,4 @@
-"""Where an array's AUTD3 units are, and which of its transducers each of their channels is."""
+"""Poses of an array's AUTD3 units, and the mapping of its transducers to their channels."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
 UNIT = 249  # transducers
-NEAR = 1e-4  # [m] by which a transducer may be off
-ACROSS, UP = 17, 231  # the transducers at the other ends of the first row and the first column
-PLACES = pc.autd().positions - pc.autd().positions[0]  # of the transducers of a unit [m], (249, 3)
+NEAR = 1e-4  # position tolerance of a transducer [m]
+ACROSS, UP = 17, 231  # last transducer of the first row, and of the first column
+PLACES = pc.autd().positions - pc.autd().positions[0]  # positions in a unit [m], (249, 3)
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: where its first transducer is [m], and how it is turned, a quaternion (w, x, y, z)."""
+    """A unit: position of its first transducer [m], and rotation, a quaternion (w, x, y, z)."""
 
     origin: tuple[float, float, float]
     rotation: tuple[float, float, float, float]
 
     def positions(self) -> Floats:
-        """Where its transducers are [m], (249, 3)."""
+        """Return the positions of its transducers [m], (249, 3)."""
         w, x, y, z = self.rotation
         return pc.Pose(self.origin, (x, y, z, w)).points(PLACES)
 
@@ -40,7 +40,7 @@ class Layout:
     places: Indices
 
     def geometry(self) -> Any:
-        """The same for the AUTD3 packages, which count in millimetres. Raises BackendError, MissingExtra."""
+        """Return the geometry for the AUTD3 packages, which use millimetres. Raises BackendError, MissingExtra."""
         core = import_package("autd3_core")
         made = core.Geometry(
             [
@@ -57,7 +57,7 @@ class Layout:
 
 
 def layout_of_array(array: pc.Array) -> Layout:
-    """The units that an array is made of, found by where its transducers are. Raises BackendError."""
+    """Find the units of an array from the positions of its transducers. Raises BackendError."""
     N = len(array)
     if N % UNIT:
         raise pc.BackendError(
@@ -71,7 +71,7 @@ def layout_of_array(array: pc.Array) -> Layout:
 
 
 def layout_of_description(description: pc.DeviceDescription, array: pc.Array) -> Layout:
-    """The units of a description, whose array this must be. Raises BackendError."""
+    """Return the units of a description, which must describe this array. Raises BackendError."""
     described = description.array()
     same = len(described) == len(array)
     if not same or np.abs(described.positions - array.positions).max() > NEAR:
@@ -93,7 +93,7 @@ def layout_of_description(description: pc.DeviceDescription, array: pc.Array) ->
 
 
 def _unit(k: int, positions: Floats, normals: Floats) -> Unit:
-    """The unit whose transducers these are. Raises BackendError."""
+    """Return the unit that has these transducers. Raises BackendError."""
     x, y = (_direction(positions[end] - positions[0]) for end in (ACROSS, UP))
     z = np.cross(x, y)
     problem = f"{NAME}: transducers {UNIT * k} to {UNIT * (k + 1) - 1} are not those of a unit"

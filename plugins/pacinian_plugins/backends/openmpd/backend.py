@@ -1,4 +1,4 @@
-"""The backend `openmpd`: an array's frames, to the boards that it is made of."""
+"""The backend `openmpd`: sends frames to the boards of an array."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
 NAME = CHIPS.name
-ROOM = 16  # frames of a tick; the FPGA stops reading at 28
+ROOM = 16  # maximum number of frames in a tick; the FPGA stops reading at 28
 
 
 @dataclass
 class OpenMpd(pc.Backend):
     """OpenMPD's phased arrays: boards of 256 transducers, each on an FT232H: docs/openmpd.md.
 
-    description: a file that says which boards the array is made of; without one they are `serials`, and a board's
-    transducers in the order of its pins. A board that is not named is not touched: any FT232H looks like one.
-    rate: frames that are sent a second [Hz]. led: the boards' light while they are open: red, green, blue, 0 to
-    255. timeout: for which a board may take nothing [s]; one that hangs holds `send` up for no longer.
-    library: a backend of pyusb instead of libusb's; wait, clock: time; for tests.
+    description: file that describes the boards of the array; without it, they are `serials`, and the transducers of a
+    board are in the order of its pins. Boards that are not named are not touched, because any FT232H looks like one.
+    rate: frames sent per second [Hz]. led: light of the open boards: red, green, blue, 0 to 255. timeout: time for
+    which a board may accept no data [s]; a hanging board blocks `send` for no longer.
+    library: backend of pyusb instead of libusb's; wait, clock: time; for tests.
     """
 
     name: ClassVar[str] = NAME
@@ -66,21 +66,21 @@ class OpenMpd(pc.Backend):
         self._columns = 0
         self._packer = Packer([])
         self.boards: list[Board] = []
-        """Those that are open, in the array's order."""
+        """Open boards, in the array's order."""
 
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
-        """The chips that are connected, by serial: boards, or anything else."""
+        """Return the connected chips by serial, whether they are boards or other devices."""
         title = "FT232H, an OpenMPD board or anything else"
         return [pc.Found(NAME, *one) for one in CHIPS.describe(title)]
 
     @property
     def capability(self) -> pc.Capability:
-        """What all boards can do; they have no watchdog."""
+        """The capability of all boards; they have no watchdog."""
         return self._capability
 
     def open(self, array: pc.Array) -> None:
-        """Claim the boards and silence them; takes 1.3 s, in which each forgets what it got half.
+        """Claim the boards and silence them. Takes 1.3 s, in which each board discards an incomplete frame.
 
         Raises BackendError, SceneFileError, MissingExtra.
         """
@@ -99,15 +99,15 @@ class OpenMpd(pc.Backend):
         self._packer, self._columns = Packer(wirings), len(array)
 
     def send(self, frame: pc.Frame) -> None:
-        """Send a frame to each board. Raises BackendError at the first that does not take it; nothing is repeated.
+        """Send a frame to each board. Raises BackendError at the first board that does not accept it; never retries.
 
-        Then some boards may have it, and others not: `silence` comes next.
+        After an error, only some of the boards may have the frame; call `silence` next.
         """
         for board, data in zip(self.boards, self.packed(frame), strict=True):
             board.send(data)
 
     def packed(self, frame: pc.Frame) -> list[array[int]]:
-        """The bytes of a frame, for each board, in buffers that are reused. Raises BackendError."""
+        """Return the bytes of a frame for each board, in reused buffers. Raises BackendError."""
         if not self.boards:
             raise pc.BackendError(f"{NAME} is not open")
         phase, amplitude = frame.phase, frame.amplitude
@@ -121,7 +121,7 @@ class OpenMpd(pc.Backend):
         return self._packer.pack(phase, amplitude)
 
     def silence(self) -> None:
-        """Silence every board, behind the frames that are on their way. Raises BackendError if one goes on."""
+        """Silence every board after the frames under way. Raises BackendError if one continues to sound."""
         problems: list[pc.BackendError] = []
         for board in self.boards:
             try:
@@ -132,13 +132,13 @@ class OpenMpd(pc.Backend):
             raise problems[0]
 
     def close(self) -> None:
-        """Silence, and give the boards back."""
+        """Silence and release the boards."""
         for board in self.boards:
             board.close()
         self.boards = []
 
     def _wirings(self, N: int) -> Sequence[pc.Wiring]:
-        """Which transducers each board drives. Raises BackendError, SceneFileError."""
+        """Return the wiring of each board. Raises BackendError, SceneFileError."""
         if self.description:
             wirings = pc.DeviceDescription.load(self.description).wiring
         else:

@@ -1,4 +1,4 @@
-"""One board: its frames, and how they are found again after one was cut."""
+"""One board: sends its frames, and resynchronises after a truncated frame."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ DARK = (0, 0, 0)
 
 
 class Board:
-    """A board behind a chip, which is closed with it.
+    """A board behind a chip. Closing the board closes the link.
 
-    divide: of 40 kHz, for the frames that it plays. led: its light while it is open. timeout: for which it may
-    take nothing [s]. clock: [s].
+    divide: divider of 40 kHz for the frame rate. led: its light while it is open. timeout: time for which it may
+    accept no data [s]. clock: [s].
     """
 
     def __init__(
@@ -36,10 +36,10 @@ class Board:
         self.link, self.name = link, link.name
         self._divide, self._timeout, self._clock = divide, timeout, clock
         self._off = encode_off(divide, led)
-        self._ready = -math.inf  # [s] when it is sure where frames begin
+        self._ready = -math.inf  # time when frame boundaries are known again [s]
 
     def send(self, frames: array[int]) -> None:
-        """Play frames. Raises BackendError; nothing is repeated."""
+        """Play frames. Raises BackendError; never retries."""
         if (left := self._ready - self._clock()) > 0.0:
             raise pc.BackendError(
                 f"{self.name}: a frame was cut: it takes {left:.1f} s until the board has forgotten it"
@@ -47,28 +47,28 @@ class Board:
         self._write(frames)
 
     def silence(self) -> None:
-        """Silence, whatever it has got before. Raises BackendError: then it goes on playing."""
+        """Silence the board, whatever it received before. Raises BackendError if it continues to play."""
         cut = self._clock() < self._ready
         if cut:
-            with suppress(pc.BackendError):  # the next line tells
+            with suppress(pc.BackendError):  # the next write reports the error
                 self.link.mend()
         self._write(self._off)
         if cut:
             self.settle()
 
     def settle(self) -> None:
-        """Take no frame until it is sure where the next one begins."""
+        """Reject frames until the board has discarded an incomplete one."""
         self._ready = self._clock() + PAUSE
 
     def close(self) -> None:
-        """Silence it, switch its light off, and give it back. Never raises."""
+        """Silence the board, switch its light off, and release it. Never raises."""
         self._off = encode_off(self._divide, DARK)
         with suppress(pc.BackendError):
             self.silence()
         self.link.close()
 
     def _write(self, data: array[int]) -> None:
-        queue = len(data) / FRAME * self._divide / CARRIER  # [s] until a full FIFO has room
+        queue = len(data) / FRAME * self._divide / CARRIER  # time until a full FIFO has room [s]
         try:
             self.link.write(data, self._timeout + queue)
         except pc.BackendError:

@@ -1,7 +1,7 @@
-"""The FT232H of one board, claimed: its 8-bit FIFO, from USB to the FPGA.
+"""The claimed FT232H of one board: its 8-bit FIFO from USB to the FPGA.
 
-What is to be told to the chip is pyftdi's; its driver is not: that writes the rest of a short write by itself, loses
-the number of an error, and resets the chip both before it claims it and behind the last frame.
+The request codes are pyftdi's, but its driver is not used. That driver silently completes short writes, loses error
+numbers, and resets the chip both before it claims the chip and after the last frame.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from pacinian.devices.usb_link import UsbLink
 if TYPE_CHECKING:
     from pacinian.devices.usb import ListedDevice
 
-PORT = 1  # the chip's only one
+PORT = 1  # the only port of the chip
 PINS = 0xFF
-LATENCY = 2  # [ms], of what it says to the host: nothing
-SETUP = 1.0  # [s] that it may take to be set up
+LATENCY = 2  # latency timer of data to the host [ms], of which there is none
+SETUP = 1.0  # timeout of each set-up request [s]
 CHIPS = UsbKind(
     name="openmpd",
     usb=((0x0403, 0x6014),),  # FTDI's FT232H, whatever it is built into
@@ -34,9 +34,9 @@ CHIPS = UsbKind(
 
 
 def open_port(one: ListedDevice) -> UsbLink:
-    """A chip, claimed, and set up as after power-up: the FIFO mode that its EEPROM says, nothing in its buffers.
+    """Claim a chip, and reset it to its state after power-up: the FIFO mode of its EEPROM, and empty buffers.
 
-    one: as `CHIPS.seen` found it. Raises BackendError, MissingExtra.
+    one: from `CHIPS.list_devices`. Raises BackendError, MissingExtra.
     """
     try:
         from pyftdi.ftdi import Ftdi

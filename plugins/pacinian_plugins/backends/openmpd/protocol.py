@@ -1,4 +1,4 @@
-"""The wire of OpenMPD boards, as bytes: see docs/openmpd.md."""
+"""The wire protocol of OpenMPD boards; see docs/openmpd.md."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 Bytes: TypeAlias = NDArray[np.uint8]
 
-BOARD, FRAME = 256, 512  # transducers of a board, bytes of a frame
-PHASES, DUTY = 128, 64  # levels in a turn; the longest pulse, half a period
+BOARD, FRAME = 256, 512  # transducers per board; bytes per frame
+PHASES, DUTY = 128, 64  # phase levels per turn; longest pulse, half a period
 SIZES = tuple(math.sin(0.5 * math.pi * n / DUTY) for n in range(DUTY + 1))
-"""Sound pressure of each pulse length, of the strongest."""
-CARRIER, SLOWEST = 40_000.0, 255  # [Hz]; the largest divider of it
-PAUSE = 1.3  # [s] without a whole frame in which the FPGA forgets part of one; it needs 1.0
+"""Sound pressure of each pulse length, relative to the strongest."""
+CARRIER, SLOWEST = 40_000.0, 255  # carrier frequency [Hz]; its largest divider
+PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0
 
 FLAG = 0x80  # bit 7 of a phase
 COLOUR, DIVIDER = (
@@ -30,19 +30,19 @@ COLOUR, DIVIDER = (
     26,
 )  # where its bits begin, the lowest first; the byte behind them says to take it
 CENTRE = ((DUTY - np.arange(DUTY + 1)) // 2).astype(np.uint16)
-"""By how much later a pulse begins the shorter it is, so that its middle stays."""
+"""Delay of each pulse length that keeps the centre of the pulse in place."""
 
 
 def encode_divider(rate: float) -> int:
-    """What of 40 kHz plays a little faster than `rate` [Hz], so that frames do not pile up."""
+    """Return the divider of 40 kHz that plays slightly faster than `rate` [Hz], so that frames do not pile up."""
     return min(max(math.ceil(CARRIER / rate) - 1, 1), SLOWEST)
 
 
 def encode_off(divide: int, led: Sequence[int]) -> array[int]:
-    """What silences a board, whatever it has got before: three frames of bytes.
+    """Encode the three frames that silence a board, whatever it received before.
 
-    Of what has been cut, the zeros before are the rest; behind it they are nothing, but push it out of the FIFO, which
-    gives away 512 bytes at a time. Sets the divider, and the light: red, green, blue, 0 to 255.
+    The leading zeros complete a truncated frame. The trailing zeros only push the middle frame out of the FIFO, which
+    delivers 512 bytes at a time. The frames also set the divider and the light: red, green, blue, 0 to 255.
     """
     made = np.zeros((3, FRAME), np.uint8)
     frame = made[1]
@@ -55,7 +55,7 @@ def encode_off(divide: int, led: Sequence[int]) -> array[int]:
 
 
 class Packer:
-    """Frames of an array to the bytes of each of its boards, in buffers that are reused."""
+    """Converts frames of an array to the bytes of each board, in reused buffers."""
 
     def __init__(self, wirings: Sequence[pc.Wiring]) -> None:
         N = BOARD * len(wirings)
@@ -68,7 +68,7 @@ class Packer:
         self._made: dict[int, tuple[Levels, list[array[int]], list[Bytes]]] = {}
 
     def pack(self, phase: Levels, amplitude: Levels) -> list[array[int]]:
-        """K frames for each board. phase, amplitude: levels of the whole array, (K, N), in range."""
+        """Return K frames for each board. phase, amplitude: levels of the whole array, (K, N), in range."""
         K, B = len(phase), self._boards
         if K not in self._made:
             levels = np.empty((2, K, B * BOARD), np.uint16)
@@ -79,7 +79,7 @@ class Packer:
         np.take(phase, self._indices, axis=1, out=p, mode="clip")
         np.take(amplitude, self._indices, axis=1, out=a, mode="clip")
         a[:, self._dead] = 0
-        begin = (CENTRE.take(a) - p) & (PHASES - 1)  # the board counts lags, and levels are leads
+        begin = (CENTRE.take(a) - p) & (PHASES - 1)  # boards count lags, levels are leads
         begin, a = begin.reshape(K, B, BOARD), a.reshape(K, B, BOARD)
         for b, view in enumerate(views):
             view[:, 0], view[:, 1] = begin[:, b], a[:, b]

@@ -1,4 +1,4 @@
-"""The backend `sonicsurface`: an array's frames, as fast as a serial line takes them."""
+"""The backend `sonicsurface`: sends frames as fast as the serial line accepts them."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 class SonicSurface(pc.Backend):
     """SonicSurface: 256 transducers, on or off, on a serial port: docs/sonicsurface.md.
 
-    port: its name, or the serial number of its adapter; no other is touched. description: a file that says how the
-    board is wired, or two that listen to one port; without one the array's transducers are in the order of the
-    channels; its first board's serial is the port's unless `port` is given. rate: of the loop [Hz]; of its frames
-    the newest is shown whenever the line is free, 89 times a second. select: commands by which the first and the
-    second of two boards are chosen. timeout: for which the system may hold bytes back [s]. clock: for tests.
+    port: name of the port, or serial number of its adapter; no other port is touched. description: file that
+    describes the wiring of the board, or of two boards on one port; without it, the array's transducers are in the
+    order of the channels. The serial of its first board selects the port unless `port` is given. rate: of the loop
+    [Hz]; whenever the line is free, 89 times a second, the newest frame is sent. select: commands that select the
+    first and the second of two boards. timeout: time that the system may hold bytes back [s]. clock: for tests.
     """
 
     name: ClassVar[str] = ports.NAME
@@ -53,7 +53,7 @@ class SonicSurface(pc.Backend):
 
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
-        """The adapters that are connected, of this or anything else."""
+        """Return the connected serial adapters, whatever they are attached to."""
         try:
             return ports.find_boards()
         except pc.MissingExtra as error:
@@ -61,7 +61,7 @@ class SonicSurface(pc.Backend):
 
     @property
     def capability(self) -> pc.Capability:
-        """What it can do; it has no watchdog."""
+        """The capability; there is no watchdog."""
         return self._capability
 
     def open(self, array: pc.Array) -> None:
@@ -82,7 +82,7 @@ class SonicSurface(pc.Backend):
         self._packer, self._columns = Packer(wirings), len(array)
 
     def send(self, frame: pc.Frame) -> None:
-        """Show a frame's last row, once the line is free; a newer frame takes its place. Raises BackendError."""
+        """Queue the last row of a frame until the line is free; a newer frame replaces it. Raises BackendError."""
         if self._line is None or self._packer is None:
             raise pc.BackendError(f"{self.name} is not open")
         phase, amplitude = frame.phase[-1], frame.amplitude[-1]
@@ -91,18 +91,18 @@ class SonicSurface(pc.Backend):
         self._line.show(self._packer.pack(phase, amplitude))
 
     def silence(self) -> None:
-        """Silence, behind the frame that is on the line. Raises BackendError: it goes on."""
+        """Silence the array after the frame on the line. Raises BackendError if the sound continues."""
         if self._line is not None:
             self._line.silence()
 
     def close(self) -> None:
-        """Silence, and give the port back."""
+        """Silence the array and release the port."""
         line, self._line = self._line, None
         if line is not None:
             line.close()
 
     def _wired(self, N: int) -> tuple[str, Sequence[pc.Wiring]]:
-        """The port, and what its boards drive. Raises BackendError, SceneFileError."""
+        """Return the port and the wirings of its boards. Raises BackendError, SceneFileError."""
         wirings: Sequence[pc.Wiring]
         if self.description:
             wirings = pc.DeviceDescription.load(self.description).wiring

@@ -1,4 +1,4 @@
-"""Serial ports: those there are, the one that is meant, and what to do where it cannot be used."""
+"""Serial ports: lists them, opens the chosen one, and explains its errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ UNPLUGGED = (
 
 
 def list_ports() -> list[Any]:
-    """The ports of USB adapters, as pyserial tells of them, by serial number. Raises MissingExtra."""
+    """Return the ports of USB adapters from pyserial, sorted by serial number. Raises MissingExtra."""
     try:
         from serial.tools.list_ports import comports
     except ImportError as error:
@@ -35,7 +35,7 @@ def list_ports() -> list[Any]:
 
 
 def find_boards() -> list[pc.Found]:
-    """The same, and whether this user may open them."""
+    """Return these ports, and whether this user may open them."""
     told: list[pc.Found] = []
     for one in list_ports():
         problem = "" if os.name == "nt" or os.access(one.device, os.R_OK | os.W_OK) else PERMISSION
@@ -45,7 +45,7 @@ def find_boards() -> list[pc.Found]:
 
 
 def check_port(name: str) -> str:
-    """The port of that name, or whose adapter has that serial number. Raises BackendError."""
+    """Resolve a port's name, or the serial number of its adapter, to the name. Raises BackendError."""
     same = [one.device for one in list_ports() if one.serial_number == name]
     if not name:
         raise pc.BackendError(
@@ -60,18 +60,18 @@ def check_port(name: str) -> str:
 
 
 def open_port(name: str, timeout: float) -> Any:
-    """The port, at the array's speed, and ours alone. Raises BackendError, MissingExtra."""
+    """Open the port exclusively at the array's baud rate. Raises BackendError, MissingExtra."""
     device = check_port(name)
     import serial
 
     try:
         return serial.Serial(device, BAUD, timeout=0, write_timeout=timeout, exclusive=True)
-    except (OSError, ValueError) as error:  # SerialException is one
+    except (OSError, ValueError) as error:  # SerialException is an OSError
         raise pc.BackendError(explain(error, device)) from error
 
 
 def explain(error: Exception, device: str) -> str:
-    """What to tell of an error of pyserial. device: the port's name."""
+    """Return the message for an error of pyserial. device: name of the port."""
     number = getattr(error, "errno", None) or getattr(error.__context__, "errno", None)
     if number in (errno.EIO, errno.ENODEV, errno.ENXIO, errno.EBADF):
         what = UNPLUGGED

@@ -1,4 +1,4 @@
-"""A serial port, fed by a thread of its own: nobody waits for the line."""
+"""Writes to a serial port in a thread of its own, so that no caller waits for the line."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
     from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
-LOOK = 1e-3  # [s] between two looks at what the system still holds
+LOOK = 1e-3  # interval at which the system's output buffer is polled [s]
 
 
 class SerialWriter:
-    """Writes what a feed says to a port, which is closed with it.
+    """Writes the data of a `WriteScheduler` to a port, and closes the port when it is closed.
 
-    port: of pyserial. timeout: for which the system may hold bytes beyond the line's time [s]. clock: [s].
+    port: of pyserial. timeout: time that the system may hold bytes after the line should be free [s]. clock: [s].
     """
 
     def __init__(
@@ -33,9 +33,9 @@ class SerialWriter:
         self._thread.start()
 
     def show(self, pattern: bytes) -> None:
-        """Show a pattern, once there is time for it and it is still the newest. Raises BackendError."""
+        """Send a pattern when the line is free, unless a newer one replaces it. Raises BackendError."""
         try:
-            self._held()  # the system knows whether the port is still there
+            self._held()  # fails if the port has gone
         except Exception as error:
             self._failed(error)
         with self._changed:
@@ -45,7 +45,7 @@ class SerialWriter:
             self._changed.notify_all()
 
     def silence(self) -> None:
-        """Show nothing, at once; back when that has left the system. Raises BackendError: it goes on."""
+        """Silence at once; return when the bytes have left the system. Raises BackendError if the sound continues."""
         with self._changed:
             self._problem, self._idle = "", False
             self._feed.off()
@@ -59,7 +59,7 @@ class SerialWriter:
                 raise pc.BackendError(self._problem)
 
     def close(self) -> None:
-        """Silence, and close the port when the line has been. Never raises."""
+        """Silence the array, and close the port when the line is free. Never raises."""
         try:
             self.silence()
         except pc.BackendError:
@@ -81,13 +81,13 @@ class SerialWriter:
                 self._failed(error)
 
     def _next(self) -> bytes:
-        """What to write, once there is something; empty at the end."""
+        """Wait for the next bytes to write, and return them; empty at the end."""
         with self._changed:
             while True:
                 now, feed = self._clock(), self._feed
                 held = self._held() if feed.newest else 0
                 if feed.urgent:
-                    self._port.reset_output_buffer()  # the rest of what is under way
+                    self._port.reset_output_buffer()  # drop the rest of the message under way
                 elif held and now > feed.free + self._timeout:
                     raise TimeoutError(STUCK)
                 elif not (held or self._idle):
@@ -101,7 +101,7 @@ class SerialWriter:
                 self._changed.wait(min(max(due - now, 0.0), threading.TIMEOUT_MAX))
 
     def _held(self) -> int:
-        """Bytes that the system has not given to the adapter yet. Raises OSError."""
+        """Return the number of bytes that the system has not passed to the adapter. Raises OSError."""
         return int(self._port.out_waiting)
 
     def _failed(self, error: Exception) -> None:

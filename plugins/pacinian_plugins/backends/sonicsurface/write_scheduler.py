@@ -1,4 +1,4 @@
-"""What goes over a slow line next: the newest pattern, and never a second one behind it."""
+"""Selects what is written to a slow line next: always the newest pattern, and nothing queued behind it."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from pacinian_plugins.backends.sonicsurface.protocol import BOARD, BYTE, OFF, SW
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-AGAIN = 0.5  # [s] after which what stays is written again: there is no acknowledgement
+AGAIN = 0.5  # interval at which an unchanged pattern is repeated [s], because there is no acknowledgement
 
 
 class WriteScheduler:
-    """The line's time, and both buffers of the boards: `front` is heard, `back` is the one before.
+    """Tracks when the line is free, and both buffers of the boards: `front` is playing, `back` is the previous one.
 
-    boards: 1 or 2. select: the commands by which they are chosen.
+    boards: 1 or 2. select: the commands that select them.
     """
 
     def __init__(self, boards: int, select: Sequence[int]) -> None:
         self.quiet = bytes([OFF]) * BOARD * boards
-        self.newest = self.front = self.back = b""  # empty: nothing to show, or not known
+        self.newest = self.front = self.back = b""  # empty: none, or unknown
         self.urgent = False
-        """The newest goes out whatever is under way."""
+        """Whether the newest pattern interrupts the message under way."""
         self.free = -math.inf
-        """[s] when the line is."""
+        """Time when the line is free [s]."""
         self._again = -math.inf
         self._select = select
 
     def off(self) -> None:
-        """Silence: at once, and in full."""
+        """Make silence the newest pattern, and send it at once and in full."""
         self.newest, self.urgent = self.quiet, True
 
     def forget(self) -> None:
-        """Show nothing: it is not known what has arrived."""
+        """Send nothing, and forget the buffers, because it is unknown what has arrived."""
         self.newest = self.front = self.back = b""
         self.urgent = False
 
     def next(self, now: float) -> bytes:
-        """What to write now [s]; empty if there is nothing."""
+        """Return the bytes to write at time `now` [s]; empty if there are none."""
         newest = self.newest
         if not newest or not (self.urgent or now >= self.due):
             return b""
@@ -56,7 +56,7 @@ class WriteScheduler:
 
     @property
     def due(self) -> float:
-        """When there is something to write, if nothing new comes [s]."""
+        """Time of the next write if no new pattern arrives [s]."""
         if not self.newest:
             return math.inf
         return self.free if self.newest != self.front else max(self.free, self._again)

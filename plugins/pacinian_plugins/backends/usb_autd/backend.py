@@ -1,4 +1,4 @@
-"""The backend `usb-autd`: an array's frames, to the devices that it is made of."""
+"""The backend `usb-autd`: sends frames to the devices of an array."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
 
     from pacinian.types import Levels
 
-CHECK = RATE // 10  # rows between two looks at a device
+CHECK = RATE // 10  # rows between two status checks of a device
 NAME = DEVICES.name
-HOLD, FADE = 20, 10  # rows: the last goes on while the next frame is late, and then fades
+HOLD, FADE = 20, 10  # rows for which the last one holds, then fades, if the next frame is late
 
 
 @dataclass
 class UsbAutd(pc.Backend):
-    """Devices on USB that speak Pacinian's own format, docs/usb-autd.md: the paper's array.
+    """USB devices that use Pacinian's own format, docs/usb-autd.md, such as the paper's array.
 
-    description: a file that says of which boards the array is made; without one they are AUTD units, in the order
-    of `serials`, or else of all serial numbers that are found. watchdog: after which a device is silent when
-    frames stop [s]. lead: for which frames wait in the device, so that the loop may be late by so much [s].
-    timeout: how long a device may take for a frame, or an answer [s]; one that hangs holds `send` up for no
-    longer. pretend: use models of devices. library: a backend of pyusb instead of libusb's, for tests.
+    description: file that describes the boards of the array; without it, they are AUTD units in the order of
+    `serials`, or of all serial numbers found. watchdog: time after the last frame at which a device falls silent [s].
+    lead: time that frames wait in the device, which is how late the loop may be [s]. timeout: time that a device may
+    take for a frame or an answer [s]; a hanging device blocks `send` for no longer. pretend: use models of devices.
+    library: backend of pyusb instead of libusb's, for tests.
     """
 
     name: ClassVar[str] = NAME
@@ -61,23 +61,23 @@ class UsbAutd(pc.Backend):
         self.serials = check_names("serials", self.serials)
         self._capability = pc.Capability(PHASES, AMPLITUDES, RATE, self.watchdog)
         self.boards: list[Board] = []
-        """Those that are open, in the array's order."""
+        """Open devices, in the array's order."""
         self._envelopes: dict[tuple[int, bool], Levels] = {}
-        self._unchecked = 0  # rows since the last look at a device
-        self._next = 0  # whose turn it is
+        self._unchecked = 0  # rows since the last status check
+        self._next = 0  # index of the device to check next
 
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
-        """The devices that are connected, by serial."""
+        """Return the connected devices by serial."""
         return [pc.Found(NAME, *one) for one in DEVICES.describe("AUTD units")]
 
     @property
     def capability(self) -> pc.Capability:
-        """What all devices of this format can do."""
+        """The capability of all devices of this format."""
         return self._capability
 
     def open(self, array: pc.Array) -> None:
-        """Claim the devices, and arm them: silent until the first frame. Raises BackendError, SceneFileError."""
+        """Claim and arm the devices; they are silent until the first frame. Raises BackendError, SceneFileError."""
         self.close()
         try:
             if self.description:
@@ -97,9 +97,9 @@ class UsbAutd(pc.Backend):
             raise
 
     def send(self, frame: pc.Frame) -> None:
-        """Send a frame to each device. Raises BackendError at the first that does not take it; nothing is repeated.
+        """Send a frame to each device. Raises BackendError at the first that does not accept it; never retries.
 
-        Then some devices may have it, and others not: `silence` comes next.
+        After an error, only some of the devices may have the frame; call `silence` next.
         """
         for board, message in zip(self.boards, self.packed(frame), strict=True):
             board.send(message)
@@ -109,7 +109,7 @@ class UsbAutd(pc.Backend):
             self.boards[self._next].check()
 
     def packed(self, frame: pc.Frame) -> list[array[int]]:
-        """The messages of a frame, one for each device, in buffers that are reused. Raises BackendError."""
+        """Return the messages of a frame, one for each device, in reused buffers. Raises BackendError."""
         if not self.boards:
             raise pc.BackendError(f"{NAME} is not open")
         phase, amplitude, steps = frame.phase, frame.amplitude, len(frame.phase)
@@ -128,7 +128,7 @@ class UsbAutd(pc.Backend):
         return [b.pack(phase, amplitude, envelope, self._lead, steps) for b in self.boards]
 
     def silence(self) -> None:
-        """Silence every device at once. Raises BackendError if one does not answer: its watchdog silences it."""
+        """Silence every device at once. Raises BackendError if one does not answer; its watchdog silences it then."""
         problems: list[pc.BackendError] = []
         for board in self.boards:
             try:
@@ -139,7 +139,7 @@ class UsbAutd(pc.Backend):
             raise problems[0]
 
     def close(self) -> None:
-        """Silence, disarm, and give the devices back."""
+        """Silence, disarm and release the devices."""
         for board in self.boards:
             board.close()
         self.boards = []
@@ -155,7 +155,7 @@ class UsbAutd(pc.Backend):
             ).wire(wiring)
 
     def _in_order(self, N: int) -> None:
-        """Open boards of AUTD units, one after the other."""
+        """Open boards that consist of AUTD units, in order."""
         if N % UNIT:
             raise pc.BackendError(
                 f"{NAME}: {N} transducers are no whole AUTD units of {UNIT}: give a `description`"
@@ -181,7 +181,7 @@ class UsbAutd(pc.Backend):
         return board
 
     def _envelope(self, steps: int, same: bool) -> Levels:
-        """Full for a frame's own rows; then what is to be heard if the next one is late: it holds, and fades."""
+        """Return the envelope: full for a frame's own rows, then the hold and fade in case the next one is late."""
         key = steps, same
         if key not in self._envelopes:
             fade = np.cos(0.5 * np.pi * np.arange(1, FADE + 1) / FADE) ** 2
@@ -192,6 +192,6 @@ class UsbAutd(pc.Backend):
 
 
 def keep_order(serial: str, start: int, size: int) -> pc.Wiring:
-    """A board that drives the array's transducers from `start` on, in their order."""
+    """Return the wiring of a board that drives the array's transducers from `start` on, in order."""
     channels = np.arange(size)
     return pc.Wiring(serial, size, channels, start + channels)

@@ -1,4 +1,4 @@
-"""One device of an array: its part of every frame, and what it says of them."""
+"""One device of an array: packs and sends its part of each frame, and checks its status."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ if TYPE_CHECKING:
 
 
 class Board:
-    """A device behind a link, which is closed with it. can: known once `open` has asked."""
+    """A device behind a link. Closing the board closes the link. can: its capability, known after `open`."""
 
     def __init__(self, link: Link | SimulatedLink) -> None:
         self.link, self.name = link, f"{DEVICES.name} {link.serial}"
         self.can = Capability()
         self._session = self._sequence = 0
-        self._accepted = self._checked = 0  # frames, and the sequence, at the last check
+        self._accepted = self._checked = 0  # accepted frames, and sequence, at the last check
         self._failed = False
         self._buffers: dict[tuple[int, int], tuple[array[int], memoryview]] = {}
-        self._part: slice | None = None  # of the array, if it is one
+        self._part: slice | None = None  # its transducers, if contiguous in the array
         self._levels = np.zeros((2, 0, 0), np.uint16)
         self.wiring: pc.Wiring
 
     @property
     def size(self) -> int:
-        """How many transducers it has."""
+        """Number of its transducers."""
         return self.can.units * self.can.transducers
 
     def open(self) -> None:
-        """Ask what it can do. Raises BackendError if it is none of ours."""
+        """Query its capability. Raises BackendError if it does not use this format."""
         try:
             can = self.can = Capability.unpack(self.link.ask(Request.CAPABILITY))
         except ValueError as error:
@@ -56,7 +56,7 @@ class Board:
             )
 
     def wire(self, wiring: pc.Wiring) -> None:
-        """Say which of the array's transducers are its own. Raises BackendError."""
+        """Set which of the array's transducers it drives. Raises BackendError."""
         if wiring.size != self.size:
             raise pc.BackendError(
                 f"{self.name}: has {self.size} transducers, and should have {wiring.size}"
@@ -67,7 +67,7 @@ class Board:
             self._part = slice(first, first + self.size)
 
     def arm(self, watchdog: float) -> None:
-        """Let frames sound; it is silent until the first. watchdog: [s]. Raises BackendError."""
+        """Arm the device; it is silent until the first frame. watchdog: [s]. Raises BackendError."""
         least, most, _ = self.can.watchdog
         wanted = round(1e3 * watchdog)
         if not least <= wanted <= most:
@@ -82,7 +82,7 @@ class Board:
     def pack(
         self, phase: Levels, amplitude: Levels, envelope: Levels, lead: int, steps: int
     ) -> array[int]:
-        """The next message, in a buffer that is reused. phase, amplitude: of the whole array, (rows, N)."""
+        """Pack the next message into a reused buffer. phase, amplitude: levels of the whole array, (rows, N)."""
         phase, amplitude = self._own(phase, amplitude)
         key = len(phase), len(envelope)
         if key not in self._buffers:
@@ -95,7 +95,7 @@ class Board:
         return message
 
     def send(self, message: array[int]) -> None:
-        """Write what `pack` made. Raises BackendError, at once: it is not tried again."""
+        """Write a message of `pack`. Raises BackendError at once; never retries."""
         try:
             self.link.write(message)
         except pc.BackendError:
@@ -103,14 +103,14 @@ class Board:
             raise
 
     def status(self) -> Status:
-        """How the device is. Raises BackendError."""
+        """Return the status of the device. Raises BackendError."""
         try:
             return Status.unpack(self.link.ask(Request.STATUS))
         except ValueError as error:
             raise pc.BackendError(f"{self.name}: {error}") from error
 
     def check(self) -> None:
-        """Raise BackendError if the device does not take what it is sent."""
+        """Raise BackendError if the device does not accept frames."""
         status = self.status()
         if status.session != self._session:
             raise pc.BackendError(
@@ -124,13 +124,13 @@ class Board:
         self._accepted, self._checked = status.accepted, self._sequence
 
     def silence(self) -> None:
-        """Silence at once, and for all that is still under way. A device that has gone is silent by itself.
+        """Silence at once, and discard all frames under way. A device that was unplugged is silent by itself.
 
         Raises BackendError.
         """
         try:
             self.link.tell(Request.SILENCE, self._sequence.to_bytes(4, "little"))
-            if self._failed:  # of one that answers: the system would wait for others for seconds
+            if self._failed:  # only if it answers: for others, the system would wait for seconds
                 self.link.mend()
                 self._failed = False
         except pc.BackendError:
@@ -138,7 +138,7 @@ class Board:
                 raise
 
     def close(self) -> None:
-        """Silence, disarm, give it back. Never raises."""
+        """Silence, disarm and release the device. Never raises."""
         with suppress(pc.BackendError):
             self.silence()
         with suppress(pc.BackendError):
@@ -146,12 +146,12 @@ class Board:
         self.link.close()
 
     def _own(self, phase: Levels, amplitude: Levels) -> tuple[Levels, Levels]:
-        """Its levels in the order of its channels, (rows, size) each."""
+        """Return its levels in the order of its channels, (rows, size) each."""
         if self._part is not None:
             return phase[:, self._part], amplitude[:, self._part]
         shape = 2, len(phase), self.size
         if self._levels.shape != shape:
-            self._levels = np.zeros(shape, np.uint16)  # what is dead stays 0
+            self._levels = np.zeros(shape, np.uint16)  # dead transducers stay 0
         to, of = self.wiring.channels, self.wiring.indices
         self._levels[0][:, to], self._levels[1][:, to] = phase[:, of], amplitude[:, of]
         return self._levels[0], self._levels[1]

@@ -1,4 +1,4 @@
-"""From a stream of bytes to messages; finds the next one wherever the stream was cut."""
+"""Decodes a byte stream into messages, and resynchronises wherever the stream was cut."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 class Decoder:
-    """Decodes what a device that `can` do this is sent.
+    """Decodes the stream sent to a device.
 
-    skipped: bytes that belong to no message.
+    can: capability of the device. skipped: number of bytes that belong to no message.
     """
 
     def __init__(self, can: Capability) -> None:
@@ -34,18 +34,16 @@ class Decoder:
         self._buffer = bytearray()
 
     def flush(self) -> None:
-        """Forget a message that has not come to its end."""
+        """Discard an incomplete message."""
         self._buffer.clear()
 
     def feed(self, data: bytes) -> Iterator[Frame | Verdict]:
-        """The frames, and what kept others from being one, in the order of their ends; take all of them."""
+        """Yield frames, or the verdict on invalid messages, in stream order. Consume all of them."""
         buffer = self._buffer
         buffer += data
         while (found := self._header()) is not None:
             length, check = found
-            if isinstance(
-                check, Verdict
-            ):  # whose length cannot be relied on: look behind its magic
+            if isinstance(check, Verdict):  # its length is unreliable: search after its magic
                 yield check
                 self._skip(1)
                 continue
@@ -61,7 +59,7 @@ class Decoder:
             yield unpack(message, self.can)
 
     def _header(self) -> tuple[int, int | Verdict] | None:
-        """Length and CRC, or what is wrong, of the header that the buffer begins with; None if more is needed."""
+        """Find the next header; return its length and its CRC or verdict, or None if more bytes are needed."""
         buffer = self._buffer
         while True:
             at = buffer.find(MAGIC)

@@ -1,4 +1,4 @@
-"""One device on USB, claimed: what it is asked, told and sent."""
+"""One claimed USB device: queries, requests and messages."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from pacinian.devices.usb import ListedDevice
 
-IN, OUT = 0xC1, 0x41  # requests of the vendor, to the interface
-REPORT = 255  # [bytes] at most
+IN, OUT = 0xC1, 0x41  # bmRequestType of vendor requests to the interface
+REPORT = 255  # maximum length of a report [bytes]
 AGAIN = "reset the server, or open the backend again"
 DEVICES = UsbKind(
     name="usb-autd",
@@ -28,9 +28,9 @@ DEVICES = UsbKind(
 
 
 class Link:
-    """A device of ours, claimed.
+    """A claimed device of this format.
 
-    one: as `DEVICES.seen` found it. timeout: how long a transfer may take [s]. Raises BackendError.
+    one: from `DEVICES.list_devices`. timeout: of a transfer [s]. Raises BackendError.
     """
 
     def __init__(self, one: ListedDevice, timeout: float) -> None:
@@ -39,19 +39,19 @@ class Link:
 
     @property
     def gone(self) -> bool:
-        """Whether an error has said that it is not there any more."""
+        """Whether an error showed that the device has gone."""
         return self._usb.gone
 
     def ask(self, request: Request) -> bytes:
-        """A report. Raises BackendError."""
+        """Read a report. Raises BackendError."""
         return self._control(IN, request, REPORT)
 
     def tell(self, request: Request, data: bytes = b"") -> None:
-        """A request. Raises BackendError."""
+        """Send a request. Raises BackendError."""
         self._control(OUT, request, data)
 
     def write(self, message: array[int]) -> None:
-        """One whole message. Raises BackendError; what of it has arrived is not known then."""
+        """Write one whole message. Raises BackendError; then it is unknown how much has arrived."""
         self._usb.write(message, self._timeout)
 
     def _control(self, kind: int, request: Request, data: bytes | int) -> bytes:

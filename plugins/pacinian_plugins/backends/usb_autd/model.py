@@ -1,4 +1,4 @@
-"""The reference device: what firmware must do, told by a clock, without USB."""
+"""The reference device: a model of the firmware's required behaviour, driven by a clock and without USB."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from pacinian.types import Levels
     from pacinian_plugins.backends.usb_autd.protocol import Frame
 
-NEAR = 1e-6  # of a row: a moment that is a boundary but for rounding is one
-HOT = 850  # [0.1 °C] at which it goes silent
+NEAR = 1e-6  # tolerance for a time to count as on a row boundary [rows]
+HOT = 850  # temperature at which it falls silent [0.1 °C]
 
 
 class Stalled(Exception):
-    """The control endpoint answers with STALL: the request is refused."""
+    """The control endpoint answered with STALL: it refuses the request."""
 
 
 class Segment(NamedTuple):
-    """A frame and the row at which it begins."""
+    """A frame, and the row at which it begins."""
 
     start: int
     frame: Frame
@@ -45,14 +45,14 @@ class Segment(NamedTuple):
 
     @property
     def end(self) -> int:
-        """The row after its own."""
+        """The row after its last."""
         return self.start + self.frame.steps
 
 
 class Device:
-    """A device, attached, and silent until it is armed.
+    """An attached device, silent until it is armed.
 
-    can: what it can do, and who it is. now: its clock [s].
+    can: its capability and identity. now: its clock [s].
     """
 
     def __init__(
@@ -60,22 +60,22 @@ class Device:
     ) -> None:
         self.can = can or Capability(serial="PUA-0001", firmware="model 1.0")
         self.temperature: int | None = None
-        """[0.1 °C]"""
+        """Temperature [0.1 °C]; None if unknown."""
         self.history: list[Verdict] | None = None
-        """What became of each message, if it is a list."""
+        """Verdicts on all messages; set it to a list to record them."""
         self._now, self._begun = now, now()
         self._decoder = Decoder(self.can)
         self._status = Status(watchdog=self.can.watchdog[2])
         self._segments: deque[Segment] = deque()
-        self._fed = -math.inf  # [s] when a frame was accepted last
+        self._fed = -math.inf  # time of the last accepted frame [s]
 
     def reset(self) -> None:
-        """Attach, detach, bus reset, suspend, another configuration: disarmed."""
+        """Disarm, as on attach, detach, bus reset, suspend or a change of configuration."""
         self._disarm()
         self._decoder.flush()
 
     def ask(self, request: int) -> bytes:
-        """A control request that is answered with a report. Raises Stalled."""
+        """Answer a control request with a report. Raises Stalled."""
         if request == Request.CAPABILITY:
             return self.can.pack()
         if request == Request.STATUS:
@@ -83,7 +83,7 @@ class Device:
         raise Stalled
 
     def tell(self, request: int, data: bytes = b"") -> None:
-        """A control request that comes with some data. Raises Stalled."""
+        """Handle a control request with data. Raises Stalled."""
         self._advance(self._now())
         if request == Request.ARM and len(data) == 8:
             self._arm(*struct.unpack("<IHH", data))
@@ -100,7 +100,7 @@ class Device:
             raise Stalled
 
     def write(self, data: bytes) -> None:
-        """Bytes from the bulk endpoint."""
+        """Receive bytes from the bulk endpoint."""
         now, status = self._now(), self._status
         self._advance(now)
         for found in self._decoder.feed(data):
@@ -116,7 +116,7 @@ class Device:
         status.skipped = self._decoder.skipped
 
     def levels(self, t: float | None = None) -> tuple[Levels, Levels]:
-        """Phase and amplitude levels that are emitted at `t` [s], not before what was last told; (N,) each."""
+        """Return the phase and amplitude levels emitted at `t` [s], not before the last message; (N,) each."""
         at = self._now() if t is None else t
         self._advance(at)
         can = self.can
@@ -131,7 +131,7 @@ class Device:
         return phase.reshape(-1), amplitude.reshape(-1)
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         now = self._now()
         self._advance(now)
         row, state = self._row(now), self._status.state
@@ -157,7 +157,7 @@ class Device:
         self._status.state, self._status.session = State.DISARMED, 0
 
     def _take(self, frame: Frame, now: float) -> Verdict:
-        """Accept a frame whose content is right, all units at once, or say why not."""
+        """Accept a valid frame, for all units at once, or return why not."""
         status = self._status
         if status.state == State.DISARMED:
             return Verdict.DISARMED
@@ -173,13 +173,13 @@ class Device:
         return Verdict.OK
 
     def _play(self, frame: Frame, first: int) -> None:
-        """Put a frame behind those that wait; `first` is the row that begins next."""
+        """Queue a frame after the waiting ones; `first` is the row that begins next."""
         segments, status = self._segments, self._status
         start = segments[-1].end if segments else first + frame.lead
-        if start < first:  # the tail has been playing
+        if start < first:  # the tail is playing: the frame is late
             status.starved += 1
             start = first + frame.lead
-        if start + frame.steps - first > self.can.queue:  # it is the newest that counts
+        if start + frame.steps - first > self.can.queue:  # overrun: the newest wins
             status.overrun += 1
             start = first + frame.lead
             while segments and segments[-1].start >= first:
@@ -187,7 +187,7 @@ class Device:
         segments.append(Segment(start, frame, *frame.levels()))
 
     def _playing(self, row: int) -> tuple[Segment, int] | None:
-        """The frame that plays at a row, and which of its samples; forgets those before."""
+        """Return the frame that plays at a row, and the index of its sample; discard earlier frames."""
         segments = self._segments
         while len(segments) > 1 and segments[1].start <= row:
             segments.popleft()
@@ -198,7 +198,7 @@ class Device:
         return segments[0], k
 
     def _advance(self, now: float) -> None:
-        """Let the watchdog and the thermometer look."""
+        """Apply the watchdog and the temperature limit."""
         if self._segments and now - self._fed >= 1e-3 * self._status.watchdog:
             self._segments.clear()
             self._status.tripped += 1

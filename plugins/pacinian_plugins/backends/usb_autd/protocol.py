@@ -1,4 +1,4 @@
-"""The wire of usb-autd 1.0, as bytes: see docs/usb-autd.md. Little endian throughout."""
+"""The wire protocol usb-autd 1.0; see docs/usb-autd.md. All values are little-endian."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ INTERFACE = (
     0xFF,
     0x41,
     MAJOR,
-)  # class (of the vendor), subclass, protocol: what the format is known by
-VENDOR, PRODUCT = 0x1209, 0x0001  # pid.codes, for tests: makers have their own
+)  # class (vendor-specific), subclass and protocol, which identify the format
+VENDOR, PRODUCT = 0x1209, 0x0001  # test IDs of pid.codes; manufacturers use their own
 ENDPOINT = 0x01  # bulk OUT, where it is free to choose
 
-UNIT, MAX_TRANSDUCERS = 249, 16  # transducers of a unit, units of a device
+UNIT, MAX_TRANSDUCERS = 249, 16  # transducers per unit; units per device
 PHASES, AMPLITUDES = 640, 320  # levels: ticks of 25.6 MHz in a period of 40 kHz, and in half of one
 RATE = 2000  # [Hz] rows
 FULL = 1 << 15  # of an envelope
@@ -43,7 +43,7 @@ TRANSDUCER = 3  # [bytes]: 12 bits of phase, 12 of amplitude
 
 
 class Request(IntEnum):
-    """Of the vendor, to the interface, on the control endpoint."""
+    """Vendor requests to the interface, on the control endpoint."""
 
     CAPABILITY = 1
     STATUS = 2
@@ -53,7 +53,7 @@ class Request(IntEnum):
 
 
 class State(IntEnum):
-    """What a device does."""
+    """State of a device."""
 
     DISARMED = 0
     SILENT = 1
@@ -61,7 +61,7 @@ class State(IntEnum):
 
 
 class Verdict(IntEnum):
-    """What became of a message; looked at in this order."""
+    """Outcome of a message, checked in this order."""
 
     OK = 0
     VERSION = 1
@@ -78,11 +78,11 @@ class Verdict(IntEnum):
 
 
 class Frame(NamedTuple):
-    """What a message says.
+    """Content of a message.
 
-    units: a bit for each. lead: rows to wait where none is playing. steps: of the envelope, that are this frame's own;
-    the rest is played while the next frame is late. envelope: (samples,), 0..FULL; data: phase and amplitude,
-    (rows, units, transducers * 3) bytes. The last row goes on where there are more samples than rows.
+    units: one bit for each. lead: rows to wait if nothing is playing. steps: samples of the envelope that are this
+    frame's own; the rest plays only while the next frame is late. envelope: (samples,), 0..FULL. data: phase and
+    amplitude, (rows, units, transducers * 3) bytes. If there are more samples than rows, the last row continues.
     """
 
     session: int
@@ -94,7 +94,7 @@ class Frame(NamedTuple):
     data: Bytes
 
     def levels(self) -> tuple[Levels, Levels]:
-        """Phase and amplitude levels, each (rows, units, transducers)."""
+        """Return the phase and amplitude levels, each (rows, units, transducers)."""
         three = self.data.reshape(*self.data.shape[:2], -1, TRANSDUCER).astype(np.uint16)
         low, mid, high = three[..., 0], three[..., 1], three[..., 2]
         phase, amplitude = low | (mid & 15) << 8, mid >> 4 | high << 4
@@ -102,7 +102,7 @@ class Frame(NamedTuple):
 
 
 def size(rows: int, transducers: int, samples: int) -> int:
-    """Bytes of a frame."""
+    """Return the length of a frame [bytes]."""
     return MIN_FRAME_BYTES + 2 * samples + rows * transducers * TRANSDUCER
 
 
@@ -131,7 +131,7 @@ def pack(
 
 
 def unpack(message: bytes, can: Capability) -> Frame | Verdict:
-    """What a message whose CRCs are right says to a device that can do this, or why it is refused."""
+    """Decode a message with valid CRCs for a device of capability `can`; return the verdict if it is refused."""
     _, _, kind, _, length, session, sequence = HEADER.unpack_from(message)
     if kind != FRAME:
         return Verdict.KIND
@@ -159,5 +159,5 @@ def unpack(message: bytes, can: Capability) -> Frame | Verdict:
 
 
 def is_newer(sequence: int, than: int) -> bool:
-    """Whether one sequence number comes after another, modulo 2^32."""
+    """Return whether one sequence number comes after another, modulo 2^32."""
     return 0 < (sequence - than & 0xFFFFFFFF) < 1 << 31

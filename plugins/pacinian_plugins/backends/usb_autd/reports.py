@@ -1,4 +1,4 @@
-"""What a device says of itself, in 64 bytes."""
+"""Reports of a device about itself, 64 bytes each."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ STATE = struct.Struct("<3Bx11I2Hh10x")
 class Capability:
     """What a device can do: the report of 64 bytes.
 
-    units of `transducers` each. queue: rows that may wait. samples: of an envelope. watchdog: least, most and
-    usual [ms]. longest: message [bytes]. frequency: of the ultrasound [mHz].
+    units: number of units, with `transducers` each. queue: maximum number of waiting rows. samples: maximum number in
+    an envelope. watchdog: least, largest and default [ms]. longest: maximum length of a message [bytes].
+    frequency: of the ultrasound [mHz].
     """
 
     units: int = 9
@@ -77,12 +78,12 @@ class Capability:
 
 @dataclass
 class Status:
-    """How a device is: the report of 64 bytes. Counters count from power-up, modulo 2^32.
+    """State of a device: the report of 64 bytes. Counters count from power-up, modulo 2^32.
 
-    refusal: the last verdict that was not OK. session: 0 while disarmed. sequence: the last frame accepted. corrupt,
-    skipped: messages with a wrong CRC, and bytes that belong to none. lost: frames missing from the sequence.
-    starved, overrun: frames that came too late, and too early. tripped: how often the watchdog had to silence it.
-    uptime, watchdog: [ms]. waiting: rows. temperature: [0.1 °C].
+    refusal: last verdict other than OK. session: 0 while disarmed. sequence: of the last accepted frame. corrupt,
+    skipped: messages with a wrong CRC, and bytes that belong to no message. lost: frames missing from the sequence.
+    starved, overrun: frames that came too late, and too early. tripped: number of times the watchdog silenced it.
+    uptime, watchdog: [ms]. waiting: number of waiting rows. temperature: [0.1 °C].
     """
 
     state: int = State.DISARMED
@@ -100,7 +101,7 @@ class Status:
     uptime: int = 0
     watchdog: int = 0
     waiting: int = 0
-    temperature: int = -32768  # not known
+    temperature: int = -32768  # unknown
 
     def pack(self) -> bytes:
         """The report."""

@@ -1,4 +1,4 @@
-"""A reference device in place of a real one: to try everything but USB."""
+"""A link to the reference device, to try everything except USB."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class SimulatedLink:
-    """A link to a model of a device with so many units and transducers in each."""
+    """A link to a model of a device with `units` units of `transducers` each."""
 
     gone = False
 
@@ -26,11 +26,11 @@ class SimulatedLink:
         )
 
     def ask(self, request: Request) -> bytes:
-        """A report."""
+        """Read a report."""
         return self.device.ask(request)
 
     def tell(self, request: Request, data: bytes = b"") -> None:
-        """A request. Raises BackendError."""
+        """Send a request. Raises BackendError."""
         try:
             self.device.tell(request, data)
         except Stalled:
@@ -38,11 +38,11 @@ class SimulatedLink:
             raise pc.BackendError(f"usb-autd {self.serial}: {doing}: it refuses") from None
 
     def write(self, message: array[int]) -> None:
-        """One whole message."""
+        """Write one whole message."""
         self.device.write(message.tobytes())
 
     def mend(self) -> None:
-        """Nothing has failed."""
+        """Do nothing: transfers never fail."""
 
     def close(self) -> None:
         """Unplug it."""

@@ -1,4 +1,4 @@
-"""Gerchberg-Saxton between points and transducers: plain (`gs`) and weighted (`weighted-gs`)."""
+"""Gerchberg-Saxton between points and transducers, plain (`gs`) and weighted (`weighted-gs`)."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 class Gs(pc.Solver):
     """Gerchberg-Saxton, "iterative back-propagation" (Marzo & Drinkwater, PNAS 116(1), 2019).
 
-    steps: how many. amplitudes: whether transducers may be driven below the limit.
+    steps: number of steps. amplitudes: whether transducers may be driven below the limit.
 
-    Targets go back to the transducers and forth again: g = P(B^H D^-1 y), y_m = t_m exp(j arg (B g)_m),
-    D the diagonal of B B^H. P keeps the phase only (amplitudes=False: all driven alike), or cuts gains
-    to the limit, B g brought to the strength of t each time. It chooses phases well but nothing
-    corrects the amplitudes: they come out some percent wrong, tens of percent for many points. Fixed phases are
-    kept as targets and met as roughly; an amplitude of 0 is not sent to, and not silenced.
+    Each step propagates the targets back to the transducers and forward again: g = P(B^H D^-1 y) and
+    y_m = t_m exp(j arg (B g)_m), where D is the diagonal of B B^H. P keeps only the phase (amplitudes=False: all
+    transducers have the same drive), or clips gains to the limit after B g is scaled to the strength of t. The
+    phases are chosen well, but nothing corrects the amplitudes: they are off by some percent, or by tens of
+    percent for many points. Fixed phases are kept as targets and met equally roughly. Points with amplitude 0 get
+    no sound, but are not silenced.
     """
 
     name: ClassVar[str] = "gs"
@@ -57,13 +58,13 @@ class Gs(pc.Solver):
 class WeightedGs(pc.Solver):
     """Weighted Gerchberg-Saxton (Di Leonardo, Ianni & Ruocco, Optics Express 15(4), 2007).
 
-    steps: at most so many. exponent: of the weights' correction; 1 as published swings between two
-    states for some pairs of points, 1/2 does not. hold: steps after which the phases at the points
-    stay (Kim et al., Optics Letters 44(12), 2019), which converges in a fifth of the steps.
+    steps: maximum number of steps. exponent: of the correction of the weights; 1, as published, oscillates between
+    two states for some pairs of points; 1/2 does not. hold: number of steps after which the phases at the points
+    are fixed (Kim et al., Optics Letters 44(12), 2019); this converges in a fifth of the steps.
 
-    As `gs` with phases only, all transducers driven alike, from weighted targets y_m = w_m t_m exp(j arg p_m)
-    with w_m <- w_m (mean of |p|/t : |p_m|/t_m)^exponent, until amplitudes are right within 0.01 % or stay wrong.
-    Fixed phases and amplitudes of 0 as in `gs`.
+    Like `gs` with amplitudes=False, but with weighted targets y_m = w_m t_m exp(j arg p_m), where
+    w_m <- w_m (mean(|p| / t) / (|p_m| / t_m))^exponent. It ends when the amplitudes are right within 0.01 %, or after
+    `steps`. Fixed phases and amplitudes of 0 are treated as in `gs`.
     """
 
     name: ClassVar[str] = "weighted-gs"
@@ -97,5 +98,5 @@ class WeightedGs(pc.Solver):
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solvers."""
+    """Return this plug-in's solvers."""
     return [Gs, WeightedGs]

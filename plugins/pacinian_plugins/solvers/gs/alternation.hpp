@@ -1,4 +1,4 @@
-// Back to the transducers and forth to the points, again and again.
+// Alternating projections between points and transducers (Gerchberg-Saxton).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace pacinian::gs {
 
-constexpr Index TILE = 512;       // transducers at a time: their gains stay in the first-level cache
-constexpr f8 SMALLEST = 1e-18;    // |x|: its square is still a number in single precision
+constexpr Index TILE = 512;       // transducers per tile, so that their gains stay in the first-level cache
+constexpr f8 SMALLEST = 1e-18;    // least |x| whose square does not underflow in single precision
 
 inline f8 iterate(View<const f4, 3> B, View<const f8, 1> t, View<const bool, 1> free, f8 exponent, f8 floor, i8 steps, View<f8, 1> w,
                   View<c16, 1> u, View<f4, 2> h, View<c16, 1> p) {

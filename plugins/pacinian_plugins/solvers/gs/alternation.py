@@ -1,4 +1,4 @@
-"""Back to the transducers and forth to the points, again and again: the steps, and one run of them."""
+"""Alternating projections between points and transducers: one run of Gerchberg-Saxton steps."""
 
 from __future__ import annotations
 
@@ -13,16 +13,18 @@ from pacinian_plugins.native.gs import iterate
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Singles
 
-MIN_ABS = 1e-18  # |x|: its square is still a number in single precision
-BLOCK, MANY = 10, 1_000_000  # steps between two looks at the clock; fewer above so many elements
-ROOM, FAR = 10.0, 1000.0  # drive looked at, over what a focus needs; targets, over what it reaches
-AT_LIMIT = 0.999  # share of the limit from which a transducer counts as held
-EVEN = 1e-4  # error at which the weights have done their work
+MIN_ABS = 1e-18  # least |x| whose square does not underflow in single precision
+# limits between two checks of the clock: number of steps; steps times elements of B
+BLOCK, MANY = 10, 1_000_000
+# largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
+ROOM, FAR = 10.0, 1000.0
+AT_LIMIT = 0.999  # share of the limit from which a transducer counts as at its limit
+EVEN = 1e-4  # relative error of the amplitudes at which the weights have converged
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One call of either solver."""
+    """One call of `gs` or `weighted-gs`."""
 
     propagator: pc.Propagator
     targets: pc.Targets
@@ -32,12 +34,15 @@ class Run:
     out: pc.Gains
 
     def go(self, steps: int, floor: float, exponent: float = 0.0, hold: int = 0) -> pc.Result:
-        """Take `steps` steps and write the gains; `hold` as in `WeightedGs`, 0 for never."""
+        """Take up to `steps` steps and write the gains.
+
+        floor: least |x| in g = x / max(|x|, floor). exponent, hold: as of `WeightedGs`; hold 0 means never.
+        """
         B, free = self.propagator.B, self.targets.free
         M, N = B.shape
         planes = np.empty((2, M, N), np.float32)
         planes[0], planes[1] = B.real, B.imag
-        d = np.einsum("pmn,pmn->m", planes, planes).astype(np.float64)  # (M,) of B B^H [Pa^2]
+        d = np.einsum("pmn,pmn->m", planes, planes).astype(np.float64)  # diagonal of B B^H [Pa^2]
         asked = (d > 0.0) & (self.targets.amplitudes > 0.0)
         if not asked.any():
             return pc.Result(note="no transducer reaches the points")
@@ -65,7 +70,7 @@ class Run:
     def _write(
         self, h: Singles, p: Complexes, t: Floats, unit: float, done: int, late: bool
     ) -> pc.Result:
-        """Write the gains: the multiple of h whose p is nearest to t, within the limit."""
+        """Write the gains: the multiple of h within the limit whose p is nearest to t."""
         angle = np.where(self.targets.free, np.angle(p), self.targets.phases)
         best = complex(np.vdot(p, t * np.exp(1j * angle)) / (np.vdot(p, p).real or 1.0))
         top = np.inf if self.limits.gain is None else self.limits.gain
@@ -76,7 +81,7 @@ class Run:
 
 
 def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
-    """Targets [Pa] at |h| = 1, and that unit of h as a gain; `reach`: of a focus at a gain of 1 [Pa]."""
+    """Return the targets [Pa] at |h| = 1, and the unit of h as a gain. reach: pressure of a focus at gain 1 [Pa]."""
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
         return t / need, limit or 1.0
@@ -85,6 +90,6 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
 
 
 def _spread(p: Floats, t: Floats) -> float:
-    """||p - s t|| / ||s t|| for the best multiple s."""
+    """Return ||p - s t|| / ||s t|| for the best multiple s."""
     along = float(p @ t) / float(t @ t)
     return float(np.linalg.norm(p - along * t) / np.linalg.norm(along * t))

@@ -1,4 +1,4 @@
-"""Least squares under limits by its Lagrange dual (the end of the paper's section 4), phases free or given."""
+"""Least squares under limits, solved by its Lagrange dual (end of the paper's section 4), for free or given phases."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as held
-NEARLY = 0.98  # of full drive: where the strongest takes less, its proportions are hard to make
-WHOLE = 1.0 + 1e-6  # of the power limit: this much is rounding
+AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as at its limit
+NEARLY = 0.98  # share of full drive below which the proportions count as hard to make
+WHOLE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
 
 
 @dataclass(frozen=True)
 class Lagrange(pc.Solver):
     """min 1/2 ||p - B g||^2 + mu/2 ||g||^2 subject to `limits`: gain, power, exact samples, quiet points.
 
-    mu: regularisation, relative to trace(B B^H) / M. mu_regions: the same where there are regions, whose
-    samples lie closer than the array resolves. rounds: how often free phases are chosen anew where
-    more than the gain limit keeps targets from being met. starts: how many other phases are gone on with where
-    up to 16 points cannot be met, or are to be as strong as possible; none in a loop, where phases go on from the last.
+    mu: regularisation, relative to trace(B B^H) / M. mu_regions: the same for targets with regions, because their
+    samples lie closer together than the array resolves. rounds: maximum number of times that free phases are chosen
+    again in `constrained`. starts: additional starting phases to try if up to 16 points cannot be met, or are to be
+    as strong as possible; ignored in a loop, which continues from the previous phases.
 
-    Under the gain limit alone phases and gains are found together (`polish`); the other limits are then
-    looked at, and where one is broken, or there are more samples than transducers, convex problems are
-    solved for one choice of phases after the other (`constrained`). Where no limit is reached it is the
-    regularised pseudo-inverse. Targets with regions, whose phases are all given, are solved by `regions`.
-    `scale="max"`: the largest multiple of the targets; of regions, the largest that is even.
+    Under the gain limit alone, phases and gains are found together (`phase_free`). Then the other limits are
+    checked. If one is broken, or if there are more samples than transducers, `constrained` solves a sequence of
+    convex problems, one for each choice of phases. If no limit is reached, the solution is the regularised
+    pseudo-inverse. Targets with regions have all their phases given and are solved by `regions`.
+    `scale="max"`: the largest multiple of the targets; for regions, the largest even one.
     """
 
     name: ClassVar[str] = "lagrange"
@@ -94,7 +94,7 @@ class Lagrange(pc.Solver):
         second = self._constrained(propagator, targets, limits, budget, out, mu, phases)
         if strongest and not limits.solver_limits:
             for g in (first, out):
-                enforce_limits(g, limits, targets.scale)  # as strong as they may be
+                enforce_limits(g, limits, targets.scale)  # compare both at full strength
             if _strength(propagator, targets, out) < _strength(propagator, targets, first):
                 out[:] = first
                 return result
@@ -104,7 +104,7 @@ class Lagrange(pc.Solver):
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains,
     ) -> pc.Result:  # fmt: skip
-        """Write the gains for targets with regions, all of given phase."""
+        """Write the gains for targets with regions, whose phases are all given."""
         result = regions.solve(propagator, targets, limits, warm, budget, out, self.mu_regions)
         if budget.spent or not self._broken(propagator, targets, limits, out):
             return result
@@ -114,10 +114,10 @@ class Lagrange(pc.Solver):
     def _broken(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
-        """Whether gains, (N,), break a limit other than that of the gains."""
+        """Return whether gains, (N,), break a limit other than the gain limit."""
         if limits.power is not None:
             if targets.scale == "max" and targets.regions is None:
-                return True  # the strongest for the gain limit is not that for power
+                return True  # the strongest under the gain limit is not the strongest under power
             power = float(np.vdot(out, out).real)
             if not power <= WHOLE * limits.power:
                 return True
@@ -129,10 +129,10 @@ class Lagrange(pc.Solver):
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains, mu: float,
     ) -> tuple[pc.Result, bool]:  # fmt: skip
-        """Write the gains that only their own limit keeps from meeting the targets.
+        """Write the gains for the gain limit alone; return the result and whether it is final.
 
-        And whether nothing stronger is to be looked for, where that is asked: it is where full drive misses the
-        proportions, and in a loop where they are missed.
+        For `scale="max"`, it is final if the proportions are kept at nearly full drive, or, in a loop, at any drive.
+        Otherwise a stronger solution may exist.
         """
         M, N = len(targets.amplitudes), len(out)
         key = Workspace, M, N
@@ -151,7 +151,7 @@ class Lagrange(pc.Solver):
             fine = polish.refined(propagator.B)
             out[:] = polish.unit * fine.h
             bound, objective = fine.bound, fine.objective
-        # of the strongest nothing is proven: those are of the multiple found, not of the targets
+        # no proof for the strongest: bound and objective are for the multiple found, not the targets
         proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
         result = pc.Result(
             iterations=end.steps,
@@ -170,9 +170,9 @@ class Lagrange(pc.Solver):
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         warm: pc.Solution | None, mu: float, room: Workspace,
     ) -> tuple[float, float]:  # fmt: skip
-        """Write targets, in units of the limit, and the multipliers of the pseudo-inverse, to `room`.
+        """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse to `room`.
 
-        Returns by how much they are scaled to be within the numbers' range, and the unit [gain].
+        Returns the factor that scales the targets into the range of single precision, and the unit [gain].
         """
         M, N = len(targets.amplitudes), len(propagator.array)
         start = None if warm is None else warm.phases
@@ -185,7 +185,7 @@ class Lagrange(pc.Solver):
             return float(room.found[0]), limits.gain
         norm = choose_phases_into(propagator, targets, start, room.p, room.free)
         y = propagator.factor(mu).solve(room.p)
-        # without a limit none is to be felt, whatever phases are found
+        # without a gain limit, choose a unit so large that no gain reaches it, whatever the phases
         unit = limits.gain or 100.0 * float(np.abs(propagator.adjoint(y)).max()) or 1.0
         share = within(norm / unit, self.mu, mu, N)
         np.multiply(y, mu * share / unit, out=room.y)
@@ -196,8 +196,8 @@ class Lagrange(pc.Solver):
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         budget: pc.Budget, out: pc.Gains, mu: float, phases: Floats | None = None,
     ) -> pc.Result:  # fmt: skip
-        """Write the gains that all limits allow; free phases of the strongest are turned from `phases`, (M,)."""
-        from pacinian_plugins.solvers.lagrange.constrained import Constrained  # more to compile
+        """Write the gains under all limits; for `scale="max"`, free phases are optimised from `phases`, (M,) [rad]."""
+        from pacinian_plugins.solvers.lagrange.constrained import Constrained  # slow to import
 
         problem = Constrained.of(propagator, targets, limits, budget, mu)
         exact = targets.scale == "exact"
@@ -223,17 +223,17 @@ class Lagrange(pc.Solver):
 
 
 def _strength(propagator: pc.Propagator, targets: pc.Targets, out: pc.Gains) -> tuple[bool, float]:
-    """Whether gains keep the proportions, and how strong they are: what is stronger compares as larger."""
+    """Return a sort key: whether gains keep the proportions, then how strong they are [Pa]."""
     p = propagator.apply(out)
     return relative_error(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
 def held(count: int, N: int) -> str:
-    """What to say of `count` of N transducers at their limit."""
+    """Return a note for `count` of N transducers at their limit, or an empty text if there are none."""
     return f"{count / N:.0%} of the transducers at their limit" if count else ""
 
 
 @pc.hookimpl
 def register_solvers() -> Iterable[type[pc.Solver]]:
-    """This plug-in's solver."""
+    """Return this plug-in's solver."""
     return [Lagrange]

@@ -1,4 +1,5 @@
-// Where Newton steps begin: targets in units of the limit, and the multipliers of the problem without it. NaN is a free phase.
+// Start of the Newton steps: targets in units of the gain limit, and the multipliers of the problem without a limit. A phase of
+// NaN is free.
 #pragma once
 #include <algorithm>
 #include <cmath>

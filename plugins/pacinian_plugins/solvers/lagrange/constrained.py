@@ -1,4 +1,4 @@
-"""Any limits together, and more samples than transducers: convex problems, one for each choice of phases."""
+"""Any combination of limits, or more samples than transducers: one convex problem per choice of phases."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
 
-MET = 1e-4  # relative error at which free phases need not be chosen anew
-ROUGH = 1e-3  # relative gap that will do on the way to the strongest even distribution
-PROVEN = 0.01  # relative gap up to which the strongest for its phases counts as found
-GAIN = 0.02  # a round of new phases that lowers the error by less is the last
+MET = 1e-4  # relative error at which free phases are not chosen again
+ROUGH = 1e-3  # relative gap that suffices while searching for the strongest even distribution
+PROVEN = 0.01  # relative gap up to which the strongest solution for given phases counts as proven
+GAIN = 0.02  # least relative decrease of the error in one round of new phases; less ends the rounds
 
 
 class Found(NamedTuple):
-    """What a choice of phases came to, in units of the limit."""
+    """Solution for one choice of phases, in units of the limit."""
 
     answer: Answer
     made: Complexes  # (M,)
-    error: float  # ||p - made|| / ||p||, free phases being as made
+    error: float  # ||p - made|| / ||p||, where free phases are those made
     bound: float = math.nan  # for the phases made
     objective: float = math.nan
-    unproven: bool = False  # with strength asked for: a stronger one may exist for the phases
+    unproven: bool = False  # for `scale="max"`: a stronger solution may exist for these phases
 
 
 @dataclass(frozen=True, eq=False)
 class Constrained:
-    """Least squares, or the largest multiple, under all of `limits`, for points that stay.
+    """Least squares, or the largest multiple, under all of `limits`, for fixed points.
 
-    A: B, or R where B = Q R has more rows than columns, and below it the quiet points' rows.
+    A: B, or R of B = Q R if B has more rows than columns; the rows of the quiet points are appended.
     unit: one unit of gain [-].
     """
 
@@ -60,7 +60,7 @@ class Constrained:
         cls, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, budget: pc.Budget,
         mu: float,
     ) -> Constrained:  # fmt: skip
-        """The problem for where the points are now."""
+        """Set up the problem for the current positions of the points."""
         B = propagator.B
         M, N = B.shape
         reduced = Reduced.of(B) if M > N and limits.exact is None else None
@@ -72,7 +72,7 @@ class Constrained:
         return cls(propagator, targets, limits, budget, mu, limits.gain or 1.0, A, G, reduced)
 
     def nearest(self, rounds: int) -> Found:
-        """The nearest pressures that the limits allow; free phases are chosen anew while that helps."""
+        """Find the nearest pressures within the limits; choose free phases again while that lowers the error."""
         targets = self.targets
         p = choose_phases(self.propagator, targets, None) / self.unit
         exact = self.limits.exact_mask(len(p)) if self.limits.exact is not None else None
@@ -96,9 +96,9 @@ class Constrained:
         return best
 
     def strongest(self, phases: Floats | None = None) -> Found:
-        """The largest multiple of the targets that the limits allow, in phases turned to from `phases`, (M,) [rad].
+        """Find the largest multiple of the targets within the limits; free phases start from `phases`, (M,) [rad].
 
-        Where none of these proportions can be made: the nearest to them, of any strength.
+        If the proportions cannot be made at all, find the nearest pressures of any strength.
         """
         targets, quiet, power = self.targets, self._quiet, self._power
         p = (
@@ -121,8 +121,8 @@ class Constrained:
             if answer.strength > 0.0:
                 return self._found(answer)._replace(unproven=answer.gap > PROVEN)
             most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
-            unproven = most > PROVEN  # over what one transducer makes
-        some = None if quiet is None else np.zeros_like(quiet)  # of any strength
+            unproven = most > PROVEN  # relative to the pressure of one transducer
+        some = None if quiet is None else np.zeros_like(quiet)  # the strength is free
         nearest = least_squares(
             self.A, self._down(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,
             budget=self.budget,
@@ -130,7 +130,7 @@ class Constrained:
         return self._found(nearest)._replace(unproven=unproven)
 
     def evenly(self) -> Found:
-        """The largest multiple of a region's targets that the limits allow evenly: `evenly.climb`."""
+        """Find the largest even multiple of a region's targets within the limits; see `evenly.climb`."""
         B, limits, answers = self.propagator.B, self.limits, list[Answer]()
         p = self.targets.complex(self.targets.phases) / self.unit
         reach = np.full(len(p), np.inf)
@@ -153,7 +153,7 @@ class Constrained:
         return self._found(answers[-1])
 
     def _proven(self, found: Found, p: Complexes, down: Complexes, exact: Flags | None) -> Found:
-        """With bound and objective for the phases made, not those of p: the dual is linear in p."""
+        """Restate bound and objective for the phases made instead of those of p: the dual is linear in p."""
         answer = found.answer
         soft = ~exact if exact is not None and answer.kept else slice(None)
         asked = self.targets.complex(np.angle(found.made)) / self.unit
@@ -166,7 +166,7 @@ class Constrained:
         )
 
     def _down(self, p: Complexes) -> Complexes:
-        """Targets (M,) in the rows of A."""
+        """Return targets, (M,), in the rows of A."""
         return p if self.reduced is None else self.reduced.down(p)
 
     @property
@@ -189,5 +189,5 @@ class Constrained:
 
 
 def _lost(p: Complexes, down: Complexes) -> float:
-    """1/2 of the squared part of targets p, (M,), that no gains can make [Pa^2]."""
+    """Return 1/2 of the squared part of targets p, (M,), that no gains can make [Pa^2]."""
     return max(float(np.vdot(p, p).real - np.vdot(down, down).real), 0.0) / 2.0

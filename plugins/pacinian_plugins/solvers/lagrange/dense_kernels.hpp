@@ -1,4 +1,4 @@
-// Kernels in the small space of K equations, in double precision.
+// Dense kernels for the small systems of K equations, in double precision.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace pacinian::lagrange {
 
-constexpr f8 LOST = 1e-14;  // of the largest diagonal element: a pivot below it is rounding
+constexpr f8 LOST = 1e-14;  // pivot, relative to the largest diagonal element, below which it counts as rounding error
 
 inline f8 within(f8 size, f8 relative, f8 mu, i8 N) {
     const f8 root = std::sqrt(mu / relative);
@@ -16,8 +16,8 @@ inline f8 within(f8 size, f8 relative, f8 mu, i8 N) {
 
 // Factor the lower triangle of A, (K, K) or more, in place: A = L S L^T, S = +1 then -1.
 //
-// The first `positive` pivots are to be positive, the others negative. One of the wrong sign, or that is rounding, becomes
-// so large that its unknown is left at 0. Returns how many did.
+// The first `positive` pivots should be positive, the others negative. A pivot that has the wrong sign, or is only rounding
+// error, is replaced by one so large that its unknown stays 0. Returns the number of such pivots.
 inline Index factor(View<f8, 2> A, Index K, Index positive) {
     require(0 <= positive && positive <= K && K <= A.shape[0] && K <= A.shape[1], "factor: the shapes differ");
     Index lost = 0;
@@ -66,7 +66,7 @@ inline void substitute_in(View<const f8, 2> L, i8 K, i8 positive, View<f8, 1> b)
     substitute(L, K, positive, b.data);
 }
 
-// scale Re(conj(u_i) G_ij u_j) for equations of the given samples, to the lower triangle of A.
+// Write scale Re(conj(u_i) G_ij u_j), for the equations of the given samples, to the lower triangle of A.
 inline void turned(View<const c16, 2> G, const i8* sample, Index K, View<const f4, 2> u, f8 scale, View<f8, 2> A) {
     const f4 *re = u.row(0), *im = u.row(1);
     for (Index i = 0; i < K; ++i) {

@@ -1,4 +1,5 @@
-// Newton steps on the multipliers, towards pressures whose sizes, or values where fixed, are as asked; and their proof.
+// Newton steps on the multipliers towards the target sizes of the pressures (the target values, where phases are fixed), and
+// the bound that they prove.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -8,11 +9,11 @@
 
 namespace pacinian::lagrange {
 
-constexpr f8 FEW = 0.4;      // share of the transducers at their limit up to which they are taken out of the Gram matrix
-constexpr f8 STALLED = 0.7;  // of the last error: less progress than this twice in a row is none
+constexpr f8 FEW = 0.4;      // share of transducers at their limit up to which they are subtracted from the Gram matrix
+constexpr f8 STALLED = 0.7;  // share of the last error; steps have stalled after two in a row that leave more
 
-// Each equation's phasor u, (2, K), its sample, and what it lacks, F; returns K. found[0]: ||asked - made|| [Pa], free
-// phases being as made.
+// Write the phasor u, (2, K), the sample and the residual F of each equation; return K. found[0]: ||targets - made|| [Pa],
+// where free phases are those made.
 inline Index equations(View<const c16, 1> p, View<const bool, 1> free, View<const f8, 2> made, View<const c16, 1> y, View<f4, 2> u,
                        i8* sample, f8* F, f8* found) {
     Index K = 0;
@@ -64,7 +65,7 @@ inline i8 descend(View<const c8, 2> B, View<const c16, 2> G, View<const c16, 1> 
         found[0] /= size;
         lacking = std::sqrt(lacking) / size;
         if (lacking <= enough) return step;
-        if (step > 0 || found[4] < 0.0) found[4] = lacking > STALLED * found[3] ? std::max(found[4], 0.0) + 1.0 : 0.0;  // not where the last call ended
+        if (step > 0 || found[4] < 0.0) found[4] = lacking > STALLED * found[3] ? std::max(found[4], 0.0) + 1.0 : 0.0;  // the first step of a later call was already counted
         if (found[4] > 1.0 || step >= steps) return -step - 1;
         found[3] = lacking;
         Index held = 0;

@@ -1,4 +1,4 @@
-"""The strongest even distribution: the largest multiple of a region's targets that is made as evenly as a weak one."""
+"""The strongest even distribution: the largest multiple of a region's targets that is about as even as a weak one."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Floats
 
-WEAK, CLOSE = 1e3, 0.005  # under full drive towards one sample; relative, of the strongest
-AS_EVEN = 1.5  # times the error of a weak field: the strongest's
+# factor by which the weak reference is below full drive; relative tolerance of the multiple
+WEAK, CLOSE = 1e3, 0.005
+AS_EVEN = 1.5  # largest error allowed, as a multiple of the error of the weak reference
 
 
 def climb(
     p: Complexes, reach: Floats, attempt: Callable[[Complexes], Complexes], budget: pc.Budget
 ) -> None:
-    """Attempt multiples of targets p, (M,), the last of them the largest that is even enough: `EVEN`, or `AS_EVEN`.
+    """Attempt multiples of targets p, (M,), and end with the largest that is even enough: `EVEN` or `AS_EVEN`.
 
-    reach: the most that gains can make at each sample, (M,); where that is 0, nothing is attempted and nothing counts.
-    attempt: makes targets, (M,), and returns what it made.
+    reach: the most that gains can make at each sample, (M,); samples where it is 0 get no target and do not count.
+    attempt: solves for targets, (M,), and returns the pressures made, (M,).
     """
     counts = reach > 0.0
     p = np.where(counts, p, 0.0)
@@ -33,7 +34,7 @@ def climb(
     asked = size > 0.0
     if not asked.any():
         return
-    high = math.log(float((reach[asked] / size[asked]).min()))  # all towards one sample
+    high = math.log(float((reach[asked] / size[asked]).min()))  # full drive towards one sample
     low = high - math.log(WEAK)
     enough, at, best = 0.0, low, low
     while True:
@@ -47,5 +48,5 @@ def climb(
 
 
 def uneven(amplitudes: Floats, made: Complexes) -> float:
-    """|| amplitudes - |made| || / ||amplitudes||."""
+    """Return || amplitudes - |made| || / ||amplitudes||."""
     return float(np.linalg.norm(amplitudes - np.abs(made)) / np.linalg.norm(amplitudes))

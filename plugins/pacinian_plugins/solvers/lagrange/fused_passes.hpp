@@ -1,8 +1,8 @@
-// Passes over all transducers, fused: B is read once for each, tile by tile, in single precision.
+// Fused passes over all transducers: each reads B once, tile by tile, in single precision.
 //
-// Arguments shared by all: B [Pa], (M, N). y: multipliers, real and imaginary parts, (2, M). h: of each transducer the
-// real and imaginary part of h(x_n) and |x_n|, (3, N), with x = B^H y. p: B h, real and imaginary parts, (2, M). tile: as
-// in `pacinian/solving/matvec.hpp`. Sums over a tile are single, over tiles double.
+// Common arguments: B [Pa], (M, N). y: real and imaginary parts of the multipliers, (2, M). h: real and imaginary part of
+// h(x_n), and |x_n|, of each transducer, (3, N), with x = B^H y. p: real and imaginary parts of B h, (2, M). tile: as in
+// `pacinian/solving/matvec.hpp`. Sums within a tile have single precision, sums over tiles double precision.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace pacinian::lagrange {
 
 using solving::TILE;
 
-// h(x), |x| and p for multipliers y, (2, rows of `tile`); the sum of c(x_n).
+// Write h(x), |x| and p for multipliers y, (2, rows of `tile`); return the sum of c(x_n).
 inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> h, View<f8, 2> p, View<f4, 3> tile) {
     const Index M = B.shape[0], N = B.shape[1];
     solving::require_tile(tile, M);
@@ -42,7 +42,7 @@ inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> 
     return cost;
 }
 
-// Add sign V V^T, of `count` columns, to the lower triangle of A; four rows by two at a time.
+// Add sign V V^T, for `count` columns of V, to the lower triangle of A, in blocks of four rows by two.
 inline void gramian(View<const f4, 2> V, Index K, Index count, f4 sign, View<f8, 2> A) {
     for (Index i = 0; i < K; i += 4) {
         const f4 *__restrict v0 = V.row(i), *__restrict v1 = V.row(i + 1), *__restrict v2 = V.row(i + 2), *__restrict v3 = V.row(i + 3);
@@ -71,15 +71,15 @@ inline void gramian(View<const f4, 2> V, Index K, Index count, f4 sign, View<f8,
     }
 }
 
-// Whether V and A have room for K equations, rounded up to 4.
+// Require that V and A have room for K equations, rounded up to 4.
 inline void require_room(View<const f4, 2> V, View<const f8, 2> A, Index K) {
     const Index rows = (K + 3) / 4 * 4;
     require(V.shape[0] >= rows && V.shape[1] >= 2 * TILE && A.shape[0] >= rows && A.shape[1] >= rows, "no room for the equations");
 }
 
-// The columns `at`.. of V: how Re(conj(u_m) p_m) changes as h_n moves along its size or its phase.
+// Write the columns of V from `at` on: the change of Re(conj(u_m) p_m) with h_n, along its size or along its phase.
 //
-// Each is weighted by the root of how h moves with x, or of what that lacks against 1 / mu.
+// Each column is weighted by the square root of dh/dx, or of 1 / mu minus dh/dx.
 inline void directions(View<const c8, 2> B, const i8* sample, Index K, const i8* which, Index count, View<const f4, 2> u,
                        View<const f4, 2> h, f4 mu, bool along, bool lacking, View<f4, 2> V, Index at) {
     alignas(64) f4 tr[TILE], ti[TILE];
@@ -92,7 +92,7 @@ inline void directions(View<const c8, 2> B, const i8* sample, Index K, const i8*
         if (lacking) weight = along ? weight : weight - 1.0f / size;
         else if (limited) weight = 1.0f / size;
         const f4 root = std::sqrt(weight);
-        const f4 cr = limited ? hr[n] * root : root, ci = limited ? hi[n] * root : 0.0f;  // any phase will do below the limit
+        const f4 cr = limited ? hr[n] * root : root, ci = limited ? hi[n] * root : 0.0f;  // below the limit, any phase serves
         tr[k] = along ? cr : -ci;
         ti[k] = along ? ci : cr;
     }
@@ -107,11 +107,11 @@ inline void directions(View<const c8, 2> B, const i8* sample, Index K, const i8*
     }
 }
 
-// Add to A, (K, K), lower triangle, how Re(conj(u_i) p_i) changes with y_j = u_j.
+// Add the derivative of Re(conj(u_i) p_i) with respect to y_j along u_j to the lower triangle of A, (K, K).
 //
-// Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from
-// 1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its phasor,
-// (2, K). V: room, (K rounded up to 4, 2 TILE); which: (TILE,).
+// dh/dx is 1 / mu in both directions below the limit, and 1 / |x| along the phase at the limit. few: A already holds 1 / mu for all
+// transducers; subtract the difference for those at their limit, which is cheap if they are few. sample: of each equation,
+// (K,). u: its phasor, (2, K). V: workspace, (K rounded up to 4, 2 TILE). which: workspace, (TILE,).
 inline void curvature(View<const c8, 2> B, const i8* sample, Index K, View<const f4, 2> u, View<const f4, 2> h, f4 mu, bool few,
                       View<f8, 2> A, View<f4, 2> V, i8* which) {
     const Index N = B.shape[1];

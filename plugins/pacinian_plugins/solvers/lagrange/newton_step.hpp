@@ -1,9 +1,9 @@
-// The Newton step of gains: how pressures change with all that can move, and what mends them best.
+// The Newton step on the gains.
 //
-// A gain below its limit moves both ways, one at its limit, held there, along its phase only. The step d solves
-// (D + W^T S W) d = v: W, (2M, .), is how the pressures change with d, along the phasors u and across them, S their signed
-// weights, D the damping and, where held, the pull x conj(h) outwards, v the gradient. W has few rows, so by Woodbury's
-// identity d = D^-1 (v - W^T (S^-1 + W D^-1 W^T)^-1 W D^-1 v).
+// A gain below its limit can move in both directions, a gain held at its limit only along its phase. The step d solves
+// (D + W^T S W) d = v. W, (2M, .), is the derivative of the pressures with respect to d, along the phasors u and across
+// them. S holds their signed weights. D is the damping plus, for held gains, the outward pull x conj(h). v is the gradient.
+// W has few rows, so by Woodbury's identity d = D^-1 (v - W^T (S^-1 + W D^-1 W^T)^-1 W D^-1 v).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace pacinian::lagrange {
 
 constexpr f4 AT_LIMIT = 1.0f - 1e-6f;
 
-// Turn x = B^H y, (2, N), into the gradient v along what can move; what is held, and D, (N,).
+// Turn x = B^H y, (2, N), into the gradient v along the free directions; write which gains are held, and D, (N,).
 //
 // damping: in units of the mean |x|.
 inline void movable(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<bool, 1> held, f4* __restrict D) {
@@ -41,7 +41,8 @@ inline void movable(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<
     }
 }
 
-// The 2M equations (along u: m, across: M + m) by sign of their weight, and its root; how many have a positive one.
+// Order the 2M equations (along u: m, across u: M + m) by the sign of their weight, and write the square roots of the weights;
+// return how many are positive.
 inline Index ordered(const f8* bend, Index M, i8* order, f8* share) {
     Index count = 0, negative = 2 * M;
     for (Index k = 0; k < 2 * M; ++k) {
@@ -57,7 +58,7 @@ struct Phasor {
     f4 re, im;
 };
 
-// What an equation measures along, times its share.
+// Return the phasor along which an equation measures, times its share.
 inline Phasor phasor(View<const f4, 2> u, Index equation, Index M, f8 share) {
     const Index m = equation % M;
     const f4 s = static_cast<f4>(share);
@@ -65,9 +66,9 @@ inline Phasor phasor(View<const f4, 2> u, Index equation, Index M, f8 share) {
     return {-u(1, m) * s, u(0, m) * s};
 }
 
-// W D^-1 W^T, (2M, 2M), to the lower triangle of A.
+// Write W D^-1 W^T, (2M, 2M), to the lower triangle of A.
 //
-// V: room, (2M rounded up to 4, 2 TILE): of each transducer one direction, then of those that are free the other.
+// V: workspace, (2M rounded up to 4, 2 TILE), for one direction of each transducer, then the other of the free ones.
 inline void coupling(View<const c8, 2> B, View<const f4, 2> u, const f8* share, const i8* order, View<const f4, 2> h,
                      View<const bool, 1> held, const f4* D, View<f8, 2> A, View<f4, 3> tile, View<f4, 2> V) {
     const Index M = B.shape[0], N = B.shape[1], K = 2 * M;
@@ -104,9 +105,10 @@ inline void coupling(View<const c8, 2> B, View<const f4, 2> u, const f8* share, 
     }
 }
 
-// The step d, (2, N), for the gradient v, (2, N).
+// Write the step d, (2, N), for the gradient v, (2, N).
 //
-// bend: the weight of what is across u, (M,). p, A, tile, V, y: room, (2, M), and as in `coupling`, `passes`.
+// bend: weight of the pressures across u, (M,). p: workspace, (2, M). A, tile, V, y: workspace, as in `coupling` and
+// fused_passes.hpp.
 inline void step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend, View<const f4, 2> h, View<const bool, 1> held, const f4* D,
                  View<const f4, 2> v, View<f4, 2> d, View<f8, 2> p, View<f8, 2> A, View<f4, 3> tile, View<f4, 2> V, View<f4, 2> y) {
     const Index M = B.shape[0], N = B.shape[1], K = 2 * M;

@@ -1,15 +1,16 @@
-"""Pressures as asked under the gain limit alone: phases, multipliers and gains found together.
+"""Meets the targets under the gain limit alone. Phases, multipliers and gains are found together.
 
-People feel amplitude, not phase, so p = t exp(j phi) with phi free, and y = r exp(j phi) at the optimum
-of the dual (see `convex.dual`), r real. Steps go on in this order for as long as the error asks for it:
+People feel amplitude, not phase. So p = t exp(j phi) with phi free, and at the optimum of the dual (see
+`convex.dual`), y = r exp(j phi) with r real. The stages run in this order until the error is small enough:
 
-1. The regularised pseudo-inverse, for phases by Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
-2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, u = p / |p| of the pressures made: M real
-   equations, each step an M x M real system (`descend`). Two or three while a part is at its limit.
-3. Where that stalls, full drive: weighted Gerchberg-Saxton steps find other phases that more pressure
-   can be made with (`equalise`); then 2 again.
-4. Where the array cannot do it: Newton steps on the gains to the nearest pressures (`nearest`).
-5. And 3 and 4 from other phases, where the caller gives time for it.
+1. The regularised pseudo-inverse, for phases from Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
+2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, where u = p / |p| of the pressures made. These are
+   M real equations, so each step solves an M x M real system (`descend`). Two or three steps suffice while
+   only some of the transducers are at their limit.
+3. If stage 2 stalls: full drive. Weighted Gerchberg-Saxton steps find other phases that allow more pressure
+   (`equalise`), and stage 2 runs again.
+4. If the array cannot meet the targets: Newton steps on the gains, towards the nearest pressures (`nearest`).
+5. If the caller allows the time: stages 3 and 4 from other phases.
 """
 
 from __future__ import annotations
@@ -39,48 +40,44 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Gains
     from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
-FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
+FRESH = np.array([np.inf, -1.0])  # `found[3:5]` before the first step
 ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
-MET = 1e-4  # relative error that will do in any case
-NEARLY = 1e-3  # and where steps have converged
-STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
-ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
-FEW_SAMPLES, LOOKS, GOLDEN = (
-    16,
-    3,
-    0.6180339887,
-)  # samples up to which other starts are tried, looks at full drive for each, phases apart by
-FAR = 0.2  # relative error from which a start is not worth going on from
-SOFT, FEW = (
-    (1e-1, 3e-2, 1e-2, 3e-3, 1e-3),
-    3,
-)  # regularisation over trace(G) / M, and steps with each
-LARGE = 200_000_000  # M M N up to which 3 and 4 are tried: some seconds
-TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
-QUICK = 5_000_000  # M M N of the steps between two looks at the clock
-MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
+MET = 1e-4  # relative error that always suffices
+NEARLY = 1e-3  # relative error that suffices once the steps have converged
+STEPS, EQUAL, LAST = 16, 24, 80  # maximum number of steps in stages 2, 3 and 4
+ROUGH, FINISHED = 3e-4, 1e-5  # least relative saving of a step in stage 4: when probing, at the end
+# samples up to which other starts are tried; full-drive probes for each; their phase increment [turns]
+FEW_SAMPLES, LOOKS, GOLDEN = 16, 3, 0.6180339887
+FAR = 0.2  # relative error from which continuing with the current phases is not worthwhile
+# regularisation relative to trace(G) / M, in descending order; Newton steps with each
+SOFT, FEW = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), 3
+LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
+TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two starting points
+QUICK = 5_000_000  # M M N of the steps between two checks of the clock
+# search for the strongest: steps of `equalise`; resolution and least share of full drive
+MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
-BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
+BEYOND = 0.999  # multiple of the targets at full drive below which they cannot be met
 
 
 class PhaseFreeResult(NamedTuple):
-    """Where the steps ended; the gains are in `room.h`, in units of the limit."""
+    """Outcome of the steps. The gains are in `room.h`, in units of the limit."""
 
-    error: float  # ||asked - made|| / ||p||, free phases being as made
+    error: float  # ||targets - made|| / ||p||, where free phases are those made
     steps: int
     late: bool
     held: int  # transducers at their limit
     bound: float  # [Pa^2] for unit limits
     objective: float
-    share: float = 0.0  # of full drive that the strongest took
+    share: float = 0.0  # share of full drive that the strongest solution uses
 
 
 @dataclass(eq=False)
 class PhaseFreeSolve:
-    """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come.
+    """State of one problem: targets p, (M,) [Pa per unit limit], where their phase is free, and the progress.
 
-    starts: how many other phases may be started from, where those at hand do not do. late: whether the time was up
-    before the first start had come to its end; that of the others is extra.
+    starts: additional starting phases to try if the given ones do not suffice. late: whether the time ran out before
+    the first start had finished; additional starts do not count.
     """
 
     B: Complexes
@@ -97,7 +94,7 @@ class PhaseFreeSolve:
     late: bool = False
 
     def run(self) -> PhaseFreeResult:
-        """Write gains, from the multipliers in `room.y`."""
+        """Write the gains, starting from the multipliers in `room.y`."""
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
@@ -111,21 +108,21 @@ class PhaseFreeSolve:
         return self._done(error)
 
     def _prove(self) -> None:
-        """Write the gains at hand, and their proof by the multipliers at hand."""
+        """Write the current gains, and the bound that the current multipliers prove."""
         room = self.room
         certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
         deliver(room.h, self.unit, self.out)
 
     def _done(self, error: float) -> PhaseFreeResult:
-        """What has been found, with its proof."""
+        """Return the current result with its bound and objective."""
         bound, objective, held = self.room.found[5:].tolist()
         return PhaseFreeResult(error, self.steps, self.late, int(held), bound, objective)
 
     def strongest(self) -> PhaseFreeResult:
-        """Write gains for the largest multiple of the targets, all of free phase.
+        """Write gains for the largest multiple of the targets, whose phases are all free.
 
-        It stands in p then. Full drive shows about where it is, and from which phases it is the most; Newton steps
-        on shares of that find it.
+        Full drive gives the best phases and an estimate of the multiple. A bisection over shares of this estimate,
+        with Newton steps for each, then finds the multiple.
         """
         room, p = self.room, self.p.copy()
         top = self._full()
@@ -144,7 +141,7 @@ class PhaseFreeSolve:
             weak, best, y = share, self._done(error)._replace(share=share), room.y.copy()
             np.copyto(room.spare, room.h)
         self.late |= self.budget.spent
-        if best is None:  # none keeps proportions: what the last came to, or full drive
+        if best is None:  # no share keeps the proportions: use the last attempt, or full drive
             self._prove()
             return self._done(error)
         np.copyto(room.h, room.spare)
@@ -153,9 +150,9 @@ class PhaseFreeSolve:
         return best._replace(steps=self.steps, late=self.late)
 
     def _full(self) -> float:
-        """Full drive from the phases, of those at hand and of others, from which the weakest sample gets the most.
+        """Drive fully from the phases, current or other, that give the weakest sample the most pressure.
 
-        Returns the multiple of the targets that it comes nearest to.
+        Returns the multiple of the targets that is nearest to the pressures made.
         """
         room, size = self.room, np.abs(self.p)
         top = self._equalise(MOST_EQUAL)
@@ -169,11 +166,10 @@ class PhaseFreeSolve:
         return self._equalise(MOST_EQUAL)
 
     def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
-        """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
+        """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
         room, endless = self.room, self.budget.endless
-        steps = (
-            steps if endless or self._affords() else 0
-        )  # what these multipliers make, and no step
+        # without time for a step, only evaluate the current multipliers
+        steps = steps if endless or self._affords() else 0
         chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
         room.found[3:5] = FRESH
         for _ in range(0, max(1, steps), chunk):
@@ -187,26 +183,26 @@ class PhaseFreeSolve:
         return float(room.found[0]), False
 
     def _affords(self) -> bool:
-        """Whether a Newton step would come in time; the answer is late where it would not."""
+        """Return whether a Newton step would finish in time; if not, mark the result as late."""
         fits = in_time(self.budget, len(self.p) * self.B.size)
         self.late |= not fits
         return fits
 
     def _harder(self, error: float) -> float:
-        """What to do where Newton steps stall at `error`; the best gains stay, and their residual as y."""
+        """Continue after Newton steps have stalled at `error`; keep the best gains, with their residual as y."""
         room, work = self.room, len(self.p) * self.B.size
         np.copyto(room.spare, room.h)
         first = second = error
         np.copyto(room.other, room.h)
         if self.free.all():
-            if error > FAR or work > LARGE:  # asked of samples that the array does not tell apart
+            if error > FAR or work > LARGE:  # the array cannot resolve the samples
                 first = self._softened(error)
             if not self.budget.spent:
                 second = self._full_drive()
                 if second <= MET:
                     return second
                 np.copyto(room.other, room.h)
-        if first != second and work <= TWICE:  # a look at where each leads
+        if first != second and work <= TWICE:  # probe both starting points
             np.copyto(room.h, room.spare)
             first = self._nearest(ROUGH)
             np.copyto(room.spare, room.h)
@@ -220,14 +216,14 @@ class PhaseFreeSolve:
 
     @property
     def _others(self) -> int:
-        """How many other phases may be started from: of few samples, all of free phase."""
+        """Number of additional starts: 0 for many samples or fixed phases."""
         M = len(self.p)
         return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.free.all() else 0
 
     def _elsewhere(self, error: float) -> float:
-        """Look where other phases lead; the best gains of all stay, `error` being those at hand. Returns theirs.
+        """Try other starting phases; keep the best gains and return their error. error: of the current gains.
 
-        Most are left after full drive: those that come nearest there are gone on with.
+        Each start is probed at full drive. Only those nearest to the targets are continued.
         """
         room, best = self.room, error
         np.copyto(room.spare, room.h)
@@ -251,7 +247,7 @@ class PhaseFreeSolve:
         return best
 
     def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
-        """What full drive makes from each of `count` other phases, (M,), is worth: with the number of the phases."""
+        """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
         looks = list[tuple[float, int]]()
         for k in range(count):
             if self.budget.spent:
@@ -262,15 +258,15 @@ class PhaseFreeSolve:
         return looks
 
     def _phases(self, k: int) -> Complexes:
-        """Targets, (M,), in phases of which each k has others, far apart; the first are those of `weighted-gs`."""
+        """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""
         m = np.arange(len(self.p))
         turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
         return np.asarray(np.abs(self.p) * np.exp(2j * np.pi * turns), np.complex128)
 
     def _softened(self, error: float) -> float:
-        """Newton steps with more regularisation than asked, less and less of it while that helps.
+        """Take Newton steps with increased regularisation, and reduce it while the error falls; return the least error.
 
-        The best gains are in `room.spare`, with `error` to start from; returns their error.
+        The best gains so far are in `room.spare`. error: theirs on entry.
         """
         if not self._affords():
             return error
@@ -295,15 +291,15 @@ class PhaseFreeSolve:
         return error
 
     def _full_drive(self) -> float:
-        """Other phases, from which Newton steps start again; return the error."""
+        """Restart the Newton steps from the phases of full drive; return the error."""
         if self._equalise(EQUAL) < BEYOND:
-            self.room.y[:] *= 10.0  # all the further beyond the limit
+            self.room.y[:] *= 10.0  # hold more transducers at the limit
         return self._newton()[0]
 
     def _equalise(self, steps: int) -> float:
-        """Steps of `equalise`, and multipliers with as many transducers beyond their limit as below it.
+        """Take steps of `equalise`, then scale the multipliers so that half of the transducers are at their limit.
 
-        Returns the multiple of the targets that full drive comes nearest to.
+        Returns the multiple of the targets that is nearest to what full drive makes.
         """
         room = self.room
         chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
@@ -320,7 +316,7 @@ class PhaseFreeSolve:
         return multiple
 
     def _nearest(self, finished: float) -> float:
-        """Steps of `nearest` from the gains at hand; return the error."""
+        """Take steps of `nearest` from the current gains; return the error."""
         room = self.room
         room.found[1], room.found[4] = 0.0, 0.0
         gather(self.B, room.h, room.made, room.tile)
@@ -338,7 +334,7 @@ class PhaseFreeSolve:
         return float(room.found[0])
 
     def _residual(self) -> None:
-        """Make the multipliers the residual of the gains at hand: the proof, at the nearest pressures."""
+        """Set the multipliers to the residual of the gains, which proves optimality at the nearest pressures."""
         room = self.room
         gather(self.B, room.h, room.made, room.tile)
         q = room.made[0] + 1j * room.made[1]
@@ -350,7 +346,7 @@ class PhaseFreeSolve:
         room.found[1] = evaluate(self.B, y, self.mu, room.other, spent, room.tile)
 
     def refined(self, B: Complexes) -> Refined:
-        """The answer in double precision, for B in it; the multipliers are in `room.y`."""
+        """Return the solution in double precision, for B in double precision; its multipliers are in `room.y`."""
         room = self.room
         h = room.h[0].astype(np.complex128) + 1j * room.h[1]
         rough = refine_certified(

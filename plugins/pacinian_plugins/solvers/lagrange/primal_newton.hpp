@@ -1,4 +1,4 @@
-// Newton steps on the gains, towards the nearest pressures that full drive allows.
+// Newton steps on the gains, towards the nearest pressures within the gain limit.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,14 @@
 
 namespace pacinian::lagrange {
 
-constexpr f8 DAMPED = 1e-3, MOST = 1e3;  // damping to start with, and to give up at, in units of the mean |x|
-constexpr f4 SHORTEST = 1e-3f;           // of a step
+constexpr f8 DAMPED = 1e-3, MOST = 1e3;  // damping at the start, and at which the search gives up, in units of the mean |x|
+constexpr f4 SHORTEST = 1e-3f;           // least length of a step, relative to a full step
 constexpr f8 NONE_YET = std::numeric_limits<f8>::max();
 
-// 1/2 ||p - made||^2 for pressures made, (2, M); a free phase is as made.
+// Return 1/2 ||p - made||^2 for pressures made, (2, M), where free phases are those made.
 //
-// Writes the phasors u along which each is measured, the residual y, both (2, M), and by how much a pressure across u
-// counts, (M,): 1 where its phase is fixed, (|p| - t) / |p| where free.
+// Writes the phasors u along which each pressure is measured and the residual y, both (2, M), and the weight of the pressure
+// across u, (M,): 1 where its phase is fixed, (|p| - t) / |p| where it is free.
 inline f8 misfit(View<const c16, 1> p, View<const bool, 1> free, View<const f8, 2> made, View<f4, 2> u, View<f4, 2> y, f8* bend) {
     f8 cost = 0.0;
     for (Index m = 0; m < p.size(); ++m) {
@@ -38,7 +38,7 @@ inline f8 misfit(View<const c16, 1> p, View<const bool, 1> free, View<const f8, 
     return cost / 2.0;
 }
 
-// h + length d, (2, N), brought back within the limit; the sum of its squares.
+// Write h + length d, (2, N), clipped to the limit; return the sum of its squares.
 inline f8 shortened(View<const f4, 2> h, View<const f4, 2> d, f4 length, View<f4, 2> made) {
     const Index N = d.shape[1];
     const f4 *__restrict hr = h.row(0), *__restrict hi = h.row(1), *__restrict dr = d.row(0), *__restrict di = d.row(1);

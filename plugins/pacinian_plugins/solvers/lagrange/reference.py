@@ -1,4 +1,4 @@
-"""The steps of `descend` in double precision, in plain NumPy: for `precision="double"`, and to compare with."""
+"""The steps of `descend` in double precision and plain NumPy, for `precision="double"` and as a reference."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ ENOUGH = 1e-12  # ||F|| / ||p|| to stop at
 
 
 def saturate(x: Complexes, mu: float) -> tuple[Complexes, Floats, float]:
-    """h(x) and |x|, both (N,), and the sum of c(x_n); see `convex.dual`."""
+    """Return h(x) and |x|, both (N,), and the sum of c(x_n); see `convex.dual`."""
     size = np.abs(x)
     cost = np.where(size <= mu, size * size / (2.0 * mu), size - mu / 2.0).sum()
     return x / np.maximum(size, mu), size, float(cost)
 
 
 class Refined(NamedTuple):
-    """The best of the steps: gains h, (N,), and the proof of how good they are."""
+    """Best step: gains h, (N,), multipliers y, (M,), and the bound and objective that certify them."""
 
     h: Complexes
     y: Complexes
@@ -33,7 +33,10 @@ class Refined(NamedTuple):
 def refine_certified(
     B: Complexes, p: Complexes, free: Flags, mu: float, y: Complexes, h: Complexes | None = None
 ) -> Refined:
-    """Gains h, (N,), h(B^H y) unless given, with D(y) and their objective, for the phases that they make."""
+    """Compute the bound D(y) and the objective of gains h, (N,), for the phases that they make.
+
+    h: h(B^H y) by default.
+    """
     own, _, cost = saturate(B.conj().T @ y, mu)
     h = own if h is None else h
     made = B @ h
@@ -54,11 +57,11 @@ def solve_newton(
     steps: int,
     budget: pc.Budget | None = None,
 ) -> Refined:
-    """Steps from multipliers y, (M,), as long as they bring F down.
+    """Take Newton steps from multipliers y, (M,), as long as they reduce F.
 
-    B: (M, N), complex128. p: targets, (M,), where `free` in size only.
+    B: (M, N), complex128. p: targets, (M,); where `free`, only their size counts.
     """
-    sample = np.concatenate([np.arange(len(p)), np.flatnonzero(~free)])  # of each equation
+    sample = np.concatenate([np.arange(len(p)), np.flatnonzero(~free)])  # sample of each equation
     last, best = np.inf, y
     for _ in range(steps + 1):
         h, size, _ = saturate(B.conj().T @ y, mu)

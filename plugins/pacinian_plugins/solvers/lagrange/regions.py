@@ -1,16 +1,16 @@
-"""Least squares under the gain limit where every phase is given, without the Gram matrix: for regions.
+"""Least squares under the gain limit for regions: all phases are given, and no Gram matrix is formed.
 
-Samples of a region lie closer than the array resolves, so B B^H is nearly singular and its regularisation
-mu is felt. The squared errors are weighted: 1, or `QUIET` beside regions. The dual is that of `convex.dual`:
-y is where F(y) = p - D y - B h(B^H y) = 0, D being 1 over the weights. Newton steps find it, each the solution of
-(D + B W B^H) d = F by conjugate gradients, W = dh/dx: 1 / mu in both directions where a gain is below its limit,
-1 / |x| along its phase where it is held. One product reads B once.
+The samples of a region lie closer together than the array resolves. Therefore B B^H is nearly singular, and its
+regularisation mu affects the solution. Squared errors have weight 1, or `QUIET` beside regions. The dual is that of
+`convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y. Each step
+solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below its
+limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
-Every fourth transducer is enough to tell what samples have in common: of these D + B W B^H is computed and factored,
-and preconditions the conjugate gradients. 2 to 4 products do then, where it were 30 to 60.
+Every fourth transducer suffices to capture the coupling of the samples. D + B W B^H is computed and factored for these
+transducers only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60.
 
-An error d of the sound pressure changes the radiation pressure by 2 |p| d where |p| is asked, but by d^2 where nothing
-is. So points beside a region need little weight to keep sound away, and have little, to leave the region as it is.
+An error d of the sound pressure changes the radiation pressure by 2 |p| d where the target is |p|, but only by d^2
+where the target is 0. So a small weight keeps points beside a region quiet, and leaves the region itself unchanged.
 """
 
 from __future__ import annotations
@@ -32,27 +32,27 @@ from pacinian_plugins.solvers.lagrange.reference import solve_newton
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
 
-QUIET = 0.02  # the weight of points beside regions
-ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: less changes nothing that is felt
-INEXACT = 0.1  # of ||F||: how well a Newton step is solved for
-SOME, FEW = 4, 400  # one in so many transducers preconditions; more samples are too many to factor
-STEPS, PASSES = 15, 300  # Newton steps at most; conjugate gradients at most, for each
-MIN_STEPS = 4  # of the first, whatever the time: to go on from, where it was too short
-ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
+QUIET = 0.02  # weight of points beside regions
+ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: a smaller error cannot be felt
+INEXACT = 0.1  # residual of a Newton system, relative to ||F||
+SOME, FEW = 4, 400  # preconditioner: stride over transducers, and maximum number of samples
+STEPS, PASSES = 15, 300  # maximum number of Newton steps, and of conjugate gradients for each
+MIN_STEPS = 4  # conjugate gradients taken even without time, so that the next call starts closer
+ARMIJO, SHORTEST = 1e-4, 1e-6  # least share of the expected increase; shortest step
 REFINED = 16  # Newton steps in double precision
 
 
 class Space(NamedTuple):
-    """Space for the kernels, for M samples and N transducers."""
+    """Workspace of the kernels for M samples and N transducers."""
 
     tile: Singles
     h: Singles  # gains and |x_n|, (3, N)
-    planes: Singles  # a vector of M, real and imaginary parts, (2, M rounded up to 4)
-    made: Floats  # (2, M)
+    planes: Singles  # real and imaginary parts of a vector of M, (2, M rounded up to 4)
+    made: Floats  # result of the last kernel, (2, M)
 
     @classmethod
     def of(cls, M: int, N: int) -> Space:
-        """Space for M samples and N transducers."""
+        """Allocate the workspace for M samples and N transducers."""
         rows = M + -M % 4
         return cls(
             np.zeros((2, rows, TILE), np.float32),
@@ -63,20 +63,20 @@ class Space(NamedTuple):
 
 
 class Nearly:
-    """The inverse of nearly D + B W B^H, at gains h: of one in four transducers, each standing for four."""
+    """Preconditioner: approximate inverse of D + B W B^H at gains h, from one in four transducers, each weighted 4."""
 
     def __init__(self, B: Gains, D: Floats, h: Singles, mu: float) -> None:
         size = h[2, ::SOME]
-        # a held gain can turn, but not grow: one of two directions
+        # a gain at its limit can turn but not grow: one of two directions
         weight = np.where(size > mu, 0.5 / np.maximum(size, mu), f4(1.0 / mu))
         some = B[:, ::SOME] * np.sqrt(weight * f4(B.shape[1] / len(size)))
-        gram = blas.cherk(1.0, some.T, trans=2)  # its upper triangle, conjugate
+        gram = blas.cherk(1.0, some.T, trans=2)  # upper triangle of the conjugate
         gram.ravel("K")[:: len(gram) + 1] += D.astype(f4)
         self._factor, failed = lapack.cpotrf(gram, overwrite_a=True)
         self._fails = bool(failed)
 
     def times(self, r: Complexes) -> Complexes:
-        """Its product with r, (M,)."""
+        """Multiply the inverse by r, (M,)."""
         if self._fails:
             return r
         solved, _ = lapack.cpotrs(self._factor, r.conj().astype(np.complex64))
@@ -84,7 +84,7 @@ class Nearly:
 
 
 class Descent:
-    """Newton steps on y, (M,), from where it is given, for targets p, (M,) [Pa per unit limit].
+    """Newton steps on the multipliers y, (M,), from a given start, for targets p, (M,) [Pa per unit limit].
 
     D: 1 over the weights of the squared errors, (M,).
     """
@@ -97,13 +97,13 @@ class Descent:
         self.space, self.budget = space, budget
         self.steps = 0
         self.met = False
-        """Whether the steps have come to their end."""
+        """Whether the steps have converged."""
         self._nearly: Nearly | None = None
         self.cost = 0.0
         """The sum of c(x_n) at y."""
 
     def run(self) -> None:
-        """Go on until F is short, or nothing improves; the gains are in the space."""
+        """Take steps until F is small or nothing improves; the gains are in the workspace."""
         size, last = float(np.linalg.norm(self.p)), self.steps + STEPS
         F, value = self._look(self.y)
         while (missed := float(np.linalg.norm(F))) > ENOUGH * size:
@@ -124,21 +124,21 @@ class Descent:
         self.met = missed <= ENOUGH * size
 
     def turn_to(self, p: Complexes) -> Complexes:
-        """Go on from here for other targets, (M,), in the same phases; returns what is made of them."""
+        """Continue with other targets, (M,), of the same phases; return the pressures made, (M,)."""
         self.y = self.y * (np.linalg.norm(p) / np.linalg.norm(self.p))
         self.p = p
         self.run()
         return self._made()
 
     def proof(self) -> tuple[float, float]:
-        """D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
+        """Return D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
         rest = self.p - self._made()
         dual = float(np.vdot(self.y, self.p).real - np.vdot(self.y, self.D * self.y).real / 2.0)
         power = float((self.space.h[:2].astype(np.float64) ** 2).sum())
         return dual - self.cost, (float(np.vdot(rest, rest / self.D).real) + self.mu * power) / 2.0
 
     def _look(self, y: Complexes) -> tuple[Complexes, float]:
-        """F and the dual's value D at y, which is kept with its gains."""
+        """Evaluate y, and store it with its gains; return F and the value D of the dual."""
         space, self.y = self.space, y
         self.cost = evaluate(self.B, self._planes(y), self.mu, space.h, space.made, space.tile)
         Dy = self.D * y
@@ -146,7 +146,7 @@ class Descent:
         return self.p - Dy - self._made(), value
 
     def _direction(self, F: Complexes, enough: float) -> Complexes:
-        """The d of (D + B W B^H) d = F with a residual of at most `enough`."""
+        """Solve (D + B W B^H) d = F for d, with a residual of at most `enough`."""
         space = self.space
         if self._nearly is None and len(F) <= FEW:
             self._nearly = Nearly(self.B, self.D, space.h, self.mu)
@@ -169,13 +169,13 @@ class Descent:
         return d
 
     def _planes(self, y: Complexes) -> Singles:
-        """A vector (M,) as the kernels take it."""
+        """Return a vector, (M,), in the layout of the kernels."""
         planes = self.space.planes
         planes[0, : len(y)], planes[1, : len(y)] = y.real, y.imag
         return planes
 
     def _made(self) -> Complexes:
-        """What the last kernel wrote, (M,)."""
+        """Return the result of the last kernel, (M,)."""
         return np.asarray(self.space.made[0] + 1j * self.space.made[1])
 
 
@@ -183,9 +183,9 @@ def solve(
     propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, warm: pc.Solution | None,
     budget: pc.Budget, out: pc.Gains, relative: float,
 ) -> pc.Result:  # fmt: skip
-    """Write the gains nearest to targets of given phase that the gain limit allows; or the strongest even ones.
+    """Write the gains that come nearest to targets of given phases under the gain limit, or the strongest even ones.
 
-    relative: mu over trace(B B^H) / M. Multipliers are carried on from `warm`, where they are for as many samples.
+    relative: mu over trace(B B^H) / M. Starts from the multipliers of `warm`, if it has any.
     """
     B = propagator.single
     M, N = B.shape
@@ -193,7 +193,7 @@ def solve(
     if not mu:
         return pc.Result(note="no transducer reaches the points")
     p, norm = targets.complex(targets.phases), targets.norm
-    # without a limit none is to be felt: ||g|| <= ||p|| / (2 sqrt(mu))
+    # without a gain limit, use a unit that no gain reaches: ||g|| <= ||p|| / (2 sqrt(mu))
     unit = limits.gain or norm / math.sqrt(mu)
     share = within(norm / unit, relative, mu, N)
     p *= share / unit
@@ -205,11 +205,11 @@ def solve(
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
         climb(p, reach, descent.turn_to, budget)
-        share = max(share, 1.0)  # of any strength
+        share = max(share, 1.0)  # the strength is free
     else:
         descent.run()
     p, y, scale, steps = descent.p, descent.y, unit / max(share, 1.0), descent.steps
-    w = 1.0 / np.sqrt(D)  # of rows, so that each error counts by its weight
+    w = 1.0 / np.sqrt(D)  # factors on the rows, so that each error has its weight
     if not (strongest or descent.met or budget.spent):
         from pacinian_plugins.solvers.lagrange.convex import least_squares
 
@@ -242,7 +242,7 @@ def solve(
 
 
 def begin(targets: pc.Targets, warm: pc.Solution | None) -> Complexes:
-    """Multipliers to start from, (M,) [Pa]: those of `warm`, turned with the phases; else 0."""
+    """Return the starting multipliers, (M,) [Pa]: those of `warm`, turned with the phases, or else 0."""
     y = None if warm is None else warm.multipliers
     before = None if warm is None else warm.asked_phases
     if warm is None or y is None or before is None or not warm.targets.norm:

@@ -1,4 +1,4 @@
-"""Free phases of the strongest: turned, from where they are, for as long as that makes it stronger."""
+"""Optimises free phases for the strongest solution, by a local search from given phases."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
     from pacinian_plugins.solvers.lagrange.convex import Answer
 
-TRIALS, CLOSE = 30, 1e-5  # strengths looked at, at most; relative gain of one step that is the last
+TRIALS, CLOSE = 30, 1e-5  # maximum number of solves; relative gain of a step below which it ends
 
 
 def turn(
     solve: Callable[[Complexes, Complexes | None], Answer], c: Complexes, free: Flags,
     budget: pc.Budget,
 ) -> Answer:  # fmt: skip
-    """The strongest multiple of c, (M,), over phases that can be turned to from those of c, where they are `free`.
+    """Find the strongest multiple of c, (M,), over its `free` phases, by L-BFGS from the phases of c.
 
-    solve: the strongest for given phases, from multipliers, (R,). Its strength s is the least of what gains within
-    the limits give a multiplier y with Re(y^H c) = 1, so d log s / d phi_m = -Re(y_m^* j c_m): L-BFGS steps follow.
+    solve: finds the strongest solution for given phases, starting from multipliers, (R,). By duality, its strength s
+    is the minimum over multipliers y with Re(y^H c) = 1 of the most that gains within the limits give for y.
+    Therefore d log s / d phi_m = -Re(y_m^* j c_m), the slope for L-BFGS.
     """
     M = len(c)
     best = solve(c, None)

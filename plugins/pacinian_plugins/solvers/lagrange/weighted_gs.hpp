@@ -1,4 +1,4 @@
-// Weighted Gerchberg-Saxton steps at full drive: phases, and multipliers, to start anew from.
+// Weighted Gerchberg-Saxton steps at full drive. They find phases and multipliers from which to restart.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace pacinian::lagrange {
 
-constexpr f8 ROOT = 0.5;   // of asked / made, by which a multiplier grows: the whole of it makes two samples oscillate
-constexpr f8 AHEAD = 1.5;  // of the way to the phases made: 1 takes twice as many steps
+constexpr f8 ROOT = 0.5;   // exponent of target / made by which a multiplier grows: with 1, two samples oscillate
+constexpr f8 AHEAD = 1.5;  // over-relaxation of the step to the phases made: 1 takes twice as many steps
 constexpr f8 CLOSE = 1e-4;
 
 inline i8 equalise(View<const c8, 2> B, View<const c16, 1> p, i8 steps, View<c16, 1> y, View<f4, 2> h, View<f8, 2> made,

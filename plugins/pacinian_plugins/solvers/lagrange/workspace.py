@@ -1,4 +1,4 @@
-"""Space for the kernels: made once for M samples and N transducers, used again."""
+"""Workspace of the kernels, allocated once for M samples and N transducers and reused."""
 
 from __future__ import annotations
 
@@ -13,36 +13,34 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats, Indices, Singles
 
-PACE, LONG = (
-    5e9,
-    1e-3,
-)  # M M N of a Newton step in a second, about; what is shorter need not be foreseen [s]
-SMALL = 16  # samples up to which `small.begin` solves for the start
+# approximate speed of Newton steps [M M N / s]; duration up to which steps are always started [s]
+PACE, LONG = 5e9, 1e-3
+SMALL = 16  # samples up to which the kernel `begin` computes the start
 
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """Space for the kernels, for M samples and N transducers: made once."""
+    """Workspace of the kernels for M samples and N transducers."""
 
     p: Complexes  # targets, (M,)
     free: Flags  # where their phase is, (M,)
     y: Complexes  # multipliers, (M,)
     L: Complexes  # a factor of the Gram matrix of few samples
     h: Singles  # gains and |x_n|, (3, N)
-    spare: Singles  # others, to come back to
-    other: Singles
+    spare: Singles  # saved copy of h, (3, N)
+    other: Singles  # second saved copy of h, (3, N)
     made: Floats  # pressures, (2, M)
-    A: Floats  # a system of up to 2 M equations
-    tile: Singles  # as in `passes`
+    A: Floats  # matrix of a system of up to 2 M equations
+    tile: Singles  # see fused_passes.hpp
     V: Singles  # columns for the systems
-    W: Singles  # steps of gains, (7, N)
-    held: Flags  # (N,)
-    which: Indices  # of transducers in a tile
-    found: Floats  # see `descend`, `nearest`, `attempt`
+    W: Singles  # steps of the gains, (7, N)
+    held: Flags  # transducers at their limit, (N,)
+    which: Indices  # indices of transducers in a tile
+    found: Floats  # outputs of the kernels; see `descend`, `nearest`, `attempt`
 
     @classmethod
     def of(cls, M: int, N: int) -> Workspace:
-        """Room for M samples, each of them two equations."""
+        """Allocate the workspace for M samples with up to two equations each."""
         K = 2 * M + 4
         return cls(
             np.zeros(M, np.complex128),
@@ -64,5 +62,5 @@ class Workspace:
 
 
 def in_time(budget: pc.Budget, work: int) -> bool:
-    """Whether a Newton step of so much `work`, M M N, is short, or would come in time: else it is not to be begun."""
+    """Return whether a Newton step of `work` M M N is short or fits in the budget; if not, do not start it."""
     return work <= LONG * PACE or budget.affords(work / PACE)

@@ -373,7 +373,7 @@ def test_whatever_is_raised_it_goes_on(
         raise RuntimeError(where)
 
     at: Any = {
-        "round": dispatcher.converter, "expire": next(iter(dispatcher.rooms.values())), "step": dispatcher.queries,
+        "round": dispatcher.converter, "expire": next(iter(dispatcher.scenes.values())), "step": dispatcher.queries,
         "next": dispatcher.batcher, "encode": module,
     }.get(where, dispatcher)  # fmt: skip
     with monkeypatch.context() as patch:
@@ -398,7 +398,7 @@ def test_a_command_that_fails_is_answered(server: Server, monkeypatch: pytest.Mo
     def bad(*_: object) -> Any:
         raise RuntimeError("of ours")
 
-    monkeypatch.setattr("pacinian.serving.bus.shared_scene.Room.do", bad)
+    monkeypatch.setattr("pacinian.serving.bus.shared_scene.SharedScene.do", bad)
     send(one, put({"a": point()}, session=A, id=1))
     reply = server.reply(one)
     assert isinstance(reply, Error)

@@ -29,7 +29,7 @@ PARENT = """
 import sys, time
 import msgspec
 from pacinian.serving.ipc import child_process
-told = msgspec.json.decode(sys.argv[1], type=child_process.Told)
+told = msgspec.json.decode(sys.argv[1], type=child_process.LaunchConfig)
 print(child_process.start("guard", told).pid, flush=True)
 time.sleep(600)
 """

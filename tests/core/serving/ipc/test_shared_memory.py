@@ -197,7 +197,7 @@ def test_what_is_no_shared_memory_is_refused(place: Path) -> None:
     with pytest.raises(ServerError, match="shared memory"):
         SharedRegister.create(path, 100)
     path.write_bytes(path.read_bytes()[:-8])
-    with pytest.raises(ServerError, match="no shared memory"):
+    with pytest.raises(ServerError, match="not shared memory"):
         SharedRegister.attach(path)
 
 

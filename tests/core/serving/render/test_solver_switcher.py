@@ -118,7 +118,7 @@ def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same()
         (Choice(name="nobody"), "no solver is called 'nobody'"),
         (Choice(name="loud", options={"volume": 11}), "volume"),
         (Choice(name="loud", options={"level": 11}), "<= 1.0"),
-        (Choice(name="loud", options={"file": "/etc/passwd"}), "whoever runs the server"),
+        (Choice(name="loud", options={"file": "/etc/passwd"}), "the server's configuration"),
     ],
 )
 def test_what_cannot_solve_is_refused_with_the_reason(

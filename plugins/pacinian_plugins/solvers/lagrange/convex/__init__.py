@@ -1,4 +1,4 @@
-"""The convex problems at the heart of `lagrange`: phases fixed, any of its limits together, with a proof."""
+"""Convex problems of `lagrange`: fixed phases, any combination of its limits, and a certificate for each solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What comes back: gains and their certificate."""
+"""Result of a convex problem: gains and their certificate."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ if TYPE_CHECKING:
 class Answer(NamedTuple):
     """Gains and their certificate, in the units of A and p.
 
-    h: (N,), |h_n| <= 1 and ||h||^2 <= power up to rounding. y: multipliers to start from again, (R,).
-    made: A h, (R,) [Pa]. objective: of h [Pa^2]; -strength where that is asked for, and else NaN.
-    bound: what no gains within the limits can be below. violation: |p - made| beyond each row's
-    limit, (R,) [Pa]. late: the budget was spent. kept: all limits are, but for the tolerance of exact
-    rows. impossible: no gains keep them, which is proven; then h is the answer without exact rows.
+    h: (N,), |h_n| <= 1 and ||h||^2 <= power up to rounding. y: multipliers for a warm start, (R,).
+    made: A h, (R,) [Pa]. objective: of h [Pa^2]; -strength when the strength is maximised.
+    bound: lower bound of the objective within the limits. violation: excess of |p - made| over each row's
+    limit, (R,) [Pa]. late: the budget was spent. kept: all limits are kept, exact rows within a tolerance.
+    impossible: it is proven that no gains keep the limits; then h is the solution without exact rows.
+    strength: multiple of c made; NaN unless it is maximised.
     """
 
     h: Complexes
@@ -32,6 +33,6 @@ class Answer(NamedTuple):
 
     @property
     def gap(self) -> float:
-        """(objective - bound) / |objective|."""
+        """Relative duality gap, (objective - bound) / |objective|."""
         rest = self.objective - self.bound
         return rest / abs(self.objective) if self.objective else rest

@@ -1,4 +1,4 @@
-"""What is asked of the sound pressures, row by row: to be near, to be exact, to be quiet."""
+"""Requirements on the sound pressures, row by row: near, exact or quiet."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
-MARGIN = 2e-6  # quiet limits are solved for with this much to spare, and may be missed by as much
-INERT = 1e-9  # what the weights of quiet rows cost at first, relative to ||p||^2
-EXACT = 3e-6  # ||p - A h|| of the exact rows that counts as none, relative to their ||p||
+MARGIN = 2e-6  # relative amount by which quiet limits are tightened, and may then be exceeded
+INERT = 1e-9  # initial cost of the weights of quiet rows, relative to ||p||^2
+EXACT = 3e-6  # relative error ||p - A h|| / ||p|| of the exact rows up to which they count as met
 
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """Rows r = p - A h that cost weight |r|^2 / 2 and have |r| <= limit.
+    """Rows r = p - A h that cost weight |r|^2 / 2 and must satisfy |r| <= limit.
 
-    p: (R,) [Pa]. weight: (R,); 1, or what makes the dual of limited rows smooth.
-    limit: (R,) [Pa]; infinite where near will do, 0 where exact, else how loud it may be.
-    slack: (R,) [Pa], what is allowed beyond the limit.
+    p: (R,) [Pa]. weight: (R,); 1, or a smoothing weight for rows with a limit.
+    limit: (R,) [Pa]; infinite for near rows, 0 for exact rows, the loudest sound pressure allowed for quiet rows.
+    slack: (R,) [Pa], excess over the limit that is tolerated.
     """
 
     p: Complexes
@@ -32,7 +32,7 @@ class Constraints:
 
     @classmethod
     def of(cls, p: Complexes, exact: Flags | None, quiet: Floats | None) -> Constraints:
-        """Rows of M samples p, some of them exact, then of K quiet points."""
+        """Build the rows of M samples p, some of them exact, followed by K quiet points."""
         q = np.zeros(0) if quiet is None else np.asarray(quiet, np.float64)
         hard = np.zeros(len(p), np.bool_) if exact is None else np.asarray(exact, np.bool_)
         size = float(np.linalg.norm(p[hard] if hard.any() else p))
@@ -66,18 +66,18 @@ class Constraints:
         return not self.soft.all()
 
     def shorter(self, made: Complexes) -> float:
-        """What gains are to be multiplied by for quiet rows to be quiet enough, at most 1."""
+        """Return the factor on the gains, at most 1, that brings the quiet rows within their limits."""
         loud = np.abs(made[self.quiet]) / (self.limit + self.slack)[self.quiet]
         return 1.0 / max(1.0, float(loud.max(initial=0.0)) * (1.0 + 1e-12))
 
     def violation(self, r: Complexes) -> Floats:
-        """By how much |r| exceeds the limits as given, (R,) [Pa]."""
+        """Return the excess of |r| over the given limits, (R,) [Pa]."""
         most = np.where(self.quiet, self.limit + self.slack, self.limit)
         beyond: Floats = np.maximum(np.abs(r) - most, 0.0, dtype=np.float64)
         return beyond
 
     def smoothed(self, cost: float) -> Constraints:
-        """Quiet rows with weights that cost at most `cost` together, which makes the dual smooth."""
+        """Return a copy whose quiet rows have smoothing weights that cost at most `cost` [Pa^2] in total."""
         if not self.quiet.any():
             return self
         weight, q = self.weight.copy(), self.limit[self.quiet]
@@ -85,7 +85,7 @@ class Constraints:
         return replace(self, weight=weight)
 
     def relaxed(self) -> Constraints:
-        """The same without exact rows: to be near them will do."""
+        """Return a copy whose exact rows are near rows."""
         soft = self.limit == 0.0
         return replace(
             self, limit=np.where(soft, np.inf, self.limit), weight=np.where(soft, 1.0, self.weight)

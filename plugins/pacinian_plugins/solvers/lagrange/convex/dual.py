@@ -8,9 +8,9 @@ has the dual, with one complex multiplier y_k per row and x = A^H y,
     maximise  D(y) = Re(y^H p) - sum_k C(y_k; w_k, q_k) - min_(nu >= 0) [sum_n C(x_n; mu + nu, 1) + nu P/2],
     C(x; w, q) = max over |h| <= q of Re(x^* h) - w |h|^2 / 2.
 
-Its gradient F(y) = p - r(y) - A h(x) has r and h where those maxima are: at any y both are within
-their limits, and D(y) is a lower bound of the minimum. Where strength s is to be the largest instead,
-r = s c - A h; then it is -s that is minimised, and Re(y^H c) = 1.
+Its gradient is F(y) = p - r(y) - A h(x), where r and h attain these maxima. At any y, both are within
+their limits, and D(y) is a lower bound of the minimum. If the strength s is maximised instead,
+r = s c - A h, the objective is -s, and Re(y^H c) = 1.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 
-MIN_MU = 1e-15  # least mu where strength is asked for
-BEYOND = 1e6  # ||h||, relative to ||p|| / ||a row of A||
+MIN_MU = 1e-15  # least mu when the strength is maximised [Pa^2]
+BEYOND = 1e6  # ||h||, relative to ||p|| / ||a row of A||, beyond which gains do not count
 
 
 class Point(NamedTuple):
@@ -51,13 +51,13 @@ class Dual:
     weight: Floats
     limit: Floats
     power: float
-    along: Complexes | None = None  # c, (R,)
+    along: Complexes | None = None  # c, (R,), when the strength is maximised
 
     @classmethod
     def of(
         cls, A: Complexes, rows: Constraints, mu: float, gain: bool, power: float | None
     ) -> Dual:
-        """gain: whether |h_n| <= 1. power: P, None for no limit."""
+        """Build the dual. gain: whether |h_n| <= 1. power: P, None for no limit."""
         N = A.shape[1]
         top = np.full(N, 1.0 if gain else np.inf)
         whole = math.inf if power is None else power
@@ -65,28 +65,28 @@ class Dual:
 
     @property
     def mu(self) -> float:
-        """[Pa^2]."""
+        """Regularisation [Pa^2]."""
         return float(self.weight[0])
 
     @property
     def most(self) -> float:
-        """The most power that the limits allow; infinite without any."""
+        """Largest power within the limits; infinite if there are none."""
         return min(self.power, float(self.limit @ self.limit))
 
     def pull(self, y: Complexes) -> Complexes:
-        """A^H y, (N,)."""
+        """Return A^H y, (N,)."""
         x = np.empty(self.A.shape[1], np.complex128)
         kernels.adjoint(self.A, y, x)
         return x
 
     def make(self, h: Complexes) -> Complexes:
-        """A h, (R,) [Pa]."""
+        """Return A h, (R,) [Pa]."""
         made = np.empty(self.A.shape[0], np.complex128)
         kernels.forward(self.A, h, made)
         return made
 
     def at(self, y: Complexes, x: Complexes | None = None) -> Point:
-        """Evaluate at y; x: A^H y if known."""
+        """Evaluate the dual at y. x: A^H y if known."""
         x = self.pull(y) if x is None else x
         nu = kernels.lift(x, self.weight, self.limit, self.power) if self.power < math.inf else 0.0
         h, r = np.empty_like(x), np.empty_like(y)
@@ -97,12 +97,15 @@ class Dual:
         return Point(y, x, h, r, nu, float(np.vdot(y, self.rows.p).real) - cost)
 
     def slope(self, point: Point, made: Complexes, s: float) -> Complexes:
-        """F(y), (R,) [Pa], where A h and the strength are known."""
+        """Return F(y), (R,) [Pa]. made: A h, (R,) [Pa]. s: strength."""
         F = self.rows.p - point.r - made
         return F if self.along is None else F + s * self.along
 
     def smoothed(self, rows: float, gains: float) -> Dual:
-        """With weights on quiet rows, and on gains if strength is asked for, that cost at most so much."""
+        """Return a smoother dual. rows, gains: most that the weights of quiet rows, and of gains, may cost [Pa^2].
+
+        The gains are smoothed only when the strength is maximised.
+        """
         smooth = replace(self, rows=self.rows.smoothed(rows))
         if self.along is None:
             return smooth
@@ -111,7 +114,7 @@ class Dual:
         )
 
     def spare(self, y: Complexes) -> float:
-        """By how much D(y) may exceed the bound for the limits as given, and no weights on limited rows."""
+        """Return by how much D(y) may exceed the bound of the problem with the given limits and no smoothing."""
         rows, k = self.rows, self.rows.quiet
         gains = 0.0 if self.along is None else self.mu * self.most / 2.0
         if not k.any():
@@ -120,9 +123,9 @@ class Dual:
         return gains + float(np.abs(y[k]) @ rows.slack[k] + rows.weight[k] @ (q * q) / 2.0)
 
     def impossible(self, y: Complexes, scale: float) -> bool:
-        """Whether y proves that no gains keep the rows' limits (Farkas): they pull more than gains can give.
+        """Return whether y proves that no gains keep the limits of the rows (Farkas' lemma).
 
-        scale: the mean square of A's rows. Gains that are `BEYOND` what a row needs do not count.
+        scale: mean square of the rows of A. Gains more than `BEYOND` times what a row needs do not count.
         """
         rows = self.rows
         hard = np.where(rows.soft, 0.0, y)

@@ -1,4 +1,4 @@
-"""Newton steps from a start until the gap is closed."""
+"""Newton ascent on the dual until the duality gap is closed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual
     from pacinian_plugins.solvers.lagrange.convex.newton import Newton, State
 
-SLOW, IDLE = 1e-4, 4  # so many steps that promise less than this share of the tolerance end it
-FAINT = 0.1  # strength, relative to a row of A, that counts as none to the tolerance
+SLOW, IDLE = 1e-4, 4  # stop after IDLE steps in a row that promise less than SLOW of the tolerance
+FAINT = 0.1  # strength, relative to a row of A and the tolerance, up to which it counts as 0
 
 
 class Trial(NamedTuple):
-    """Gains within their limits, and what they give."""
+    """Gains within their limits, and their outcome."""
 
-    excess: float  # the largest over a row's limit, or 0 [Pa]
+    excess: float  # largest excess over the limit of a row, or 0 [Pa]
     objective: float
     h: Complexes  # (N,)
     made: Complexes  # (R,) [Pa]
@@ -34,7 +34,7 @@ class Trial(NamedTuple):
 
     @classmethod
     def of(cls, dual: Dual, h: Complexes, made: Complexes) -> Trial:
-        """What gains h make."""
+        """Scale gains h into the limits, and evaluate them."""
         rows, c = dual.rows, dual.along
         power = float(np.vdot(h, h).real)
         shorter = math.sqrt(dual.power / power) if power > dual.power else 1.0
@@ -51,18 +51,18 @@ class Trial(NamedTuple):
         return cls(excess, objective, h, made, r)
 
     def or_better(self, other: Trial | None) -> Trial:
-        """This one, or the other if it keeps the limits better, or as well with less to pay."""
+        """Return the better of two: the smaller excess, then the smaller objective."""
         return self if other is None or self[:2] <= other[:2] else other
 
     def proves(self, bound: float, tolerance: float) -> bool:
-        """Whether it keeps the limits, and nothing that does is better by more than the tolerance."""
+        """Return whether it keeps the limits and is optimal within the relative `tolerance`."""
         return self.excess == 0.0 and self.objective - bound <= tolerance * abs(self.objective)
 
 
 def ascend_dual(
     newton: Newton, dual: Dual, state: State, budget: pc.Budget, tolerance: float, steps: int
 ) -> Answer:
-    """The answer from `state` on, to a relative gap of `tolerance`, with at most `steps` steps."""
+    """Ascend from `state` to a relative gap of `tolerance`, in at most `steps` steps."""
     c, scale = dual.along, matvec.mean_square(newton.gram)
     work = dual.A.shape[0] * dual.A.size
     best: Trial | None = None
@@ -78,7 +78,7 @@ def ascend_dual(
         if best.proves(bound, tolerance):
             break
         if c is not None and -bound <= FAINT * tolerance:
-            break  # no gains make these proportions
+            break  # no gains can make these proportions
         if budget.spent or not in_time(budget, work):
             late = True
             break

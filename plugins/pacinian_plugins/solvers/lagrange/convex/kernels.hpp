@@ -1,7 +1,7 @@
-// Products with A, (R, N), single or double precision, sums always double; and quantities held in discs.
+// Products with A, (R, N), in single or double precision with sums in double precision; and projections onto discs.
 //
-// A quantity h in a disc of radius `limit` costs weight |h|^2 / 2, and x pulls at it: h(x) = x / weight where that lies in
-// the disc, else limit x / |x|. Gains and sound pressures are treated alike. Limits may be infinite.
+// A quantity h in a disc of radius `limit` costs weight |h|^2 / 2 and gains Re(x^* h). Its optimum is h(x) = x / weight if that
+// lies in the disc, else limit x / |x|. This holds for gains and for sound pressures. Limits may be infinite.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 namespace pacinian::lagrange {
 
-constexpr f8 DENSE = 0.7;     // share of columns from which taking all of them is faster than picking some
-constexpr f8 ALIGNED = 0.03;  // slope along x, relative to that across it, below which it is left out
+constexpr f8 DENSE = 0.7;     // share of the columns above which taking all of them is faster than selecting some
+constexpr f8 ALIGNED = 0.03;  // slope along x, relative to the slope across it, below which it is treated as 0
 
 template <typename T>
 void adjoint(View<const std::complex<T>, 2> A, View<const c16, 1> y, View<c16, 1> x) {
@@ -188,7 +188,7 @@ inline void judge(View<const c16, 1> p, View<const c16, 1> made, View<const f8, 
     found[1] = total;
 }
 
-// Two kernels that write to matrices as LAPACK has them, column by column: S, (2R, 2R), given as its transpose.
+// The next two kernels write to a column-major matrix of LAPACK: S, (2R, 2R), is passed as its transpose.
 inline void real(View<const c16, 2> G, f8 scale, View<f8, 2> S) {
     const Index R = G.shape[0];
     require(G.shape[1] == R && S.shape[0] == 2 * R && S.shape[1] == 2 * R, "real: the shapes differ");

@@ -39,17 +39,16 @@ def least_squares(
     tolerance: float = 1e-5,
     steps: int = 60,
 ) -> Answer:
-    """Gains nearest to p in M samples, minimising ||p - A h||^2 / 2 + mu/2 ||h||^2.
+    """Minimise ||p - A h||^2 / 2 + mu/2 ||h||^2 over gains h within the limits.
 
     A: rows of the M samples, then of K quiet points, (M + K, N) [Pa], complex64 or complex128.
     p: (M,) [Pa]. mu: above 0 [Pa^2]. gram: A A^H, complex128, if known.
     exact: samples to be met exactly, (M,). quiet: limits of |A h| at the quiet points, (K,) [Pa].
-    gain: whether |h_n| <= 1. power: limit of ||h||^2. start: multipliers y of an answer to something
-    similar, (M + K,). tolerance: relative gap to stop at. steps: at most so many.
+    gain: whether |h_n| <= 1. power: limit of ||h||^2. start: multipliers y, (M + K,), of a similar
+    problem. tolerance: relative gap to stop at. steps: maximum number of steps.
 
-    Where exact rows cannot be met with the other limits, the answer is the one without them: to be
-    near them will do, and `kept` says so. More samples than transducers: reduced to N by a QR
-    decomposition, a pass over all of A.
+    If exact rows cannot be met within the other limits, they are treated as near rows, and `kept` is
+    false. If there are more samples than transducers, a QR decomposition, one pass over A, reduces them to N.
     """
     budget = budget or pc.Budget()
     soft = np.ones(len(p), np.bool_) if exact is None else ~np.asarray(exact, np.bool_)
@@ -78,7 +77,7 @@ def least_squares(
 def _reduced(
     solve: Callable[..., Answer], A: Complexes, p: Complexes, soft: Flags, start: Complexes | None
 ) -> Answer:
-    """The answer from R alone, where A = Q R in the rows that are not limited."""
+    """Solve with R in place of the rows A = Q R that have no limit."""
     M, N = len(p), A.shape[1]
     near = np.append(soft, np.zeros(len(A) - M, np.bool_))
     B = A[near].astype(np.complex128)

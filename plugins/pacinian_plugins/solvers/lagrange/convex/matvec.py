@@ -1,4 +1,4 @@
-"""How large a matrix is."""
+"""Size of a matrix."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ if TYPE_CHECKING:
 
 
 def mean_square(gram: Complexes) -> float:
-    """||A||^2 / R, from A A^H."""
+    """Return ||A||^2 / R, computed from A A^H."""
     return float(np.trace(gram).real) / max(1, len(gram))

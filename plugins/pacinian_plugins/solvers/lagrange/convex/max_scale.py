@@ -1,4 +1,4 @@
-"""As strong as the limits allow, in the right proportions."""
+"""The strongest pressures of given proportions within the limits."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 
-MIN_SMOOTHING = 1e-12  # smoothing of gains where it starts
+MIN_SMOOTHING = 1e-12  # smoothing weight of the gains at the start [Pa^2]
 
 
 def maximise_scale(
@@ -37,15 +37,18 @@ def maximise_scale(
     tolerance: float = 1e-4,
     steps: int = 60,
 ) -> Answer:
-    """Gains that make s c in M samples with the largest s; at least one of gains and power limited.
+    """Find gains that make s c in M samples with the largest s. Gains or power must be limited.
 
-    Its dual is to minimise sum_n |x_n| + sum_k q_k |y_k|, x = A^H y, subject to Re(y^H c) = 1: no gains
-    are stronger than that. Both are smoothed, and less so as the gap closes. Where the proportions
-    cannot be made at all, s is 0. Arguments as for `least_squares`; c: (M,), not all 0.
-    Raises ArgumentError where neither gains nor power are limited.
+    The dual minimises sum_n |x_n| + sum_k q_k |y_k|, x = A^H y, subject to Re(y^H c) = 1, an upper bound of s.
+    Both terms are smoothed, and less so as the gap closes. If the proportions cannot be made at all, s is 0.
+    Arguments as for `least_squares`; c: (M,), not all 0.
+    Raises ArgumentError if neither gains nor power are limited.
     """
     if not gain and power is None:
-        raise ArgumentError("gain", "must be limited, or power: else nothing is the strongest")
+        raise ArgumentError(
+            "gain",
+            "must be limited unless `power` is: without a limit there is no strongest solution",
+        )
     gram = product(A) if gram is None else gram
     size = float(np.linalg.norm(c)) / (matvec.mean_square(gram) ** 0.5 or 1.0)
     along = np.concatenate([c / size, np.zeros(len(A) - len(c))]).astype(np.complex128)

@@ -1,9 +1,9 @@
 """One Newton step on the dual.
 
 F changes with y by -(W_y + A W_x A^H) dy, where W_x = dh/dx and W_y = dr/dy are, in real numbers, one
-2 x 2 matrix for each transducer and row. Where the power limit is reached, nu changes too, which takes
-t t^T / ((mu + nu) ||h||^2) away, t = A h over the transducers below their own limit. Where the strength
-s is unknown there is one more equation, Re(c^H dy) = 0.
+2 x 2 matrix for each transducer and each row. If the power limit is reached, nu changes too, which subtracts
+t t^T / ((mu + nu) ||h||^2), where t = A h over the transducers below their own limit. If the strength
+s is unknown, there is one more equation, Re(c^H dy) = 0.
 """
 
 from __future__ import annotations
@@ -23,20 +23,21 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Reals
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual, Point
 
-RIDGE = {np.dtype(np.float32): 1e-7, np.dtype(np.float64): 1e-13}  # of the mean diagonal element
-MOSTLY = 1.5  # half of it: share of transducers held up to which they are taken out of A A^H
-SINGLE = 1e-7  # mu, relative to the rows' mean square, from which single precision will do
-ARMIJO = 1e-4  # share of the promised ascent that a step must bring
-ROUNDING = 1e-14  # of D's terms
-SHORTEST = 1e-4  # of a step
-SHORT = 0.1  # of a step that overshot: the next one doubts what was expected,
-CAREFUL, CALMER = 100.0, 10.0  # entirely or so many times as much, and each after that less
+# ridge relative to the mean diagonal element
+RIDGE = {np.dtype(np.float32): 1e-7, np.dtype(np.float64): 1e-13}
+MOSTLY = 1.5  # twice the share of gains at their limit up to which they are subtracted from A A^H
+SINGLE = 1e-7  # mu, relative to the mean square of the rows, from which single precision suffices
+ARMIJO = 1e-4  # least share of the promised ascent that a step must achieve
+ROUNDING = 1e-14  # rounding error of D relative to its terms
+SHORTEST = 1e-4  # least length of a step, relative to a full step
+SHORT = 0.1  # length of a step below which it has overshot and the doubt grows
+CAREFUL, CALMER = 100.0, 10.0  # factors by which the doubt grows then, and decays in other steps
 
 T = TypeVar("T", bound="Floats | Complexes")
 
 
 class Slopes(NamedTuple):
-    """How h follows x: along it, and across it; how many of h are held at their limit."""
+    """Derivatives of h along x and across it, and the number of elements of h at their limit."""
 
     radial: Floats
     tangential: Floats
@@ -44,49 +45,49 @@ class Slopes(NamedTuple):
 
     @classmethod
     def of(cls, x: Complexes, g: Complexes, weight: Floats, extra: float, limit: Floats) -> Slopes:
-        """Slopes at x, g being where h was expected to be."""
+        """Compute the slopes at x. g: h as the last step expected it."""
         radial, tangential = np.empty(len(x)), np.empty(len(x))
         held = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
         return cls(radial, tangential, held)
 
 
 class State(NamedTuple):
-    """A point of the dual, and what the last step expected and came to."""
+    """A point of the dual, with the expectation and the outcome of the last step."""
 
     point: Point
     made: Complexes  # (R,) A h [Pa]
     g: Complexes  # (N,), h as expected
     z: Complexes  # (R,) [Pa], r as expected
     s: float = 0.0  # strength
-    promise: float = np.inf  # ascent of a full step, twice [Pa^2]
-    length: float = 1.0  # of the step taken
-    doubt: float = 0.0  # how far expectations are not trusted; a step of doubt 1 is sure to ascend
+    promise: float = np.inf  # twice the expected ascent of a full step [Pa^2]
+    length: float = 1.0  # of the step taken, relative to a full step
+    doubt: float = 0.0  # distrust of the expectations, 0 to 1; a step with doubt 1 always ascends
 
 
 @dataclass(frozen=True, eq=False)
 class Newton:
-    """Steps on duals of one A. gram: A A^H, (R, R), complex128. room: for (2R, N) numbers."""
+    """Newton steps on duals of one A. gram: A A^H, (R, R), complex128. room: workspace for (2R, N) numbers."""
 
     gram: Complexes
     room: Reals
 
     @classmethod
     def of(cls, A: Complexes, gram: Complexes, mu: float) -> Newton:
-        """In single precision where mu is so large that its rounding does not matter, else in double."""
+        """Choose single precision if mu is so large that rounding does not matter, else double."""
         fine = A.dtype == np.complex128 or mu < SINGLE * matvec.mean_square(gram)
         return cls(gram, np.empty(2 * A.size, np.float64 if fine else np.float32))
 
     @property
     def fine(self) -> bool:
-        """Whether in double precision."""
+        """Whether steps are taken in double precision."""
         return self.room.dtype == np.float64
 
     def finer(self) -> Newton:
-        """The same in double precision."""
+        """Return a copy in double precision."""
         return replace(self, room=np.empty(len(self.room)))
 
     def step(self, dual: Dual, state: State) -> State:
-        """The next state; the same point with a new expectation where no step ascends."""
+        """Return the next state: the same point with a new expectation if no step ascends."""
         point, rows, weight = state.point, dual.rows, dual.mu + state.point.nu
         doubt = state.doubt / CALMER
         if state.length < SHORT:
@@ -111,7 +112,7 @@ class Newton:
         return State(new, made, g, z, state.s + ds, promise, length, doubt)
 
     def _matrix(self, dual: Dual, point: Point, slopes: Slopes) -> Floats:
-        """A W_x A^H, (2R, 2R), its upper triangle; from A A^H where few are held."""
+        """Return the upper triangle of A W_x A^H, (2R, 2R); start from A A^H if few gains are at their limit."""
         R, N = dual.A.shape
         free = 1.0 / (dual.mu + point.nu)
         S = np.zeros((2 * R, 2 * R), order="F")
@@ -132,7 +133,7 @@ class Newton:
     def _solve(
         self, S: Floats, y: Complexes, slopes: Slopes, F: Complexes, c: Complexes | None
     ) -> tuple[Complexes, float]:
-        """The direction, (R,), and the change of strength; S: upper triangle, (2R, 2R)."""
+        """Return the direction, (R,), and the change of strength. S: upper triangle, (2R, 2R)."""
         ridge = RIDGE[self.room.dtype] * (float(np.abs(np.diagonal(S)).mean()) or 1.0)
         kernels.add_blocks(y, slopes.radial, slopes.tangential, ridge, S.T)
         L = factor(S, ridge, lapack.dpotrf)
@@ -145,9 +146,9 @@ class Newton:
 
 
 def factor(S: T, ridge: float, potrf: Callable[..., tuple[T, int]]) -> T:
-    """The Cholesky factor of S, whose diagonal grows by `ridge` until there is one.
+    """Return the Cholesky factor of S; add growing multiples of `ridge` to its diagonal until there is one.
 
-    Raises LinAlgError where S is not finite.
+    Raises LinAlgError if S is not finite.
     """
     while np.isfinite(ridge):
         L, info = potrf(S, lower=0, clean=0)
@@ -159,7 +160,7 @@ def factor(S: T, ridge: float, potrf: Callable[..., tuple[T, int]]) -> T:
 
 
 def _below(dual: Dual, point: Point, slopes: Slopes) -> tuple[Complexes, float]:
-    """A h over the transducers that only the power limit holds, and their power."""
+    """Return A h over the transducers that only the power limit restricts, and their power."""
     if point.nu == 0.0:
         return point.r, 0.0
     h = np.where(slopes.radial == slopes.tangential, point.h, 0.0)
@@ -169,7 +170,7 @@ def _below(dual: Dual, point: Point, slopes: Slopes) -> tuple[Complexes, float]:
 def _search(
     dual: Dual, point: Point, d: Complexes, dx: Complexes, promise: float
 ) -> tuple[Point, float]:
-    """The point that is high enough after a full step, or half of it and so on; else the same."""
+    """Backtrack from a full step by halving; return the first point that is high enough, else the same point."""
     noise = ROUNDING * (abs(float(np.vdot(point.y, dual.rows.p).real)) + abs(point.value))
     length = 1.0
     while length > SHORTEST:

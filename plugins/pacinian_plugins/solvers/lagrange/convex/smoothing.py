@@ -1,23 +1,23 @@
-"""How smooth the dual is made: less so as it is climbed."""
+"""Smoothing of the dual, which decreases as the ascent proceeds."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-FIRST = 0.1  # share of D that smoothing may cost at first,
-SHARE = 0.01  # later share of what the last step promised,
-LAST = 0.1  # and at least share of the tolerance
-PACE = 0.1  # that of gains is lowered to no less than this share at a time
+FIRST = 0.1  # cost of the smoothing at first, as a share of D
+SHARE = 0.01  # its cost later, as a share of the ascent that the last step promised
+LAST = 0.1  # its least cost, as a share of the tolerance
+PACE = 0.1  # least factor by which the smoothing of the gains decreases in one step
 
 
 class Smoothing(NamedTuple):
-    """What smoothing may cost, as a share of D: of quiet rows, and of gains if strength is asked for."""
+    """Allowed cost of smoothing, as a share of D, for quiet rows, and for gains when the strength is maximised."""
 
     rows: float = FIRST
     gains: float = FIRST
 
     def next(self, promised: float, tolerance: float) -> Smoothing:
-        """For the next step; promised: by the last one, as a share of D."""
+        """Return the smoothing of the next step. promised: ascent promised by the last step, as a share of D."""
         least, share = LAST * tolerance, SHARE * promised
         return Smoothing(
             max(min(self.rows, share), least),

@@ -1,4 +1,4 @@
-"""Where to start: pseudo-inverses with more or less regularisation, whichever proves the most."""
+"""Starting points: regularised pseudo-inverses. The one with the best bound is used."""
 
 from __future__ import annotations
 
@@ -18,25 +18,24 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual, Point
 
 ENDLESS = pc.Budget()
-RIDGE = 1e-13  # of the rows' mean square and mu
-SHARE = (
-    0.25  # of transducers at their limit from which other starts than the plain one are looked at
-)
-MORE = (1e1, 1e2, 1e3, 1e4, 1e5)  # times mu
-PLAIN = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0)  # mu where there is none, times the rows' mean square
+RIDGE = 1e-13  # ridge relative to the mean square of the rows plus mu
+SHARE = 0.25  # share of transducers at their limit from which other starts are tried
+MORE = (1e1, 1e2, 1e3, 1e4, 1e5)  # factors on mu for other starts
+# values of mu, relative to the mean square of the rows, for problems that have none
+PLAIN = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0)
 
 
 def begin(
     dual: Dual, gram: Complexes, y: Complexes | None = None, budget: pc.Budget = ENDLESS
 ) -> State:
-    """The best of y, (R,), if given, and of the answers if nothing had a limit, for several mu while there is time."""
+    """Return the best start: y, (R,), if given, or an unlimited solution, for several mu while there is time."""
     none = np.zeros(len(gram), np.bool_)
     best, mu = dual.at(unlimited(dual, gram, dual.mu, none)), dual.mu
     promise = np.inf
     if y is not None:
         warm = dual.at(y)
         if warm.value > best.value:
-            best, mu, promise = warm, dual.mu + warm.nu, 0.0  # smoothing starts at its least
+            best, mu, promise = warm, dual.mu + warm.nu, 0.0  # start with the least smoothing
     made = dual.make(best.h)
     loud = dual.rows.quiet & (np.abs(made) > dual.rows.limit)
     if y is None and (best.nu > 0.0 or _held(dual, best) > SHARE or loud.any()):
@@ -56,7 +55,7 @@ def begin(
 def begin_strongest(
     dual: Dual, gram: Complexes, y: Complexes | None = None, budget: pc.Budget = ENDLESS
 ) -> State:
-    """The same where the strength is asked for: Re(y^H c) = 1."""
+    """Return the best start when the strength is maximised: Re(y^H c) = 1."""
     assert dual.along is not None
     none, scale = np.zeros(len(gram), np.bool_), matvec.mean_square(gram) or 1.0
     points: list[Point] = []
@@ -73,7 +72,7 @@ def begin_strongest(
 
 
 def unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
-    """The y, (R,), if nothing has a limit; quiet rows are left out, but for `near` ones."""
+    """Return the multipliers, (R,), of the problem without limits, without quiet rows other than the `near` ones."""
     rows = dual.rows
     own = np.where(rows.soft | near, 1.0, np.where(rows.quiet, 1.0 / rows.weight, 0.0))
     ridge = RIDGE * (matvec.mean_square(gram) + mu)
