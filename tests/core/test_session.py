@@ -219,7 +219,7 @@ def test_a_solver_that_moves_the_points_is_found_out() -> None:
             ARRAY,
             POINT,
             [5.0],
-            solver=cheat(lambda propagator, _: propagator.place(np.ones((1, 3)))),
+            solver=cheat(lambda propagator, _: propagator.set_points(np.ones((1, 3)))),
         )
 
 

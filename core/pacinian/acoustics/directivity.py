@@ -30,12 +30,12 @@ SEGMENTS = np.array(
 
 
 def omni(cos_theta: Floats) -> Floats:
-    """Return 1 for every direction, also behind (the paper's experiment). cos_theta: any shape."""
+    """Return 1 for every direction, also behind (the paper's experiment). cos_theta: shape (M, N), or any."""
     return np.ones_like(cos_theta)
 
 
 def t4010a1(cos_theta: Floats) -> Floats:
-    """Return the directivity of the AUTD units' T4010A1; zero behind it. cos_theta: any shape."""
+    """Return the directivity of the AUTD units' T4010A1; zero behind it. cos_theta: shape (M, N), or any."""
     theta = np.degrees(np.arccos(np.clip(cos_theta, 0.0, 1.0)))  # [deg]
     segment = np.clip(np.ceil(theta / 10.0).astype(np.intp) - 1, 0, 8)
     x = theta - 10.0 * segment

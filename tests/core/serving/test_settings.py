@@ -184,5 +184,5 @@ def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
             "temperature": medium.temperature,
             "speed_of_sound": medium.speed_of_sound,
         }
-    assert describe_air(None) == "not told"
+    assert describe_air(None) == "not reported"
     assert air(None) == {}

@@ -38,8 +38,8 @@ def test_strong_or_weak_it_is_there_and_silent_again_after_the_ramp(
         round(1000 * comings.EVENT) * rows,
         round(1000 * (comings.EVENT + RAMP)) * rows - 1,
     )
-    comes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} comes"], rows, ticks=30)
-    goes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} goes"], rows, ticks=30)
+    comes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} appears"], rows, ticks=30)
+    goes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} vanishes"], rows, ticks=30)
     assert not comes[:first].any()
     assert comes[first].any()
     full = np.abs(comes[-1] @ FOCUS[0])

@@ -44,7 +44,7 @@ def test_all_kinds_of_windows_are_measured(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("--browser", "no-such-browser"), "no program"),
+        (("--browser", "no-such-browser"), "is not a program"),
         (("--seconds", "1"), "2.0<=x"),
         (("--units", "2"), "1, 4, 9"),
     ],

@@ -75,7 +75,7 @@ def test_moves_do_not_drift() -> None:
 
 def test_a_drift_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     class Lazy(pc.Propagator):
-        def place(self, points: pc.Floats) -> int:
+        def set_points(self, points: pc.Floats) -> int:
             return super().set_points(points) if self.version < 50 else 0
 
     monkeypatch.setattr(run, "Propagator", Lazy)

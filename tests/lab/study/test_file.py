@@ -89,7 +89,7 @@ def test_a_study_is_the_product_of_its_parts(write: Callable[..., Path]) -> None
         (PART + '[[layouts]]\ntype = "lattice"\nwidth = [0.4, 0.1]\nbowl = 0.1',
          r"\$.layouts\[1\]: lattice bowl=0.1, width=0.4|lattice width=0.4: `bowl` of radius"),
         (PART + '[[layouts]]\ntype = "autd"', r"\$.layouts\[1\]: is called 'autd', as another one"),
-        (PART + '[[layouts]]\ntype = "autd"\nname = "again"', "the same twice"),
+        (PART + '[[layouts]]\ntype = "autd"\nname = "again"', "the same task twice"),
         (PART + '[[layouts]]\ntype = "device"\nfile = "no.toml"', "no.toml: cannot be read"),
         (PART + '[[patterns]]\ntype = "circle"\nradius = 0.4\ncount = 3', r"picture.side.*too small"),
         ("gain = inf\nlevels = [inf]\n" + PART, "`gain` must be finite"),

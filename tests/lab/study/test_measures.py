@@ -195,7 +195,7 @@ def test_what_fails_is_a_row_with_its_reason_beside_those_that_do_not() -> None:
     good, bad, unheard = rows(planes=places)
     assert good["failure"] is None
     assert bad["failure"].startswith("PointOnTransducer: ")
-    assert "no sound of any transducer gets there" in unheard["failure"]
+    assert "cannot be reached by the sound of any transducer" in unheard["failure"]
     assert set(bad) == {"key", "failure"}
 
 

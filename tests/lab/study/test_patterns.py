@@ -101,7 +101,7 @@ def test_points_of_ones_own() -> None:
         (lambda: Points(points=((0.0, float("inf")),)), "points"),
         (lambda: Points(points=((0.0, 0.0),), proportions=(1.0, 2.0)), "proportions"),
         (lambda: Points(points=((0.0, 0.0),), proportions=(-1.0,)), "proportions"),
-        (lambda: Points(points=((0.0, 0.0),), proportions=(0.0,)), "silence"),
+        (lambda: Points(points=((0.0, 0.0),), proportions=(0.0,)), "is silent"),
         (lambda: made(PointGrid(columns=200, rows=200, pitch=0.001)), "more than"),
         (lambda: made(Shape(form="ring", pitch=0.001)), "more than"),
         (lambda: Plane(z=11.0), "z"),

@@ -207,10 +207,10 @@ def test_a_report_of_nothing_but_failures_is_one(
 
 
 def test_a_folder_without_a_study_says_so(tmp_path: Path) -> None:
-    with pytest.raises(pc.RecordingError, match="is no table of a study"):
+    with pytest.raises(pc.RecordingError, match="is not a table of a study"):
         ps.load(tmp_path)
     (tmp_path / "tasks.parquet").write_text("no table")
-    with pytest.raises(pc.RecordingError, match="is no table of a study"):
+    with pytest.raises(pc.RecordingError, match="is not a table of a study"):
         ps.load(tmp_path)
 
 

@@ -259,7 +259,8 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
 
 def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
     item = msgspec.msgpack.encode(POINT)
-    raw = [1, 11, [["Begin"], ["PutObject", "a", item, False], ["Put", 1], ["PutObject", 5, item, False]]]  # fmt: skip
+    changes = [["ResetScene"], ["PutObject", "a", item, False], ["Put", 1], ["PutObject", 5, item, False]]  # fmt: skip
+    raw = [1, 11, changes]
     server.files["changes"].write(msgspec.msgpack.encode(raw))
     server.tick()
     assert [one.name for one in server.loop.felt.scene.objects] == ["a"]

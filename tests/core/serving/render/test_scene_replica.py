@@ -292,7 +292,7 @@ def test_particles_that_move_need_not_be_measured_again() -> None:
     scene.apply([put("a", crowd)])
     reach = scene.scene.objects[0].bounding_radius
     scene.apply([move("a", 0.1)])
-    assert vars(scene.scene.objects[0]) == {"reach": reach}
+    assert vars(scene.scene.objects[0]) == {"bounding_radius": reach}
 
 
 def test_what_is_light_is_what_is_quick() -> None:

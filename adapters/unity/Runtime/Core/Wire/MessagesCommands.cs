@@ -2,22 +2,22 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>What all commands have.</summary>
+    /// <summary>Fields of all commands.</summary>
     public abstract class Command : IMessage
     {
         /// <summary>Key from `welcome`. 16 bytes.</summary>
         public Bulk Session;
 
-        /// <summary>Counts up with each message. 1 to 9,007,199,254,740,992.</summary>
+        /// <summary>Increases with each message. 1 to 9,007,199,254,740,992.</summary>
         public long Sequence;
 
-        /// <summary>Of the client's own steady clock. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the client's own steady clock. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>For how long the command may live. 0 to 60 [s].</summary>
+        /// <summary>Time to live of the command. 0 to 60 [s].</summary>
         public double Ttl = 1.0;
 
-        /// <summary>Given back in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
+        /// <summary>Repeated in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
         public long Id;
 
         /// <inheritdoc/>
@@ -27,13 +27,13 @@ namespace Pacinian.Wire
         public abstract bool Read(Reader r);
     }
 
-    /// <summary>Objects: each is new, or takes the place of the one of that name.</summary>
+    /// <summary>Add objects, or replace those that have the same name.</summary>
     public sealed class Put : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "objects");
         private static readonly byte[][] Tag = Utf8.Of("put");
 
-        /// <summary>By name. 0 to 256.</summary>
+        /// <summary>The objects by name. 0 to 256.</summary>
         public readonly Table<Felt> Objects = new Table<Felt>();
 
         /// <inheritdoc/>
@@ -143,19 +143,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>New poses of objects that are there.</summary>
+    /// <summary>Move existing objects.</summary>
     public sealed class Move : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names", "poses", "velocities");
         private static readonly byte[][] Tag = Utf8.Of("move");
 
-        /// <summary>Of these objects. 0 to 256.</summary>
+        /// <summary>Names of the objects. 0 to 256.</summary>
         public readonly Items<string> Names = new Items<string>();
 
-        /// <summary>X, y, z [m], quaternion x, y, z, w of each, (K, 7) float32. 0 to 7,168 bytes.</summary>
+        /// <summary>X, y, z [m] and quaternion x, y, z, w of each object, (K, 7) float32. 0 to 7,168 bytes.</summary>
         public Bulk Poses;
 
-        /// <summary>[m/s] and [rad/s], (K, 6) float32, or empty: not known. 0 to 6,144 bytes.</summary>
+        /// <summary>Linear [m/s] and angular [rad/s] velocity of each, (K, 6) float32; empty if they are not known. 0 to 6,144 bytes.</summary>
         public Bulk Velocities;
 
         /// <inheritdoc/>
@@ -250,13 +250,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Objects are taken away.</summary>
+    /// <summary>Remove objects.</summary>
     public sealed class Remove : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names");
         private static readonly byte[][] Tag = Utf8.Of("remove");
 
-        /// <summary>Of these; such as nothing has are no error. 0 to 256.</summary>
+        /// <summary>Names of the objects; unknown names are no error. 0 to 256.</summary>
         public readonly Items<string> Names = new Items<string>();
 
         /// <inheritdoc/>
@@ -340,7 +340,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>All of this client's objects, hands and quiet zones are taken away.</summary>
+    /// <summary>Remove all objects, hands and quiet zones of this client.</summary>
     public sealed class Clear : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id");
@@ -420,16 +420,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>How strong objects that are there are over time, from now on.</summary>
+    /// <summary>Change the envelope of existing objects.</summary>
     public sealed class Envelopes : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names", "envelope");
         private static readonly byte[][] Tag = Utf8.Of("envelope");
 
-        /// <summary>Of these. 0 to 256.</summary>
+        /// <summary>Names of the objects. 0 to 256.</summary>
         public readonly Items<string> Names = new Items<string>();
 
-        /// <summary>For all of them.</summary>
+        /// <summary>New envelope of all of them.</summary>
         public IEnvelope Envelope;
 
         /// <inheritdoc/>
@@ -521,19 +521,19 @@ namespace Pacinian.Wire
     {
         private static readonly byte[][] Keys = Utf8.Of("side", "name", "joints", "radii", "velocities");
 
-        /// <summary>Which it is.</summary>
+        /// <summary>Left or right.</summary>
         public HandFrameSide Side = HandFrameSide.Right;
 
-        /// <summary>To tell hands of one side apart. 0 to 64 characters.</summary>
+        /// <summary>Distinguishes several hands of one side. 0 to 64 characters.</summary>
         public string Name = "";
 
-        /// <summary>(26, 3) float32 [m] in OpenXR's order, or empty or NaN: the tracker has lost it. 0 to 312 bytes.</summary>
+        /// <summary>Joint positions in OpenXR's order, (26, 3) float32 [m]; empty or NaN if the tracker has lost the hand. 0 to 312 bytes.</summary>
         public Bulk Joints;
 
-        /// <summary>(26,) float32 [m], or empty: an adult's. 0 to 104 bytes.</summary>
+        /// <summary>Joint radii, (26,) float32 [m]; empty for those of an adult. 0 to 104 bytes.</summary>
         public Bulk Radii;
 
-        /// <summary>(26, 3) or (1, 3) float32 [m/s], or empty: not known. 0 to 312 bytes.</summary>
+        /// <summary>Joint velocities, (26, 3), or one for all joints, (1, 3), float32 [m/s]; empty if they are not known. 0 to 312 bytes.</summary>
         public Bulk Velocities;
 
         /// <inheritdoc/>
@@ -617,13 +617,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>All hands that this client tracks, in place of those before. From the first such command on its scene is felt by hands only: with none there, nothing sounds.</summary>
+    /// <summary>Replace the hands that this client tracks. From the first such command on, only hands feel the scene: without a hand, the output is silent.</summary>
     public sealed class Hands : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "hands");
         private static readonly byte[][] Tag = Utf8.Of("hands");
 
-        /// <summary>Empty where there are none. 0 to 8.</summary>
+        /// <summary>All hands that are tracked now; empty if there are none. 0 to 8.</summary>
         public readonly Items<HandFrame> All = new Items<HandFrame>();
 
         /// <inheritdoc/>
@@ -727,18 +727,18 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A ball that is to stay quiet.</summary>
+    /// <summary>A ball that must stay quiet.</summary>
     public sealed class Zone : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("position", "pressure", "radius");
 
-        /// <summary>Its centre. -10 to 10 [m].</summary>
+        /// <summary>Centre. -10 to 10 [m].</summary>
         public Vec3 Position;
 
-        /// <summary>The most sound pressure. 0 to 1e+06 [Pa].</summary>
+        /// <summary>Largest sound pressure. 0 to 1e+06 [Pa].</summary>
         public double Pressure;
 
-        /// <summary>Of the ball. 0 to 1 [m]; 0 for a point.</summary>
+        /// <summary>Radius of the ball. 0 to 1 [m]; 0 for a point.</summary>
         public double Radius;
 
         /// <inheritdoc/>
@@ -802,13 +802,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>All quiet zones of this client, in place of those before; those of the configuration stay.</summary>
+    /// <summary>Replace the quiet zones of this client. The zones of the server's configuration stay.</summary>
     public sealed class Quiet : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "zones");
         private static readonly byte[][] Tag = Utf8.Of("quiet");
 
-        /// <summary>Where. 0 to 16.</summary>
+        /// <summary>All quiet zones. 0 to 16.</summary>
         public readonly Items<Zone> Zones = new Items<Zone>();
 
         /// <inheritdoc/>
@@ -912,13 +912,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Asks for the sound pressure at points, of what is emitted now.</summary>
+    /// <summary>Request the sound pressure that is emitted now at given points.</summary>
     public sealed class Field : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "points");
         private static readonly byte[][] Tag = Utf8.Of("field");
 
-        /// <summary>(K, 3) float32 [m]. 0 to 786,432 bytes.</summary>
+        /// <summary>Positions, (K, 3) float32 [m]. 0 to 786,432 bytes.</summary>
         public Bulk Points;
 
         /// <inheritdoc/>
@@ -998,16 +998,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Asks for the objects of the scene that is felt, or was felt last, whoever put them; since protocol 1.1.</summary>
+    /// <summary>Request the objects of the active or last active scene, whichever client put them; since protocol 1.1.</summary>
     public sealed class Show : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "scene", "since");
         private static readonly byte[][] Tag = Utf8.Of("show");
 
-        /// <summary>That the asker knows. 0 to 64 characters.</summary>
+        /// <summary>Name of the scene from the last answer. 0 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>Its `version`, as of the last answer: what was told then is not told again. 0 to 9,007,199,254,740,992.</summary>
+        /// <summary>`version` from the last answer; the server leaves out objects that it has sent already. 0 to 9,007,199,254,740,992.</summary>
         public long Since;
 
         /// <inheritdoc/>

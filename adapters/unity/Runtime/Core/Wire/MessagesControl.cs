@@ -2,13 +2,13 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>What all the others have.</summary>
+    /// <summary>Fields of all other requests.</summary>
     public abstract class Request : IMessage
     {
         /// <summary>Key from `welcome`. 16 bytes.</summary>
         public Bulk Session;
 
-        /// <summary>Given back in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
+        /// <summary>Repeated in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
         public long Id;
 
         /// <inheritdoc/>
@@ -18,28 +18,28 @@ namespace Pacinian.Wire
         public abstract bool Read(Reader r);
     }
 
-    /// <summary>The first message: who is there, and which protocol it speaks; answered by `welcome`, or by `error`.</summary>
+    /// <summary>Open a session. The first message; answered by `welcome`, or by `error`.</summary>
     public sealed class Hello : IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "protocol", "client", "version", "scene", "lease");
         private static readonly byte[][] Tag = Utf8.Of("hello");
 
-        /// <summary>Given back in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
+        /// <summary>Repeated in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
         public long Id;
 
-        /// <summary>Major, minor. 0 to 65,535.</summary>
+        /// <summary>Protocol version of the client, major and minor. 0 to 65,535.</summary>
         public Int2 Protocol;
 
-        /// <summary>Who, for people. 1 to 64 characters.</summary>
+        /// <summary>Name of the client, for people. 1 to 64 characters.</summary>
         public string Client = "";
 
-        /// <summary>Of the client, for people. 0 to 200 characters.</summary>
+        /// <summary>Version of the client, for people. 0 to 200 characters.</summary>
         public string Version = "";
 
-        /// <summary>Clients of one name share a scene; one of its own unless given. 0 to 64 characters.</summary>
+        /// <summary>Name of the scene, which clients that give the same name share; by default the client has a scene of its own. 0 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>Within which the game must renew [s]; the server's own unless given, and at most that. 0.02 to 10 [s]; null: not given.</summary>
+        /// <summary>Time within which the client must renew [s]; by default the server's, which is also the maximum. 0.02 to 10 [s]; null: not given.</summary>
         public double? Lease;
 
         /// <inheritdoc/>
@@ -127,16 +127,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>The lease goes on: to be sent from the game's own tick. Answered by `renewed`.</summary>
+    /// <summary>Renew the lease. Send this from the game's own tick. Answered by `renewed`.</summary>
     public sealed class Renew : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "sequence", "time");
         private static readonly byte[][] Tag = Utf8.Of("renew");
 
-        /// <summary>Counts up with each renewal. 1 to 9,007,199,254,740,992.</summary>
+        /// <summary>Increases with each renewal. 1 to 9,007,199,254,740,992.</summary>
         public long Sequence;
 
-        /// <summary>Of the client's steady clock; the lease counts from then. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the client's steady clock, from which the lease counts. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
         /// <inheritdoc/>
@@ -206,13 +206,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>This client's scene is to be felt.</summary>
+    /// <summary>Own the output and make this client's scene active.</summary>
     public sealed class Arm : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "take");
         private static readonly byte[][] Tag = Utf8.Of("arm");
 
-        /// <summary>From its owner, if there is another and the server allows it.</summary>
+        /// <summary>Take the output from another owner, if allowed.</summary>
         public bool Take;
 
         /// <inheritdoc/>
@@ -283,7 +283,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Silence, softly. The owner lets go of the output.</summary>
+    /// <summary>Fade to silence and release the output. For the owner.</summary>
     public sealed class Disarm : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
@@ -350,13 +350,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Emergency stop: silence at once, whoever owns the output, until `reset`. Needs no session.</summary>
+    /// <summary>Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.</summary>
     public sealed class Stop : IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id");
         private static readonly byte[][] Tag = Utf8.Of("stop");
 
-        /// <summary>Given back in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
+        /// <summary>Repeated in the reply; 0: no reply. 0 to 4,294,967,295.</summary>
         public long Id;
 
         /// <inheritdoc/>
@@ -417,7 +417,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>After an emergency stop or a fault: the output may be armed again.</summary>
+    /// <summary>Allow the output to be armed again after an emergency stop or a fault.</summary>
     public sealed class Reset : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
@@ -489,10 +489,10 @@ namespace Pacinian.Wire
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "options");
 
-        /// <summary>By which it is. 1 to 64 characters.</summary>
+        /// <summary>Name of the plug-in. 1 to 64 characters.</summary>
         public string Name = "";
 
-        /// <summary>Of those that it lets clients set. 0 to 32.</summary>
+        /// <summary>Values of options that clients may set. 0 to 32.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
         /// <inheritdoc/>
@@ -583,19 +583,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Another solver, backend, technique (of objects that have none of their own) or strength, while running. What is not given stays. For the owner, or anyone while nobody is. Answered when it is done, or could not be.</summary>
+    /// <summary>Change the solver, the backend, the technique or the intensity while the server runs. Settings that are not given stay. Only the owner may change them, or any client while there is no owner. The answer comes after the change was made or has failed.</summary>
     public sealed class Select : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "solver", "backend", "technique", "intensity");
         private static readonly byte[][] Tag = Utf8.Of("select");
 
-        /// <summary>By name. null: not given.</summary>
+        /// <summary>New plug-in. null: not given.</summary>
         public Choice Solver;
 
-        /// <summary>By name. null: not given.</summary>
+        /// <summary>New plug-in. null: not given.</summary>
         public Choice Backend;
 
-        /// <summary>Of all objects without one. null: not given.</summary>
+        /// <summary>New technique of all objects that have none of their own. null: not given.</summary>
         public ITechnique Technique;
 
         /// <summary>Factor on all radiation pressures. 0 to 1; null: not given.</summary>
@@ -708,7 +708,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Asks what there is: the array, solvers, backends, limits.</summary>
+    /// <summary>Request the properties of the server: its array, solvers, backends and limits.</summary>
     public sealed class Capabilities : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
@@ -775,7 +775,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Asks for the state as it is published.</summary>
+    /// <summary>Request the state, as it is published.</summary>
     public sealed class Status : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
@@ -842,7 +842,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>The client goes: its objects with it; silence, if it owns the output.</summary>
+    /// <summary>End the session and remove its objects. The output falls silent if this client owns it.</summary>
     public sealed class Bye : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");

@@ -2,31 +2,31 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>What all objects have.</summary>
+    /// <summary>Fields of all objects.</summary>
     public abstract class Felt : IMessage
     {
-        /// <summary>How strong it is; either this or force. 0 to 1e+06 [Pa]; null: not given.</summary>
+        /// <summary>Radiation pressure of the object; give either this or `force`. 0 to 1e+06 [Pa]; null: not given.</summary>
         public double? RadiationPressure;
 
-        /// <summary>Over the whole of it; either this or radiation_pressure. 0 to 1000 [N]; null: not given.</summary>
+        /// <summary>Total force of the object; give either this or `radiation_pressure`. 0 to 1000 [N]; null: not given.</summary>
         public double? Force;
 
-        /// <summary>Over time.</summary>
+        /// <summary>Strength over time.</summary>
         public IEnvelope Envelope = new Constant();
 
-        /// <summary>How its samples are presented in time; the server's unless given. null: not given.</summary>
+        /// <summary>Presentation of the samples in time; by default the server's. null: not given.</summary>
         public ITechnique Technique;
 
-        /// <summary>From depth to pressure.</summary>
+        /// <summary>Relation of depth and pressure.</summary>
         public Material Material = new Material();
 
-        /// <summary>Still unless given. null: not given.</summary>
+        /// <summary>Motion of the object; by default it is at rest. null: not given.</summary>
         public Motion Motion;
 
-        /// <summary>Higher ones get samples first. -1,000,000 to 1,000,000.</summary>
+        /// <summary>Objects of higher priority get samples first. -1,000,000 to 1,000,000.</summary>
         public long Priority;
 
-        /// <summary>It is removed after so long; it stays unless given. more than 0, at most 1e+06 [s]; null: not given.</summary>
+        /// <summary>Time until the server removes the object; by default it stays. more than 0, at most 1e+06 [s]; null: not given.</summary>
         public double? Duration;
 
         /// <inheritdoc/>
@@ -36,15 +36,15 @@ namespace Pacinian.Wire
         public abstract bool Read(Reader r);
     }
 
-    /// <summary>A bed of springs: pressure in proportion to depth, up to the object's own.</summary>
+    /// <summary>A bed of springs: the pressure grows in proportion to depth, up to the pressure of the object.</summary>
     public sealed class Material : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("stiffness", "reach");
 
-        /// <summary>Pressure for each metre; unless given, the whole pressure is felt 2 mm deep. more than 0, at most 1e+12 [Pa/m]; null: not given.</summary>
+        /// <summary>Pressure per depth; by default the full pressure is reached at a depth of 2 mm. more than 0, at most 1e+12 [Pa/m]; null: not given.</summary>
         public double? Stiffness;
 
-        /// <summary>How far outside of the object it is felt already. 0 to 10 [m].</summary>
+        /// <summary>Distance outside of the object at which it begins to press. 0 to 10 [m].</summary>
         public double Reach;
 
         /// <inheritdoc/>
@@ -105,15 +105,15 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>How an object moves after the command's time.</summary>
+    /// <summary>Motion of an object from the command's time on.</summary>
     public sealed class Motion : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("velocity", "angular_velocity");
 
-        /// <summary>Straight on. -100 to 100 [m/s] or [rad/s].</summary>
+        /// <summary>Linear velocity. -100 to 100 [m/s] or [rad/s].</summary>
         public Vec3 Velocity = new Vec3(0.0, 0.0, 0.0);
 
-        /// <summary>About the world's axes. -100 to 100 [m/s] or [rad/s].</summary>
+        /// <summary>Angular velocity about the world's axes. -100 to 100 [m/s] or [rad/s].</summary>
         public Vec3 AngularVelocity = new Vec3(0.0, 0.0, 0.0);
 
         /// <inheritdoc/>
@@ -174,16 +174,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A point that presses: a focus.</summary>
+    /// <summary>A single focus.</summary>
     public sealed class Point : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "position", "area");
         private static readonly byte[][] Tag = Utf8.Of("point");
 
-        /// <summary>Where. -10 to 10 [m].</summary>
+        /// <summary>Position of the focus. -10 to 10 [m].</summary>
         public Vec3 Position;
 
-        /// <summary>What it presses on, a disc 8.5 mm across unless given. 1e-12 to 100 [m^2].</summary>
+        /// <summary>Area on which it presses; by default a disc of 8.5 mm. 1e-12 to 100 [m^2].</summary>
         public double Area = 5.674501730546565e-05;
 
         /// <inheritdoc/>
@@ -315,19 +315,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A line that presses.</summary>
+    /// <summary>A curve that presses on the skin along it.</summary>
     public sealed class Path : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "width");
         private static readonly byte[][] Tag = Utf8.Of("path");
 
-        /// <summary>In its own frame.</summary>
+        /// <summary>Curve in its own frame.</summary>
         public ICurve Shape;
 
-        /// <summary>Where that is.</summary>
+        /// <summary>Pose of that frame.</summary>
         public Pose Pose = new Pose();
 
-        /// <summary>Within half of it the skin must be. more than 0, at most 10 [m].</summary>
+        /// <summary>Width of the curve; it presses on skin within half of this distance. more than 0, at most 10 [m].</summary>
         public double Width = 0.0085;
 
         /// <inheritdoc/>
@@ -466,19 +466,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Many points that press, each by itself.</summary>
+    /// <summary>Many points, each of which presses by itself.</summary>
     public sealed class Particles : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "positions", "pose", "radius");
         private static readonly byte[][] Tag = Utf8.Of("particles");
 
-        /// <summary>In their own frame, (K, 3) float32 [m]. 0 to 120,000 bytes.</summary>
+        /// <summary>Points in their own frame, (K, 3) float32 [m]. 0 to 120,000 bytes.</summary>
         public Bulk Positions;
 
-        /// <summary>Where that is.</summary>
+        /// <summary>Pose of that frame.</summary>
         public Pose Pose = new Pose();
 
-        /// <summary>How near the skin must be. more than 0, at most 10 [m].</summary>
+        /// <summary>Distance within which a point presses on the skin. more than 0, at most 10 [m].</summary>
         public double Radius = 0.00425;
 
         /// <inheritdoc/>
@@ -617,21 +617,21 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A factor on pressure over x and y of an object's own frame.</summary>
+    /// <summary>A factor on the pressure, over x and y of the object's own frame.</summary>
     public sealed class Texture : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("values", "grid", "size", "repeat");
 
-        /// <summary>0..1, (R, C) float32, in rows as in a picture that is looked at from +z. 4 to 800,000 bytes.</summary>
+        /// <summary>Factors 0..1, (R, C) float32, in rows like those of a picture seen from +z. 4 to 800,000 bytes.</summary>
         public Bulk Values;
 
         /// <summary>R, C. 1 to 200,000.</summary>
         public Int2 Grid;
 
-        /// <summary>Of the whole in x and y. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent of the texture in x and y. more than 0, at most 10 [m].</summary>
         public Vec2 Size;
 
-        /// <summary>Beyond that it is repeated; or else as on its rim.</summary>
+        /// <summary>Whether the texture repeats beyond its extent; otherwise its edge values continue.</summary>
         public bool Repeat = true;
 
         /// <inheritdoc/>
@@ -698,22 +698,22 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A surface that presses evenly, or by its texture.</summary>
+    /// <summary>A surface that presses evenly, or according to its texture.</summary>
     public sealed class Surface : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "texture", "thickness");
         private static readonly byte[][] Tag = Utf8.Of("surface");
 
-        /// <summary>In its own frame.</summary>
+        /// <summary>Surface in its own frame.</summary>
         public IShell Shape;
 
-        /// <summary>Where that is.</summary>
+        /// <summary>Pose of that frame.</summary>
         public Pose Pose = new Pose();
 
-        /// <summary>A factor on its pressure; 1 unless given. null: not given.</summary>
+        /// <summary>Factor on the pressure; by default 1. null: not given.</summary>
         public Texture Texture;
 
-        /// <summary>How far below it a hand still feels it. more than 0, at most 10 [m].</summary>
+        /// <summary>Depth below the surface down to which a hand feels it. more than 0, at most 10 [m].</summary>
         public double Thickness = 0.02;
 
         /// <inheritdoc/>
@@ -865,25 +865,25 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A volume that presses evenly, or by its texture.</summary>
+    /// <summary>A volume that presses evenly, or according to its texture.</summary>
     public sealed class Volume : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "texture", "thickness", "felt");
         private static readonly byte[][] Tag = Utf8.Of("volume");
 
-        /// <summary>In its own frame.</summary>
+        /// <summary>Solid in its own frame.</summary>
         public ISolid Shape;
 
-        /// <summary>Where that is.</summary>
+        /// <summary>Pose of that frame.</summary>
         public Pose Pose = new Pose();
 
-        /// <summary>A factor on its pressure; 1 unless given. null: not given.</summary>
+        /// <summary>Factor on the pressure; by default 1. null: not given.</summary>
         public Texture Texture;
 
-        /// <summary>How far inside a hand still feels it. more than 0, at most 10 [m].</summary>
+        /// <summary>Depth inside the volume down to which a hand feels it. more than 0, at most 10 [m].</summary>
         public double Thickness = 0.02;
 
-        /// <summary>Its shell, or its interior too.</summary>
+        /// <summary>Whether only the shell can be felt, or also the interior.</summary>
         public VolumeFelt Felt = VolumeFelt.Shell;
 
         /// <inheritdoc/>

@@ -2,10 +2,10 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>What all replies have.</summary>
+    /// <summary>Fields of all replies.</summary>
     public abstract class Reply : IMessage
     {
-        /// <summary>Of what it answers; 0 where nothing was asked. 0 to 4,294,967,295.</summary>
+        /// <summary>`id` of the message that it answers; 0 if it answers none. 0 to 4,294,967,295.</summary>
         public long Id;
 
         /// <inheritdoc/>
@@ -15,31 +15,31 @@ namespace Pacinian.Wire
         public abstract bool Read(Reader r);
     }
 
-    /// <summary>To `hello`.</summary>
+    /// <summary>Answer to `hello`.</summary>
     public sealed class Welcome : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "session", "protocol", "server", "time", "scene", "lease", "link", "rate");
         private static readonly byte[][] Tag = Utf8.Of("welcome");
 
-        /// <summary>Key for all that follows. 16 bytes.</summary>
+        /// <summary>Key for all further messages. 16 bytes.</summary>
         public Bulk Session;
 
-        /// <summary>The server's major, minor.</summary>
+        /// <summary>The server's version, major and minor.</summary>
         public Int2 Protocol;
 
-        /// <summary>Name and version, for people. 0 to 200 characters.</summary>
+        /// <summary>Name and version of the server, for people. 0 to 200 characters.</summary>
         public string Server = "";
 
-        /// <summary>Of the server's clock. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the server's clock. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>The one that this client is in. 1 to 64 characters.</summary>
+        /// <summary>Name of this client's scene. 1 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>From the last renewal to silence, at most [s].</summary>
+        /// <summary>Longest time from the last renewal to silence [s].</summary>
         public double Lease;
 
-        /// <summary>From when the connection is closed or cut off to silence, at most [s].</summary>
+        /// <summary>Longest time from the loss of the connection to silence [s].</summary>
         public double Link;
 
         /// <summary>Ticks per second [Hz].</summary>
@@ -127,7 +127,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Done.</summary>
+    /// <summary>The request was carried out.</summary>
     public sealed class Ok : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id");
@@ -191,22 +191,22 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Not done.</summary>
+    /// <summary>The request was refused or has failed.</summary>
     public sealed class Error : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "code", "message", "path", "advice");
         private static readonly byte[][] Tag = Utf8.Of("error");
 
-        /// <summary>As in the table of errors.</summary>
+        /// <summary>One of the table of errors.</summary>
         public Code Code;
 
-        /// <summary>What is wrong, for people. 0 to 1,000 characters.</summary>
+        /// <summary>Explanation, for people. 0 to 1,000 characters.</summary>
         public string Message = "";
 
-        /// <summary>Of the field that is wrong, as `$.objects[...].shape`. 0 to 200 characters.</summary>
+        /// <summary>Path of the field that is wrong, such as `$.objects[...].shape`. 0 to 200 characters.</summary>
         public string Path = "";
 
-        /// <summary>What to do. 0 to 1,000 characters.</summary>
+        /// <summary>Remedy, for people. 0 to 1,000 characters.</summary>
         public string Advice = "";
 
         /// <inheritdoc/>
@@ -287,28 +287,28 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>To `renew`, with its id; with id 0 only to see whether the client is there.</summary>
+    /// <summary>Answer to `renew`, with its `id`. With `id` 0 it only probes whether the client is still connected.</summary>
     public sealed class Renewed : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "server_time", "until", "owner", "armed");
         private static readonly byte[][] Tag = Utf8.Of("renewed");
 
-        /// <summary>As they were sent.</summary>
+        /// <summary>The values of the renewal.</summary>
         public long Sequence;
 
-        /// <summary>As they were sent. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>The values of the renewal. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>Of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double ServerTime;
 
-        /// <summary>When the lease ends, by that clock [s]. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>End of the lease by that clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Until;
 
         /// <summary>Whether this client owns the output.</summary>
         public bool Owner;
 
-        /// <summary>Whether it may sound.</summary>
+        /// <summary>Whether the output may sound.</summary>
         public bool Armed;
 
         /// <inheritdoc/>
@@ -392,13 +392,13 @@ namespace Pacinian.Wire
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "summary", "options");
 
-        /// <summary>By which it is. 1 to 64 characters.</summary>
+        /// <summary>Name of the plug-in. 1 to 64 characters.</summary>
         public string Name = "";
 
-        /// <summary>What it is good for. 0 to 200 characters.</summary>
+        /// <summary>One line on its use. 0 to 200 characters.</summary>
         public string Summary = "";
 
-        /// <summary>That clients may set, and their defaults, where simple.</summary>
+        /// <summary>Options that clients may set, with their defaults if these are plain values.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
         /// <inheritdoc/>
@@ -496,36 +496,36 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).</summary>
+    /// <summary>Parameters of the field: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).</summary>
     public sealed class Sound : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("pressure", "directivity", "response", "sizes", "speed_of_sound", "density", "power", "absorption", "temperature");
 
-        /// <summary>P0, of one transducer at full drive, 1 m before it [Pa].</summary>
+        /// <summary>P0, sound pressure of one transducer at full drive, on its axis at 1 m [Pa].</summary>
         public double Pressure;
 
-        /// <summary>D, "omni" or "t4010a1"; empty: not known. 0 to 200 characters.</summary>
+        /// <summary>D, "omni" or "t4010a1"; empty if it is not known. 0 to 200 characters.</summary>
         public string Directivity = "";
 
-        /// <summary>S, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty: none does.</summary>
+        /// <summary>S, factor by which each transducer differs from its kind, real and imaginary part, (N, 2) float32; empty if none differs.</summary>
         public Bulk Response;
 
-        /// <summary>Amplitude of each level, 0..1, float32; empty: evenly spaced.</summary>
+        /// <summary>Amplitude of each level, 0..1, float32; empty if they are evenly spaced.</summary>
         public Bulk Sizes;
 
-        /// <summary>[m/s].</summary>
+        /// <summary>Speed of sound [m/s].</summary>
         public double SpeedOfSound;
 
-        /// <summary>[kg/m^3].</summary>
+        /// <summary>Density of the air [kg/m^3].</summary>
         public double Density;
 
-        /// <summary>N.</summary>
+        /// <summary>N, exponent of the distance.</summary>
         public double Power;
 
-        /// <summary>Of the amplitude [1/m].</summary>
+        /// <summary>Absorption of the amplitude [1/m].</summary>
         public double Absorption;
 
-        /// <summary>Of the air, as the server was told or else assumes [degC]; nil where it was told only a speed of sound. -80 to 100; null: not given.</summary>
+        /// <summary>Temperature of the air, configured or assumed [degC]; nil if only a speed of sound is configured. -80 to 100; null: not given.</summary>
         public double? Temperature;
 
         /// <inheritdoc/>
@@ -615,52 +615,52 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>To `capabilities`.</summary>
+    /// <summary>Answer to `capabilities`.</summary>
     public sealed class Abilities : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "solvers", "backends", "techniques", "presets", "positions", "normals", "frequency", "wavelength", "phases", "amplitudes", "device_rate", "rate", "limits", "sound");
         private static readonly byte[][] Tag = Utf8.Of("abilities");
 
-        /// <summary>That can be selected.</summary>
+        /// <summary>Plug-ins that can be selected.</summary>
         public readonly Items<Plugin> Solvers = new Items<Plugin>();
 
-        /// <summary>That can be selected.</summary>
+        /// <summary>Plug-ins that can be selected.</summary>
         public readonly Items<Plugin> Backends = new Items<Plugin>();
 
-        /// <summary>That there are.</summary>
+        /// <summary>Available names.</summary>
         public readonly Items<string> Techniques = new Items<string>();
 
-        /// <summary>That there are.</summary>
+        /// <summary>Available names.</summary>
         public readonly Items<string> Presets = new Items<string>();
 
-        /// <summary>Of the transducers, (N, 3) float32 [m].</summary>
+        /// <summary>Positions of the transducers, (N, 3) float32 [m].</summary>
         public Bulk Positions;
 
-        /// <summary>Of the transducers, (N, 3) float32 [m].</summary>
+        /// <summary>Unit normals of the transducers, (N, 3) float32.</summary>
         public Bulk Normals;
 
-        /// <summary>Of the ultrasound [Hz].</summary>
+        /// <summary>Frequency of the ultrasound [Hz].</summary>
         public double Frequency;
 
-        /// <summary>[m].</summary>
+        /// <summary>Wavelength of the ultrasound [m].</summary>
         public double Wavelength;
 
-        /// <summary>Levels of the device.</summary>
+        /// <summary>Number of levels of the device.</summary>
         public long Phases;
 
-        /// <summary>Levels of the device.</summary>
+        /// <summary>Number of levels of the device.</summary>
         public long Amplitudes;
 
-        /// <summary>Frames per second that it takes [Hz].</summary>
+        /// <summary>Frames per second that the device plays [Hz].</summary>
         public double DeviceRate;
 
         /// <summary>Ticks per second [Hz].</summary>
         public double Rate;
 
-        /// <summary>What no client can exceed, by name.</summary>
+        /// <summary>Limits that no client can exceed, by name.</summary>
         public readonly Table<double> Limits = new Table<double>();
 
-        /// <summary>How it sounds; since protocol 1.1. null: not given.</summary>
+        /// <summary>Parameters of the field; since protocol 1.1. null: not given.</summary>
         public Sound Sound;
 
         /// <inheritdoc/>
@@ -859,16 +859,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>To `field`.</summary>
+    /// <summary>Answer to `field`.</summary>
     public sealed class Pressures : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "pressures", "time");
         private static readonly byte[][] Tag = Utf8.Of("pressures");
 
-        /// <summary>Complex sound pressure, (K, 2) float32: real and imaginary part [Pa].</summary>
+        /// <summary>Complex sound pressure, real and imaginary part, (K, 2) float32 [Pa].</summary>
         public Bulk Values;
 
-        /// <summary>Of the frame that was emitted, by the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Time of the emitted frame, by the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
         /// <inheritdoc/>
@@ -935,25 +935,25 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>To `show`.</summary>
+    /// <summary>Answer to `show`.</summary>
     public sealed class Shown : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "scene", "version", "names", "poses", "objects");
         private static readonly byte[][] Tag = Utf8.Of("shown");
 
-        /// <summary>That is felt, or was felt last; empty before the first. 0 to 64 characters.</summary>
+        /// <summary>Name of the active or last active scene; empty before the first. 0 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>Of what was told.</summary>
+        /// <summary>Version of the scene up to which objects were sent.</summary>
         public long Version;
 
-        /// <summary>Of the objects that are there, 1024 at most. 0 to 1,024.</summary>
+        /// <summary>Names of the objects in the scene, at most 1024. 0 to 1,024.</summary>
         public readonly Items<string> Names = new Items<string>();
 
-        /// <summary>Of these, as they were told last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32. 0 to 28,672 bytes.</summary>
+        /// <summary>Newest pose of each of these, x, y, z [m] and quaternion x, y, z, w, (K, 7) float32. 0 to 28,672 bytes.</summary>
         public Bulk Poses;
 
-        /// <summary>As they were put, by name, of those that are new since; not all, if that would be much: ask again. An object of nearly 1 MiB is left out. 0 to 1,024.</summary>
+        /// <summary>Objects that are new since the version asked for, by name, as they were put. If there are many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out. 0 to 1,024.</summary>
         public readonly Table<Felt> Objects = new Table<Felt>();
 
         /// <inheritdoc/>

@@ -8,7 +8,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "length");
         private static readonly byte[][] Tag = Utf8.Of("line");
 
-        /// <summary>Of it. more than 0, at most 10 [m].</summary>
+        /// <summary>Length of the line. more than 0, at most 10 [m].</summary>
         public double Length;
 
         /// <inheritdoc/>
@@ -63,7 +63,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "radius");
         private static readonly byte[][] Tag = Utf8.Of("circle");
 
-        /// <summary>Of it. more than 0, at most 10 [m].</summary>
+        /// <summary>Radius of the circle. more than 0, at most 10 [m].</summary>
         public double Radius;
 
         /// <inheritdoc/>
@@ -118,19 +118,19 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "width", "height", "a", "b", "phase");
         private static readonly byte[][] Tag = Utf8.Of("lissajous");
 
-        /// <summary>Of the whole. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in x. more than 0, at most 10 [m].</summary>
         public double Width;
 
-        /// <summary>Of the whole. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in y. more than 0, at most 10 [m].</summary>
         public double Height;
 
-        /// <summary>How often it swings in x. 1 to 100.</summary>
+        /// <summary>Number of oscillations in x. 1 to 100.</summary>
         public long A = 1;
 
-        /// <summary>How often in y. 1 to 100.</summary>
+        /// <summary>Number of oscillations in y. 1 to 100.</summary>
         public long B = 2;
 
-        /// <summary>Of x before y. -1e+06 to 1e+06 [deg].</summary>
+        /// <summary>Lead of x over y. -1e+06 to 1e+06 [deg].</summary>
         public double Phase;
 
         /// <inheritdoc/>
@@ -211,7 +211,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Straight pieces from point to point.</summary>
+    /// <summary>Straight segments between points.</summary>
     public sealed class Polyline : IRoute, ICurve
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "points", "closed");
@@ -220,7 +220,7 @@ namespace Pacinian.Wire
         /// <summary>(K, 3) float32 [m]. 24 to 600,000 bytes.</summary>
         public Bulk Points;
 
-        /// <summary>With one from last to first.</summary>
+        /// <summary>Whether the last joins the first.</summary>
         public bool Closed;
 
         /// <inheritdoc/>
@@ -284,12 +284,12 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Where something is: a rotation about its own origin, then a translation.</summary>
+    /// <summary>Position and orientation: a rotation about the origin of a frame, then a translation.</summary>
     public sealed class Pose : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("position", "rotation");
 
-        /// <summary>Of its origin. -10 to 10 [m].</summary>
+        /// <summary>Position of the origin. -10 to 10 [m].</summary>
         public Vec3 Position = new Vec3(0.0, 0.0, 0.0);
 
         /// <summary>Unit quaternion x, y, z, w. -1.01 to 1.01.</summary>
@@ -359,10 +359,10 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "width", "height");
         private static readonly byte[][] Tag = Utf8.Of("rectangle");
 
-        /// <summary>In x. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in x. more than 0, at most 10 [m].</summary>
         public double Width;
 
-        /// <summary>In y. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in y. more than 0, at most 10 [m].</summary>
         public double Height;
 
         /// <inheritdoc/>
@@ -420,7 +420,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "radius");
         private static readonly byte[][] Tag = Utf8.Of("disc");
 
-        /// <summary>Of it. more than 0, at most 10 [m].</summary>
+        /// <summary>Radius of the disc. more than 0, at most 10 [m].</summary>
         public double Radius;
 
         /// <inheritdoc/>
@@ -475,7 +475,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "radius");
         private static readonly byte[][] Tag = Utf8.Of("sphere");
 
-        /// <summary>Of it. more than 0, at most 10 [m].</summary>
+        /// <summary>Radius of the sphere. more than 0, at most 10 [m].</summary>
         public double Radius;
 
         /// <inheritdoc/>
@@ -530,19 +530,19 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "heights", "grid", "width", "height", "depth");
         private static readonly byte[][] Tag = Utf8.Of("height-map");
 
-        /// <summary>(R, C) float32, in rows as in a picture that is looked at from +z: the first row is at the far end of y. 4 to 800,000 bytes.</summary>
+        /// <summary>Values, (R, C) float32, in rows like those of a picture seen from +z, with the first row at the largest y. 4 to 800,000 bytes.</summary>
         public Bulk Heights;
 
         /// <summary>R, C, each 2 or more. 1 to 200,000.</summary>
         public Int2 Grid;
 
-        /// <summary>In x. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in x. more than 0, at most 10 [m].</summary>
         public double Width;
 
-        /// <summary>In y. more than 0, at most 10 [m].</summary>
+        /// <summary>Extent in y. more than 0, at most 10 [m].</summary>
         public double Height;
 
-        /// <summary>How high 1 is. more than 0, at most 10 [m].</summary>
+        /// <summary>Height of a value of 1. more than 0, at most 10 [m].</summary>
         public double Depth = 1.0;
 
         /// <inheritdoc/>
@@ -615,13 +615,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A triangle mesh. As a volume it must be closed; as a surface it faces where it is seen counter-clockwise.</summary>
+    /// <summary>A triangle mesh. A volume must be closed. A surface faces the side from which triangles run counter-clockwise.</summary>
     public sealed class Mesh : IShell, IPrimitive, IPiece, ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "vertices", "faces", "scale");
         private static readonly byte[][] Tag = Utf8.Of("mesh");
 
-        /// <summary>(V, 3) float32. 36 to 600,000 bytes.</summary>
+        /// <summary>Positions, (V, 3) float32. 36 to 600,000 bytes.</summary>
         public Bulk Vertices;
 
         /// <summary>Indices of vertices, (F, 3) little-endian uint32. 12 to 600,000 bytes.</summary>
@@ -701,7 +701,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "size");
         private static readonly byte[][] Tag = Utf8.Of("box");
 
-        /// <summary>Its full extent in x, y and z. more than 0, at most 10 [m].</summary>
+        /// <summary>Full extent in x, y and z. more than 0, at most 10 [m].</summary>
         public Vec3 Size;
 
         /// <inheritdoc/>
@@ -750,16 +750,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A capsule about the origin along z.</summary>
+    /// <summary>A capsule along z about the origin.</summary>
     public sealed class Capsule : IPrimitive, IPiece, ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radius", "length");
         private static readonly byte[][] Tag = Utf8.Of("capsule");
 
-        /// <summary>Of it and its caps. more than 0, at most 10 [m].</summary>
+        /// <summary>Radius of the capsule. more than 0, at most 10 [m].</summary>
         public double Radius;
 
-        /// <summary>Between the centres of its caps. more than 0, at most 10 [m].</summary>
+        /// <summary>Distance between cap centres. more than 0, at most 10 [m].</summary>
         public double Length;
 
         /// <inheritdoc/>
@@ -811,13 +811,13 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A volume given by how full each voxel of a grid about the origin is.</summary>
+    /// <summary>A volume given by the fill level of each voxel of a grid about the origin.</summary>
     public sealed class Voxels : IPrimitive, IPiece, ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "values", "grid", "pitch", "level");
         private static readonly byte[][] Tag = Utf8.Of("voxels");
 
-        /// <summary>0..1, (X, Y, Z) float32, z the fastest. 4 to 800,000 bytes.</summary>
+        /// <summary>Fill levels 0..1, (X, Y, Z) float32, z fastest. 4 to 800,000 bytes.</summary>
         public Bulk Values;
 
         /// <summary>X, Y, Z. 1 to 200,000.</summary>
@@ -826,7 +826,7 @@ namespace Pacinian.Wire
         /// <summary>Side of a voxel. more than 0, at most 10 [m].</summary>
         public double Pitch;
 
-        /// <summary>The shell is where the values are so much. more than 0, at most 1.</summary>
+        /// <summary>Fill level at the shell. more than 0, at most 1.</summary>
         public double Level = 0.5;
 
         /// <inheritdoc/>
@@ -896,16 +896,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A solid elsewhere, or turned.</summary>
+    /// <summary>A solid that is moved or rotated.</summary>
     public sealed class Placed : IPiece, ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "shape", "pose");
         private static readonly byte[][] Tag = Utf8.Of("placed");
 
-        /// <summary>In its own frame.</summary>
+        /// <summary>Solid in its own frame.</summary>
         public IPrimitive Shape;
 
-        /// <summary>Where that is.</summary>
+        /// <summary>Pose of that frame.</summary>
         public Pose Pose = new Pose();
 
         /// <inheritdoc/>
@@ -969,7 +969,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>All that is in any of the parts.</summary>
+    /// <summary>The union of the parts.</summary>
     public sealed class Union : ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "parts");
@@ -1048,7 +1048,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>What is in all of the parts.</summary>
+    /// <summary>The intersection of the parts.</summary>
     public sealed class Intersection : ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "parts");
@@ -1127,16 +1127,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>What is in one solid and in none of others.</summary>
+    /// <summary>One solid without others.</summary>
     public sealed class Difference : ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "of", "less");
         private static readonly byte[][] Tag = Utf8.Of("difference");
 
-        /// <summary>The one.</summary>
+        /// <summary>The solid.</summary>
         public IPiece Of;
 
-        /// <summary>The others. 1 to 16.</summary>
+        /// <summary>Solids that are cut away. 1 to 16.</summary>
         public readonly Items<IPiece> Less = new Items<IPiece>();
 
         /// <inheritdoc/>

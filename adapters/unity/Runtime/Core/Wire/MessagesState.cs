@@ -7,31 +7,31 @@ namespace Pacinian.Wire
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "scene", "owner", "objects", "commands", "errors", "dropped", "age", "renewed");
 
-        /// <summary>As in its `hello`. 1 to 64 characters.</summary>
+        /// <summary>Names from its `hello`. 1 to 64 characters.</summary>
         public string Name = "";
 
-        /// <summary>As in its `hello`. 1 to 64 characters.</summary>
+        /// <summary>Names from its `hello`. 1 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>Whether the output is its own.</summary>
+        /// <summary>Whether it owns the output.</summary>
         public bool Owner;
 
-        /// <summary>That it has.</summary>
+        /// <summary>Number of its objects.</summary>
         public long Objects;
 
-        /// <summary>How many so far; dropped were too old, or replaced while they waited.</summary>
+        /// <summary>Number of commands so far.</summary>
         public long Commands;
 
-        /// <summary>How many so far; dropped were too old, or replaced while they waited.</summary>
+        /// <summary>Number of errors so far.</summary>
         public long Errors;
 
-        /// <summary>How many so far; dropped were too old, or replaced while they waited.</summary>
+        /// <summary>Number of commands that were too old, or were replaced by newer ones while they waited.</summary>
         public long Dropped;
 
-        /// <summary>Of its newest command when it was applied [s].</summary>
+        /// <summary>Age of its newest command when that was applied [s].</summary>
         public double Age;
 
-        /// <summary>Since its last renewal [s].</summary>
+        /// <summary>Time since its last renewal [s].</summary>
         public double Renewed;
 
         /// <inheritdoc/>
@@ -101,112 +101,112 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>What is emitted, and how the server is: published, and the answer to `status`.</summary>
+    /// <summary>The emitted output and the health of the server. Published, and sent as the answer to `status`.</summary>
     public sealed class State : IReply, IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts");
         private static readonly byte[][] Tag = Utf8.Of("state");
 
-        /// <summary>Of the `status` that it answers; 0 where it is published. 0 to 4,294,967,295.</summary>
+        /// <summary>`id` of the `status` that it answers; 0 if it is published. 0 to 4,294,967,295.</summary>
         public long Id;
 
-        /// <summary>Counts up.</summary>
+        /// <summary>Increases with each message.</summary>
         public long Sequence;
 
-        /// <summary>Of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>As in the table below.</summary>
+        /// <summary>One of the values below.</summary>
         public Output Output;
 
-        /// <summary>Whether it may sound.</summary>
+        /// <summary>Whether the output may sound.</summary>
         public bool Armed;
 
-        /// <summary>Name of the client that owns the output, or empty. 0 to 200 characters.</summary>
+        /// <summary>Name of the client that owns the output; empty if there is none. 0 to 200 characters.</summary>
         public string Owner = "";
 
-        /// <summary>That is felt. 0 to 200 characters.</summary>
+        /// <summary>Name of the active scene. 0 to 200 characters.</summary>
         public string Scene = "";
 
-        /// <summary>In use. 0 to 200 characters.</summary>
+        /// <summary>Name of the plug-in in use. 0 to 200 characters.</summary>
         public string Solver = "";
 
-        /// <summary>In use. 0 to 200 characters.</summary>
+        /// <summary>Name of the plug-in in use. 0 to 200 characters.</summary>
         public string Backend = "";
 
-        /// <summary>In use. 0 to 200 characters.</summary>
+        /// <summary>Technique in use. 0 to 200 characters.</summary>
         public string Technique = "";
 
         /// <summary>Factor on all radiation pressures.</summary>
         public double Intensity;
 
-        /// <summary>Where samples are, (M, 3) float32 [m].</summary>
+        /// <summary>Positions of the samples, (M, 3) float32 [m].</summary>
         public Bulk Points;
 
-        /// <summary>(M, 3) float32.</summary>
+        /// <summary>Normals of the samples, (M, 3) float32.</summary>
         public Bulk Normals;
 
-        /// <summary>Radiation pressure, (M,) float32 [Pa]; achieved by the gains as emitted.</summary>
+        /// <summary>Target radiation pressure of each sample, (M,) float32 [Pa].</summary>
         public Bulk Asked;
 
-        /// <summary>Radiation pressure, (M,) float32 [Pa]; achieved by the gains as emitted.</summary>
+        /// <summary>Radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa].</summary>
         public Bulk Achieved;
 
-        /// <summary>Which of `objects` each sample is of, (M,) little-endian int32.</summary>
+        /// <summary>Index into `objects` of each sample, (M,) little-endian int32.</summary>
         public Bulk Index;
 
-        /// <summary>Names.</summary>
+        /// <summary>Names of the rendered objects.</summary>
         public readonly Items<string> Objects = new Items<string>();
 
-        /// <summary>Joints of the hands as they are rendered, (hands, 26, 3) float32 [m].</summary>
+        /// <summary>Joints of the rendered hands, (hands, 26, 3) float32 [m].</summary>
         public Bulk Hands;
 
-        /// <summary>Of the sound pressures at the samples, as emitted.</summary>
+        /// <summary>Relative error of the sound pressures at the samples, as emitted.</summary>
         public double Error;
 
-        /// <summary>Of each of `objects` between its samples, (objects, 4) little-endian float32: force over what was asked, rms of the difference over that of what was asked, share with less than half, highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last looks; NaN without a region; since protocol 1.1.</summary>
+        /// <summary>Quality of each of `objects` between its samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the region with less than half of its target; highest radiation pressure 3 to 5 mm beside the region over the mean target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1.</summary>
         public Bulk Felt;
 
-        /// <summary>Of the last tick. 0 to 200 characters.</summary>
+        /// <summary>Status of the last tick. 0 to 200 characters.</summary>
         public string Status = "";
 
-        /// <summary>So far.</summary>
+        /// <summary>Number of ticks so far.</summary>
         public long Ticks;
 
-        /// <summary>Of these.</summary>
+        /// <summary>Number of late ticks.</summary>
         public long Late;
 
         /// <summary>Ticks per second [Hz].</summary>
         public double Rate;
 
-        /// <summary>Median, 99 % and maximum of the last second [ms].</summary>
+        /// <summary>Median, 99th percentile and maximum of the tick times of the last second [ms].</summary>
         public Vec3 TickMs = new Vec3(0.0, 0.0, 0.0);
 
-        /// <summary>That the device took.</summary>
+        /// <summary>Number of frames that the device has accepted.</summary>
         public long Frames;
 
-        /// <summary>Between two frames while armed [s].</summary>
+        /// <summary>Longest time between two frames while armed [s].</summary>
         public double LongestGap;
 
-        /// <summary>Samples by reason.</summary>
+        /// <summary>Number of skipped samples by reason.</summary>
         public readonly Table<long> Skipped = new Table<long>();
 
-        /// <summary>The last ones, newest last.</summary>
+        /// <summary>Texts of the last faults, newest last.</summary>
         public readonly Items<string> Faults = new Items<string>();
 
-        /// <summary>Of all.</summary>
+        /// <summary>Number of all faults.</summary>
         public long FaultCount;
 
-        /// <summary>Of the server's processes, by name.</summary>
+        /// <summary>Number of restarts of each process of the server, by name.</summary>
         public readonly Table<long> Restarts = new Table<long>();
 
-        /// <summary>Of each hand update that reached the device since the last state, (K, 4) little-endian float64: sequence, the client's time, when it was received and when it was emitted, by the server's clock [s].</summary>
+        /// <summary>Each hand update that reached the device since the last state, (K, 4) little-endian float64: sequence, client's time, and times of receipt and emission by the server's clock [s].</summary>
         public Bulk Inputs;
 
-        /// <summary>That are there.</summary>
+        /// <summary>Clients that are connected.</summary>
         public readonly Items<ClientState> Clients = new Items<ClientState>();
 
-        /// <summary>How many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-endian uint32; the first and last count what is beyond, too; since protocol 1.1.</summary>
+        /// <summary>Histogram of the tick times of the last second, (64,) little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since protocol 1.1.</summary>
         public Bulk TickCounts;
 
         /// <inheritdoc/>
@@ -550,28 +550,28 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>The levels that are emitted: of the last row of a frame; empty in silence.</summary>
+    /// <summary>The emitted levels, from the last row of a frame; empty in silence.</summary>
     public sealed class FrameState : IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude");
         private static readonly byte[][] Tag = Utf8.Of("frame");
 
-        /// <summary>Counts up.</summary>
+        /// <summary>Increases with each message.</summary>
         public long Sequence;
 
-        /// <summary>Of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Reading of the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>Levels that the device has.</summary>
+        /// <summary>Number of levels of the device.</summary>
         public long Phases;
 
-        /// <summary>Levels that the device has.</summary>
+        /// <summary>Number of levels of the device.</summary>
         public long Amplitudes;
 
-        /// <summary>Of each transducer, (N,) little-endian uint16.</summary>
+        /// <summary>Level of each transducer, (N,) little-endian uint16.</summary>
         public Bulk Phase;
 
-        /// <summary>Of each transducer, (N,) little-endian uint16.</summary>
+        /// <summary>Level of each transducer, (N,) little-endian uint16.</summary>
         public Bulk Amplitude;
 
         /// <inheritdoc/>

@@ -2,13 +2,13 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>The same at all times.</summary>
+    /// <summary>A constant envelope.</summary>
     public sealed class Constant : IEnvelope
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "level");
         private static readonly byte[][] Tag = Utf8.Of("constant");
 
-        /// <summary>How strong. 0 to 1.</summary>
+        /// <summary>Strength. 0 to 1.</summary>
         public double Level = 1.0;
 
         /// <inheritdoc/>
@@ -69,19 +69,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Up and down, starting at its lowest.</summary>
+    /// <summary>A sine that starts at its minimum.</summary>
     public sealed class Sine : IEnvelope
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "frequency", "low", "high");
         private static readonly byte[][] Tag = Utf8.Of("sine");
 
-        /// <summary>How often. 0 to 20000 [Hz].</summary>
+        /// <summary>Frequency of the sine. 0 to 20000 [Hz].</summary>
         public double Frequency;
 
-        /// <summary>At its lowest. 0 to 1.</summary>
+        /// <summary>Minimum. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>At its highest. 0 to 1.</summary>
+        /// <summary>Maximum. 0 to 1.</summary>
         public double High = 1.0;
 
         /// <inheritdoc/>
@@ -152,22 +152,22 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>High, then low.</summary>
+    /// <summary>A square wave that starts high.</summary>
     public sealed class Square : IEnvelope
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "frequency", "low", "high", "duty");
         private static readonly byte[][] Tag = Utf8.Of("square");
 
-        /// <summary>How often. 0 to 20000 [Hz].</summary>
+        /// <summary>Frequency of the wave. 0 to 20000 [Hz].</summary>
         public double Frequency;
 
-        /// <summary>How strong then. 0 to 1.</summary>
+        /// <summary>Its levels. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>How strong then. 0 to 1.</summary>
+        /// <summary>Its levels. 0 to 1.</summary>
         public double High = 1.0;
 
-        /// <summary>Share of a period that is high. 0 to 1.</summary>
+        /// <summary>Share of high. 0 to 1.</summary>
         public double Duty = 0.5;
 
         /// <inheritdoc/>
@@ -245,28 +245,28 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>High for a while, else low.</summary>
+    /// <summary>A pulse.</summary>
     public sealed class Pulse : IEnvelope
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "width", "period", "start", "rise", "low", "high");
         private static readonly byte[][] Tag = Utf8.Of("pulse");
 
-        /// <summary>For how long. more than 0, at most 1e+06 [s].</summary>
+        /// <summary>Duration of the pulse. more than 0, at most 1e+06 [s].</summary>
         public double Width;
 
-        /// <summary>After which it comes again; only once unless given. more than 0, at most 1e+06 [s]; null: not given.</summary>
+        /// <summary>Time between the starts of pulses; by default there is only one pulse. more than 0, at most 1e+06 [s]; null: not given.</summary>
         public double? Period;
 
-        /// <summary>When it is first high. -1e+12 to 1e+12 [s].</summary>
+        /// <summary>Start of the first pulse. -1e+12 to 1e+12 [s].</summary>
         public double Start;
 
-        /// <summary>How long it takes up, and again down, within the width. 0 to 1e+06 [s].</summary>
+        /// <summary>Duration of the rise and of the fall, which are part of the width. 0 to 1e+06 [s].</summary>
         public double Rise;
 
-        /// <summary>How strong then. 0 to 1.</summary>
+        /// <summary>Level outside of pulses. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>How strong then. 0 to 1.</summary>
+        /// <summary>Level of pulses. 0 to 1.</summary>
         public double High = 1.0;
 
         /// <inheritdoc/>
@@ -358,25 +358,25 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Random about the middle of low and high, with an even spectrum.</summary>
+    /// <summary>Random noise about the mean of low and high, with a flat spectrum.</summary>
     public sealed class Noise : IEnvelope
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "low_frequency", "high_frequency", "low", "high", "seed");
         private static readonly byte[][] Tag = Utf8.Of("noise");
 
-        /// <summary>Ends of its band. 0 to 20000 [Hz].</summary>
+        /// <summary>Limits of the band. 0 to 20000 [Hz].</summary>
         public double LowFrequency;
 
-        /// <summary>Ends of its band. more than 0, at most 20000 [Hz].</summary>
+        /// <summary>Limits of the band. more than 0, at most 20000 [Hz].</summary>
         public double HighFrequency;
 
-        /// <summary>2.5 standard deviations below and above its middle; what goes beyond is clipped. 0 to 1.</summary>
+        /// <summary>2.5 standard deviations below and above the mean; values beyond are clipped. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>2.5 standard deviations below and above its middle; what goes beyond is clipped. 0 to 1.</summary>
+        /// <summary>2.5 standard deviations below and above the mean; values beyond are clipped. 0 to 1.</summary>
         public double High = 1.0;
 
-        /// <summary>The same is the same noise. 0 to 4,294,967,295.</summary>
+        /// <summary>Equal seeds give equal noise. 0 to 4,294,967,295.</summary>
         public long Seed;
 
         /// <inheritdoc/>
@@ -463,7 +463,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "name");
         private static readonly byte[][] Tag = Utf8.Of("preset");
 
-        /// <summary>Of it, which alone will do, too.</summary>
+        /// <summary>Its name, which may stand alone as the envelope.</summary>
         public PresetName Name;
 
         /// <inheritdoc/>
@@ -521,13 +521,13 @@ namespace Pacinian.Wire
         /// <summary>X in -1..1, (L,) float32. 4 to 800,000 bytes.</summary>
         public Bulk Samples;
 
-        /// <summary>Of these. 1 to 1e+06 [Hz].</summary>
+        /// <summary>Sampling rate. 1 to 1e+06 [Hz].</summary>
         public double Rate;
 
-        /// <summary>Again and again, else once.</summary>
+        /// <summary>Whether it repeats or plays once.</summary>
         public bool Loop = true;
 
-        /// <summary>"waveform": the radiation pressure follows (1 + x) / 2; "loudness": it follows how loud x is.</summary>
+        /// <summary>"waveform" if the radiation pressure follows (1 + x) / 2, "loudness" if it follows the loudness of x.</summary>
         public WaveMode Mode = WaveMode.Waveform;
 
         /// <inheritdoc/>
@@ -601,7 +601,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>All samples at once, always.</summary>
+    /// <summary>All samples at once, at all times.</summary>
     public sealed class Simultaneous : ITechnique
     {
         private static readonly byte[][] Keys = Utf8.Of("type");
@@ -650,16 +650,16 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Amplitude modulation: pressure up and down as a sine.</summary>
+    /// <summary>Amplitude modulation by a sine.</summary>
     public sealed class AM : ITechnique
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "frequency", "depth");
         private static readonly byte[][] Tag = Utf8.Of("am");
 
-        /// <summary>Of it. 0 to 20000 [Hz].</summary>
+        /// <summary>Frequency of the sine. 0 to 20000 [Hz].</summary>
         public double Frequency = 200.0;
 
-        /// <summary>1 goes down to nothing. 0 to 1.</summary>
+        /// <summary>1 if the pressure falls to zero. 0 to 1.</summary>
         public double Depth = 1.0;
 
         /// <inheritdoc/>
@@ -727,19 +727,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Spatio-temporal modulation: a single focus that runs along a route.</summary>
+    /// <summary>Spatio-temporal modulation: a single focus that runs along a path.</summary>
     public sealed class STM : ITechnique
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "frequency", "along", "dwell");
         private static readonly byte[][] Tag = Utf8.Of("stm");
 
-        /// <summary>How often it passes the whole route. more than 0, at most 20000 [Hz].</summary>
+        /// <summary>Passages of the whole path per second. more than 0, at most 20000 [Hz].</summary>
         public double Frequency;
 
-        /// <summary>"samples": from one to the next; "outline": around them all; or a curve in their tangent plane.</summary>
+        /// <summary>"samples" to go from sample to sample, "outline" to go around all of them, or a curve in their tangent plane.</summary>
         public IRoute Along = new NamedRoute { Value = RouteWord.Samples };
 
-        /// <summary>Time at each place; a 720th of the period unless given. more than 0, at most 1e+06 [s]; null: not given.</summary>
+        /// <summary>Time at each position; by default 1/720 of the period. more than 0, at most 1e+06 [s]; null: not given.</summary>
         public double? Dwell;
 
         /// <inheritdoc/>
@@ -810,19 +810,19 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Lateral modulation: every sample moves to and fro across its normal, as a sine.</summary>
+    /// <summary>Lateral modulation: every sample oscillates as a sine, perpendicular to its normal.</summary>
     public sealed class LM : ITechnique
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "frequency", "amplitude", "angle");
         private static readonly byte[][] Tag = Utf8.Of("lm");
 
-        /// <summary>How often. 0 to 20000 [Hz].</summary>
+        /// <summary>Frequency of the sine. 0 to 20000 [Hz].</summary>
         public double Frequency;
 
-        /// <summary>To either side. more than 0, at most 10 [m].</summary>
+        /// <summary>Displacement to either side. more than 0, at most 10 [m].</summary>
         public double Amplitude;
 
-        /// <summary>From the frame's x-axis, about the normal. -1e+06 to 1e+06 [deg].</summary>
+        /// <summary>Direction of the motion, about the normal from the frame's x-axis. -1e+06 to 1e+06 [deg].</summary>
         public double Angle;
 
         /// <inheritdoc/>

@@ -25,58 +25,59 @@ constexpr std::array<std::string_view, 2> words(HandFrameSide) {
   return {"left", "right"};
 }
 
-/// What all commands have.
+/// Fields of all commands.
 struct Command {
   /// key from `welcome`; 16 bytes
   Bytes session;
-  /// counts up with each message; 1 to 9,007,199,254,740,992
+  /// increases with each message; 1 to 9,007,199,254,740,992
   std::int64_t sequence = 0;
-  /// of the client's own steady clock; -1e+12 to 1e+12 [s]
+  /// reading of the client's own steady clock; -1e+12 to 1e+12 [s]
   double time = 0.0;
-  /// for how long the command may live; 0 to 60 [s]
+  /// time to live of the command; 0 to 60 [s]
   double ttl = 1.0;
-  /// given back in the reply; 0: no reply; 0 to 4,294,967,295
+  /// repeated in the reply; 0: no reply; 0 to 4,294,967,295
   std::int64_t id = 0;
 };
 
-/// Objects: each is new, or takes the place of the one of that name.
+/// Add objects, or replace those that have the same name.
 struct Put : Command {
   static constexpr std::string_view tag = "put";
 
-  /// by name; 0 to 256
+  /// the objects by name; 0 to 256
   Map<Object> objects;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// New poses of objects that are there.
+/// Move existing objects.
 struct Move : Command {
   static constexpr std::string_view tag = "move";
 
-  /// of these objects; 0 to 256
+  /// names of the objects; 0 to 256
   std::vector<std::string> names;
-  /// x, y, z [m], quaternion x, y, z, w of each, (K, 7) float32; 0 to 7,168 bytes
+  /// x, y, z [m] and quaternion x, y, z, w of each object, (K, 7) float32; 0 to 7,168 bytes
   Bytes poses;
-  /// [m/s] and [rad/s], (K, 6) float32, or empty: not known; 0 to 6,144 bytes
+  /// linear [m/s] and angular [rad/s] velocity of each, (K, 6) float32; empty if they are not
+  /// known; 0 to 6,144 bytes
   Bytes velocities;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Objects are taken away.
+/// Remove objects.
 struct Remove : Command {
   static constexpr std::string_view tag = "remove";
 
-  /// of these; such as nothing has are no error; 0 to 256
+  /// names of the objects; unknown names are no error; 0 to 256
   std::vector<std::string> names;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// All of this client's objects, hands and quiet zones are taken away.
+/// Remove all objects, hands and quiet zones of this client.
 struct Clear : Command {
   static constexpr std::string_view tag = "clear";
 
@@ -85,13 +86,13 @@ struct Clear : Command {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// How strong objects that are there are over time, from now on.
+/// Change the envelope of existing objects.
 struct Envelopes : Command {
   static constexpr std::string_view tag = "envelope";
 
-  /// of these; 0 to 256
+  /// names of the objects; 0 to 256
   std::vector<std::string> names;
-  /// for all of them
+  /// new envelope of all of them
   Envelope envelope;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -100,77 +101,78 @@ struct Envelopes : Command {
 
 /// A hand at the command's time.
 struct HandFrame {
-  /// which it is
+  /// left or right
   HandFrameSide side = HandFrameSide::right;
-  /// to tell hands of one side apart; 0 to 64 characters
+  /// distinguishes several hands of one side; 0 to 64 characters
   std::string name;
-  /// (26, 3) float32 [m] in OpenXR's order, or empty or NaN: the tracker has lost it; 0 to 312
-  /// bytes
+  /// joint positions in OpenXR's order, (26, 3) float32 [m]; empty or NaN if the tracker has lost
+  /// the hand; 0 to 312 bytes
   Bytes joints;
-  /// (26,) float32 [m], or empty: an adult's; 0 to 104 bytes
+  /// joint radii, (26,) float32 [m]; empty for those of an adult; 0 to 104 bytes
   Bytes radii;
-  /// (26, 3) or (1, 3) float32 [m/s], or empty: not known; 0 to 312 bytes
+  /// joint velocities, (26, 3), or one for all joints, (1, 3), float32 [m/s]; empty if they are not
+  /// known; 0 to 312 bytes
   Bytes velocities;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// All hands that this client tracks, in place of those before. From the first such command on its
-/// scene is felt by hands only: with none there, nothing sounds.
+/// Replace the hands that this client tracks. From the first such command on, only hands feel the
+/// scene: without a hand, the output is silent.
 struct Hands : Command {
   static constexpr std::string_view tag = "hands";
 
-  /// empty where there are none; 0 to 8
+  /// all hands that are tracked now; empty if there are none; 0 to 8
   std::vector<HandFrame> hands;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A ball that is to stay quiet.
+/// A ball that must stay quiet.
 struct Zone {
-  /// its centre; -10 to 10 [m]
+  /// centre; -10 to 10 [m]
   std::array<double, 3> position{};
-  /// the most sound pressure; 0 to 1e+06 [Pa]
+  /// largest sound pressure; 0 to 1e+06 [Pa]
   double pressure = 0.0;
-  /// of the ball; 0 to 1 [m]; 0 for a point
+  /// radius of the ball; 0 to 1 [m]; 0 for a point
   double radius = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// All quiet zones of this client, in place of those before; those of the configuration stay.
+/// Replace the quiet zones of this client. The zones of the server's configuration stay.
 struct Quiet : Command {
   static constexpr std::string_view tag = "quiet";
 
-  /// where; 0 to 16
+  /// all quiet zones; 0 to 16
   std::vector<Zone> zones;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Asks for the sound pressure at points, of what is emitted now.
+/// Request the sound pressure that is emitted now at given points.
 struct Field : Command {
   static constexpr std::string_view tag = "field";
 
-  /// (K, 3) float32 [m]; 0 to 786,432 bytes
+  /// positions, (K, 3) float32 [m]; 0 to 786,432 bytes
   Bytes points;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Asks for the objects of the scene that is felt, or was felt last, whoever put them; since
+/// Request the objects of the active or last active scene, whichever client put them; since
 /// protocol 1.1.
 struct Show : Command {
   static constexpr std::string_view tag = "show";
 
-  /// that the asker knows; 0 to 64 characters
+  /// name of the scene from the last answer; 0 to 64 characters
   std::string scene;
-  /// its `version`, as of the last answer: what was told then is not told again; 0 to
+  /// `version` from the last answer; the server leaves out objects that it has sent already; 0 to
   /// 9,007,199,254,740,992
   std::int64_t since = 0;
 

@@ -19,62 +19,62 @@ namespace pacinian::wire {
 class Reader;
 class Writer;
 
-/// The first message: who is there, and which protocol it speaks; answered by `welcome`, or by
-/// `error`.
+/// Open a session. The first message; answered by `welcome`, or by `error`.
 struct Hello {
   static constexpr std::string_view tag = "hello";
 
-  /// given back in the reply; 0: no reply; 0 to 4,294,967,295
+  /// repeated in the reply; 0: no reply; 0 to 4,294,967,295
   std::int64_t id = 0;
-  /// major, minor; 0 to 65,535
+  /// protocol version of the client, major and minor; 0 to 65,535
   std::array<std::int64_t, 2> protocol{};
-  /// who, for people; 1 to 64 characters
+  /// name of the client, for people; 1 to 64 characters
   std::string client;
-  /// of the client, for people; 0 to 200 characters
+  /// version of the client, for people; 0 to 200 characters
   std::string version;
-  /// clients of one name share a scene; one of its own unless given; 0 to 64 characters
+  /// name of the scene, which clients that give the same name share; by default the client has a
+  /// scene of its own; 0 to 64 characters
   std::string scene;
-  /// within which the game must renew [s]; the server's own unless given, and at most that; 0.02 to
-  /// 10 [s]
+  /// time within which the client must renew [s]; by default the server's, which is also the
+  /// maximum; 0.02 to 10 [s]
   std::optional<double> lease;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What all the others have.
+/// Fields of all other requests.
 struct Request {
   /// key from `welcome`; 16 bytes
   Bytes session;
-  /// given back in the reply; 0: no reply; 0 to 4,294,967,295
+  /// repeated in the reply; 0: no reply; 0 to 4,294,967,295
   std::int64_t id = 0;
 };
 
-/// The lease goes on: to be sent from the game's own tick. Answered by `renewed`.
+/// Renew the lease. Send this from the game's own tick. Answered by `renewed`.
 struct Renew : Request {
   static constexpr std::string_view tag = "renew";
 
-  /// counts up with each renewal; 1 to 9,007,199,254,740,992
+  /// increases with each renewal; 1 to 9,007,199,254,740,992
   std::int64_t sequence = 0;
-  /// of the client's steady clock; the lease counts from then; -1e+12 to 1e+12 [s]
+  /// reading of the client's steady clock, from which the lease counts; -1e+12 to 1e+12 [s]
   double time = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// This client's scene is to be felt.
+/// Own the output and make this client's scene active.
 struct Arm : Request {
   static constexpr std::string_view tag = "arm";
 
-  /// from its owner, if there is another and the server allows it
+  /// take the output from another owner, if allowed
   bool take = false;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Silence, softly. The owner lets go of the output.
+/// Fade to silence and release the output. For the owner.
 struct Disarm : Request {
   static constexpr std::string_view tag = "disarm";
 
@@ -83,18 +83,18 @@ struct Disarm : Request {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Emergency stop: silence at once, whoever owns the output, until `reset`. Needs no session.
+/// Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.
 struct Stop {
   static constexpr std::string_view tag = "stop";
 
-  /// given back in the reply; 0: no reply; 0 to 4,294,967,295
+  /// repeated in the reply; 0: no reply; 0 to 4,294,967,295
   std::int64_t id = 0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// After an emergency stop or a fault: the output may be armed again.
+/// Allow the output to be armed again after an emergency stop or a fault.
 struct Reset : Request {
   static constexpr std::string_view tag = "reset";
 
@@ -105,26 +105,26 @@ struct Reset : Request {
 
 /// A solver or a backend.
 struct Choice {
-  /// by which it is; 1 to 64 characters
+  /// name of the plug-in; 1 to 64 characters
   std::string name;
-  /// of those that it lets clients set; 0 to 32
+  /// values of options that clients may set; 0 to 32
   Map<Scalar> options;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Another solver, backend, technique (of objects that have none of their own) or strength, while
-/// running. What is not given stays. For the owner, or anyone while nobody is. Answered when it is
-/// done, or could not be.
+/// Change the solver, the backend, the technique or the intensity while the server runs. Settings
+/// that are not given stay. Only the owner may change them, or any client while there is no owner.
+/// The answer comes after the change was made or has failed.
 struct Select : Request {
   static constexpr std::string_view tag = "select";
 
-  /// by name
+  /// new plug-in
   std::optional<Choice> solver;
-  /// by name
+  /// new plug-in
   std::optional<Choice> backend;
-  /// of all objects without one
+  /// new technique of all objects that have none of their own
   std::optional<Technique> technique;
   /// factor on all radiation pressures; 0 to 1
   std::optional<double> intensity;
@@ -133,7 +133,7 @@ struct Select : Request {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Asks what there is: the array, solvers, backends, limits.
+/// Request the properties of the server: its array, solvers, backends and limits.
 struct Capabilities : Request {
   static constexpr std::string_view tag = "capabilities";
 
@@ -142,7 +142,7 @@ struct Capabilities : Request {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Asks for the state as it is published.
+/// Request the state, as it is published.
 struct Status : Request {
   static constexpr std::string_view tag = "status";
 
@@ -151,7 +151,7 @@ struct Status : Request {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// The client goes: its objects with it; silence, if it owns the output.
+/// End the session and remove its objects. The output falls silent if this client owns it.
 struct Bye : Request {
   static constexpr std::string_view tag = "bye";
 

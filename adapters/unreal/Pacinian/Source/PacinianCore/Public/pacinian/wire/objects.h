@@ -25,137 +25,138 @@ constexpr std::array<std::string_view, 2> words(VolumeFelt) {
   return {"interior", "shell"};
 }
 
-/// A bed of springs: pressure in proportion to depth, up to the object's own.
+/// A bed of springs: the pressure grows in proportion to depth, up to the pressure of the object.
 struct Material {
-  /// pressure for each metre; unless given, the whole pressure is felt 2 mm deep; more than 0, at
-  /// most 1e+12 [Pa/m]
+  /// pressure per depth; by default the full pressure is reached at a depth of 2 mm; more than 0,
+  /// at most 1e+12 [Pa/m]
   std::optional<double> stiffness;
-  /// how far outside of the object it is felt already; 0 to 10 [m]
+  /// distance outside of the object at which it begins to press; 0 to 10 [m]
   double reach = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// How an object moves after the command's time.
+/// Motion of an object from the command's time on.
 struct Motion {
-  /// straight on; -100 to 100 [m/s] or [rad/s]
+  /// linear velocity; -100 to 100 [m/s] or [rad/s]
   std::array<double, 3> velocity{0.0, 0.0, 0.0};
-  /// about the world's axes; -100 to 100 [m/s] or [rad/s]
+  /// angular velocity about the world's axes; -100 to 100 [m/s] or [rad/s]
   std::array<double, 3> angular_velocity{0.0, 0.0, 0.0};
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What all objects have.
+/// Fields of all objects.
 struct Felt {
-  /// how strong it is; either this or force; 0 to 1e+06 [Pa]
+  /// radiation pressure of the object; give either this or `force`; 0 to 1e+06 [Pa]
   std::optional<double> radiation_pressure;
-  /// over the whole of it; either this or radiation_pressure; 0 to 1000 [N]
+  /// total force of the object; give either this or `radiation_pressure`; 0 to 1000 [N]
   std::optional<double> force;
-  /// over time
+  /// strength over time
   Envelope envelope = Constant{};
-  /// how its samples are presented in time; the server's unless given
+  /// presentation of the samples in time; by default the server's
   std::optional<Technique> technique;
-  /// from depth to pressure
+  /// relation of depth and pressure
   Material material;
-  /// still unless given
+  /// motion of the object; by default it is at rest
   std::optional<Motion> motion;
-  /// higher ones get samples first; -1,000,000 to 1,000,000
+  /// objects of higher priority get samples first; -1,000,000 to 1,000,000
   std::int64_t priority = 0;
-  /// it is removed after so long; it stays unless given; more than 0, at most 1e+06 [s]
+  /// time until the server removes the object; by default it stays; more than 0, at most 1e+06 [s]
   std::optional<double> duration;
 };
 
-/// A point that presses: a focus.
+/// A single focus.
 struct Point : Felt {
   static constexpr std::string_view tag = "point";
 
-  /// where; -10 to 10 [m]
+  /// position of the focus; -10 to 10 [m]
   std::array<double, 3> position{};
-  /// what it presses on, a disc 8.5 mm across unless given; 1e-12 to 100 [m^2]
+  /// area on which it presses; by default a disc of 8.5 mm; 1e-12 to 100 [m^2]
   double area = 5.674501730546565e-05;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A line that presses.
+/// A curve that presses on the skin along it.
 struct Path : Felt {
   static constexpr std::string_view tag = "path";
 
-  /// in its own frame
+  /// curve in its own frame
   Curve shape;
-  /// where that is
+  /// pose of that frame
   Pose pose;
-  /// within half of it the skin must be; more than 0, at most 10 [m]
+  /// width of the curve; it presses on skin within half of this distance; more than 0, at most 10
+  /// [m]
   double width = 0.0085;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Many points that press, each by itself.
+/// Many points, each of which presses by itself.
 struct Particles : Felt {
   static constexpr std::string_view tag = "particles";
 
-  /// in their own frame, (K, 3) float32 [m]; 0 to 120,000 bytes
+  /// points in their own frame, (K, 3) float32 [m]; 0 to 120,000 bytes
   Bytes positions;
-  /// where that is
+  /// pose of that frame
   Pose pose;
-  /// how near the skin must be; more than 0, at most 10 [m]
+  /// distance within which a point presses on the skin; more than 0, at most 10 [m]
   double radius = 0.00425;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A factor on pressure over x and y of an object's own frame.
+/// A factor on the pressure, over x and y of the object's own frame.
 struct Texture {
-  /// 0..1, (R, C) float32, in rows as in a picture that is looked at from +z; 4 to 800,000 bytes
+  /// factors 0..1, (R, C) float32, in rows like those of a picture seen from +z; 4 to 800,000 bytes
   Bytes values;
   /// R, C; 1 to 200,000
   std::array<std::int64_t, 2> grid{};
-  /// of the whole in x and y; more than 0, at most 10 [m]
+  /// extent of the texture in x and y; more than 0, at most 10 [m]
   std::array<double, 2> size{};
-  /// beyond that it is repeated; or else as on its rim
+  /// whether the texture repeats beyond its extent; otherwise its edge values continue
   bool repeat = true;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A surface that presses evenly, or by its texture.
+/// A surface that presses evenly, or according to its texture.
 struct Surface : Felt {
   static constexpr std::string_view tag = "surface";
 
-  /// in its own frame
+  /// surface in its own frame
   Shell shape;
-  /// where that is
+  /// pose of that frame
   Pose pose;
-  /// a factor on its pressure; 1 unless given
+  /// factor on the pressure; by default 1
   std::optional<Texture> texture;
-  /// how far below it a hand still feels it; more than 0, at most 10 [m]
+  /// depth below the surface down to which a hand feels it; more than 0, at most 10 [m]
   double thickness = 0.02;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A volume that presses evenly, or by its texture.
+/// A volume that presses evenly, or according to its texture.
 struct Volume : Felt {
   static constexpr std::string_view tag = "volume";
 
-  /// in its own frame
+  /// solid in its own frame
   Solid shape;
-  /// where that is
+  /// pose of that frame
   Pose pose;
-  /// a factor on its pressure; 1 unless given
+  /// factor on the pressure; by default 1
   std::optional<Texture> texture;
-  /// how far inside a hand still feels it; more than 0, at most 10 [m]
+  /// depth inside the volume down to which a hand feels it; more than 0, at most 10 [m]
   double thickness = 0.02;
-  /// its shell, or its interior too
+  /// whether only the shell can be felt, or also the interior
   VolumeFelt felt = VolumeFelt::shell;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);

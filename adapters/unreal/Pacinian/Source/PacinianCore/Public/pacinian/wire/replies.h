@@ -26,29 +26,29 @@ constexpr std::array<std::string_view, 14> words(Code) {
       "owner", "armed", "stopped", "expired", "fault", "busy"};
 }
 
-/// What all replies have.
+/// Fields of all replies.
 struct Reply {
-  /// of what it answers; 0 where nothing was asked; 0 to 4,294,967,295
+  /// `id` of the message that it answers; 0 if it answers none; 0 to 4,294,967,295
   std::int64_t id = 0;
 };
 
-/// To `hello`.
+/// Answer to `hello`.
 struct Welcome : Reply {
   static constexpr std::string_view tag = "welcome";
 
-  /// key for all that follows; 16 bytes
+  /// key for all further messages; 16 bytes
   Bytes session;
-  /// the server's major, minor
+  /// the server's version, major and minor
   std::array<std::int64_t, 2> protocol{};
-  /// name and version, for people; 0 to 200 characters
+  /// name and version of the server, for people; 0 to 200 characters
   std::string server;
-  /// of the server's clock; -1e+12 to 1e+12 [s]
+  /// reading of the server's clock; -1e+12 to 1e+12 [s]
   double time = 0.0;
-  /// the one that this client is in; 1 to 64 characters
+  /// name of this client's scene; 1 to 64 characters
   std::string scene;
-  /// from the last renewal to silence, at most [s]
+  /// longest time from the last renewal to silence [s]
   double lease = 0.0;
-  /// from when the connection is closed or cut off to silence, at most [s]
+  /// longest time from the loss of the connection to silence [s]
   double link = 0.0;
   /// ticks per second [Hz]
   double rate = 0.0;
@@ -57,7 +57,7 @@ struct Welcome : Reply {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Done.
+/// The request was carried out.
 struct Ok : Reply {
   static constexpr std::string_view tag = "ok";
 
@@ -66,38 +66,39 @@ struct Ok : Reply {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Not done.
+/// The request was refused or has failed.
 struct Error : Reply {
   static constexpr std::string_view tag = "error";
 
-  /// as in the table of errors
+  /// one of the table of errors
   Code code{};
-  /// what is wrong, for people; 0 to 1,000 characters
+  /// explanation, for people; 0 to 1,000 characters
   std::string message;
-  /// of the field that is wrong, as `$.objects[...].shape`; 0 to 200 characters
+  /// path of the field that is wrong, such as `$.objects[...].shape`; 0 to 200 characters
   std::string path;
-  /// what to do; 0 to 1,000 characters
+  /// remedy, for people; 0 to 1,000 characters
   std::string advice;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// To `renew`, with its id; with id 0 only to see whether the client is there.
+/// Answer to `renew`, with its `id`. With `id` 0 it only probes whether the client is still
+/// connected.
 struct Renewed : Reply {
   static constexpr std::string_view tag = "renewed";
 
-  /// as they were sent
+  /// the values of the renewal
   std::int64_t sequence = 0;
-  /// as they were sent; -1e+12 to 1e+12 [s]
+  /// the values of the renewal; -1e+12 to 1e+12 [s]
   double time = 0.0;
-  /// of the server's clock [s]; -1e+12 to 1e+12 [s]
+  /// reading of the server's clock [s]; -1e+12 to 1e+12 [s]
   double server_time = 0.0;
-  /// when the lease ends, by that clock [s]; -1e+12 to 1e+12 [s]
+  /// end of the lease by that clock [s]; -1e+12 to 1e+12 [s]
   double until = 0.0;
   /// whether this client owns the output
   bool owner = false;
-  /// whether it may sound
+  /// whether the output may sound
   bool armed = false;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -106,110 +107,110 @@ struct Renewed : Reply {
 
 /// A solver or backend that can be selected.
 struct Plugin {
-  /// by which it is; 1 to 64 characters
+  /// name of the plug-in; 1 to 64 characters
   std::string name;
-  /// what it is good for; 0 to 200 characters
+  /// one line on its use; 0 to 200 characters
   std::string summary;
-  /// that clients may set, and their defaults, where simple
+  /// options that clients may set, with their defaults if these are plain values
   Map<Anything> options;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What the field is computed from: the sum over transducers of g s P0 D(cos theta) r^-n
-/// exp(-(absorption + j k) r).
+/// Parameters of the field: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption +
+/// j k) r).
 struct Sound {
-  /// P0, of one transducer at full drive, 1 m before it [Pa]
+  /// P0, sound pressure of one transducer at full drive, on its axis at 1 m [Pa]
   double pressure = 0.0;
-  /// D, "omni" or "t4010a1"; empty: not known; 0 to 200 characters
+  /// D, "omni" or "t4010a1"; empty if it is not known; 0 to 200 characters
   std::string directivity;
-  /// s, by which factor each differs from its kind, real and imaginary part, (N, 2) float32; empty:
-  /// none does
+  /// s, factor by which each transducer differs from its kind, real and imaginary part, (N, 2)
+  /// float32; empty if none differs
   Bytes response;
-  /// amplitude of each level, 0..1, float32; empty: evenly spaced
+  /// amplitude of each level, 0..1, float32; empty if they are evenly spaced
   Bytes sizes;
-  /// [m/s]
+  /// speed of sound [m/s]
   double speed_of_sound = 0.0;
-  /// [kg/m^3]
+  /// density of the air [kg/m^3]
   double density = 0.0;
-  /// n
+  /// n, exponent of the distance
   double power = 0.0;
-  /// of the amplitude [1/m]
+  /// absorption of the amplitude [1/m]
   double absorption = 0.0;
-  /// of the air, as the server was told or else assumes [degC]; nil where it was told only a speed
-  /// of sound; -80 to 100
+  /// temperature of the air, configured or assumed [degC]; nil if only a speed of sound is
+  /// configured; -80 to 100
   std::optional<double> temperature;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// To `capabilities`.
+/// Answer to `capabilities`.
 struct Abilities : Reply {
   static constexpr std::string_view tag = "abilities";
 
-  /// that can be selected
+  /// plug-ins that can be selected
   std::vector<Plugin> solvers;
-  /// that can be selected
+  /// plug-ins that can be selected
   std::vector<Plugin> backends;
-  /// that there are
+  /// available names
   std::vector<std::string> techniques;
-  /// that there are
+  /// available names
   std::vector<std::string> presets;
-  /// of the transducers, (N, 3) float32 [m]
+  /// positions of the transducers, (N, 3) float32 [m]
   Bytes positions;
-  /// of the transducers, (N, 3) float32 [m]
+  /// unit normals of the transducers, (N, 3) float32
   Bytes normals;
-  /// of the ultrasound [Hz]
+  /// frequency of the ultrasound [Hz]
   double frequency = 0.0;
-  /// [m]
+  /// wavelength of the ultrasound [m]
   double wavelength = 0.0;
-  /// levels of the device
+  /// number of levels of the device
   std::int64_t phases = 0;
-  /// levels of the device
+  /// number of levels of the device
   std::int64_t amplitudes = 0;
-  /// frames per second that it takes [Hz]
+  /// frames per second that the device plays [Hz]
   double device_rate = 0.0;
   /// ticks per second [Hz]
   double rate = 0.0;
-  /// what no client can exceed, by name
+  /// limits that no client can exceed, by name
   Map<double> limits;
-  /// how it sounds; since protocol 1.1
+  /// parameters of the field; since protocol 1.1
   std::optional<Sound> sound;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// To `field`.
+/// Answer to `field`.
 struct Pressures : Reply {
   static constexpr std::string_view tag = "pressures";
 
-  /// complex sound pressure, (K, 2) float32: real and imaginary part [Pa]
+  /// complex sound pressure, real and imaginary part, (K, 2) float32 [Pa]
   Bytes pressures;
-  /// of the frame that was emitted, by the server's clock [s]; -1e+12 to 1e+12 [s]
+  /// time of the emitted frame, by the server's clock [s]; -1e+12 to 1e+12 [s]
   double time = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// To `show`.
+/// Answer to `show`.
 struct Shown : Reply {
   static constexpr std::string_view tag = "shown";
 
-  /// that is felt, or was felt last; empty before the first; 0 to 64 characters
+  /// name of the active or last active scene; empty before the first; 0 to 64 characters
   std::string scene;
-  /// of what was told
+  /// version of the scene up to which objects were sent
   std::int64_t version = 0;
-  /// of the objects that are there, 1024 at most; 0 to 1,024
+  /// names of the objects in the scene, at most 1024; 0 to 1,024
   std::vector<std::string> names;
-  /// of these, as they were told last, x, y, z [m], quaternion x, y, z, w, (K, 7) float32; 0 to
+  /// newest pose of each of these, x, y, z [m] and quaternion x, y, z, w, (K, 7) float32; 0 to
   /// 28,672 bytes
   Bytes poses;
-  /// as they were put, by name, of those that are new since; not all, if that would be much: ask
-  /// again. An object of nearly 1 MiB is left out; 0 to 1,024
+  /// objects that are new since the version asked for, by name, as they were put. If there are
+  /// many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out; 0 to 1,024
   Map<Object> objects;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);

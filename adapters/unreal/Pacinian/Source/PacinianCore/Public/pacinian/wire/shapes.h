@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 2> words(RouteWord) {
 struct Line {
   static constexpr std::string_view tag = "line";
 
-  /// of it; more than 0, at most 10 [m]
+  /// length of the line; more than 0, at most 10 [m]
   double length = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -38,7 +38,7 @@ struct Line {
 struct Circle {
   static constexpr std::string_view tag = "circle";
 
-  /// of it; more than 0, at most 10 [m]
+  /// radius of the circle; more than 0, at most 10 [m]
   double radius = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -49,28 +49,28 @@ struct Circle {
 struct Lissajous {
   static constexpr std::string_view tag = "lissajous";
 
-  /// of the whole; more than 0, at most 10 [m]
+  /// extent in x; more than 0, at most 10 [m]
   double width = 0.0;
-  /// of the whole; more than 0, at most 10 [m]
+  /// extent in y; more than 0, at most 10 [m]
   double height = 0.0;
-  /// how often it swings in x; 1 to 100
+  /// number of oscillations in x; 1 to 100
   std::int64_t a = 1;
-  /// how often in y; 1 to 100
+  /// number of oscillations in y; 1 to 100
   std::int64_t b = 2;
-  /// of x before y; -1e+06 to 1e+06 [deg]
+  /// lead of x over y; -1e+06 to 1e+06 [deg]
   double phase = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Straight pieces from point to point.
+/// Straight segments between points.
 struct Polyline {
   static constexpr std::string_view tag = "polyline";
 
   /// (K, 3) float32 [m]; 24 to 600,000 bytes
   Bytes points;
-  /// with one from last to first
+  /// whether the last joins the first
   bool closed = false;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -81,9 +81,9 @@ using Route = std::variant<RouteWord, Line, Circle, Lissajous, Polyline>;
 
 using Curve = std::variant<Line, Circle, Lissajous, Polyline>;
 
-/// Where something is: a rotation about its own origin, then a translation.
+/// Position and orientation: a rotation about the origin of a frame, then a translation.
 struct Pose {
-  /// of its origin; -10 to 10 [m]
+  /// position of the origin; -10 to 10 [m]
   std::array<double, 3> position{0.0, 0.0, 0.0};
   /// unit quaternion x, y, z, w; -1.01 to 1.01
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
@@ -96,9 +96,9 @@ struct Pose {
 struct Rectangle {
   static constexpr std::string_view tag = "rectangle";
 
-  /// in x; more than 0, at most 10 [m]
+  /// extent in x; more than 0, at most 10 [m]
   double width = 0.0;
-  /// in y; more than 0, at most 10 [m]
+  /// extent in y; more than 0, at most 10 [m]
   double height = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -109,7 +109,7 @@ struct Rectangle {
 struct Disc {
   static constexpr std::string_view tag = "disc";
 
-  /// of it; more than 0, at most 10 [m]
+  /// radius of the disc; more than 0, at most 10 [m]
   double radius = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -120,7 +120,7 @@ struct Disc {
 struct Sphere {
   static constexpr std::string_view tag = "sphere";
 
-  /// of it; more than 0, at most 10 [m]
+  /// radius of the sphere; more than 0, at most 10 [m]
   double radius = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -131,28 +131,28 @@ struct Sphere {
 struct HeightMap {
   static constexpr std::string_view tag = "height-map";
 
-  /// (R, C) float32, in rows as in a picture that is looked at from +z: the first row is at the far
-  /// end of y; 4 to 800,000 bytes
+  /// values, (R, C) float32, in rows like those of a picture seen from +z, with the first row at
+  /// the largest y; 4 to 800,000 bytes
   Bytes heights;
   /// R, C, each 2 or more; 1 to 200,000
   std::array<std::int64_t, 2> grid{};
-  /// in x; more than 0, at most 10 [m]
+  /// extent in x; more than 0, at most 10 [m]
   double width = 0.0;
-  /// in y; more than 0, at most 10 [m]
+  /// extent in y; more than 0, at most 10 [m]
   double height = 0.0;
-  /// how high 1 is; more than 0, at most 10 [m]
+  /// height of a value of 1; more than 0, at most 10 [m]
   double depth = 1.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A triangle mesh. As a volume it must be closed; as a surface it faces where it is seen counter-
-/// clockwise.
+/// A triangle mesh. A volume must be closed. A surface faces the side from which triangles run
+/// counter-clockwise.
 struct Mesh {
   static constexpr std::string_view tag = "mesh";
 
-  /// (V, 3) float32; 36 to 600,000 bytes
+  /// positions, (V, 3) float32; 36 to 600,000 bytes
   Bytes vertices;
   /// indices of vertices, (F, 3) little-endian uint32; 12 to 600,000 bytes
   Bytes faces;
@@ -169,37 +169,37 @@ using Shell = std::variant<Rectangle, Disc, Sphere, HeightMap, Mesh>;
 struct Box {
   static constexpr std::string_view tag = "box";
 
-  /// its full extent in x, y and z; more than 0, at most 10 [m]
+  /// full extent in x, y and z; more than 0, at most 10 [m]
   std::array<double, 3> size{};
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A capsule about the origin along z.
+/// A capsule along z about the origin.
 struct Capsule {
   static constexpr std::string_view tag = "capsule";
 
-  /// of it and its caps; more than 0, at most 10 [m]
+  /// radius of the capsule; more than 0, at most 10 [m]
   double radius = 0.0;
-  /// between the centres of its caps; more than 0, at most 10 [m]
+  /// distance between cap centres; more than 0, at most 10 [m]
   double length = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// A volume given by how full each voxel of a grid about the origin is.
+/// A volume given by the fill level of each voxel of a grid about the origin.
 struct Voxels {
   static constexpr std::string_view tag = "voxels";
 
-  /// 0..1, (X, Y, Z) float32, z the fastest; 4 to 800,000 bytes
+  /// fill levels 0..1, (X, Y, Z) float32, z fastest; 4 to 800,000 bytes
   Bytes values;
   /// X, Y, Z; 1 to 200,000
   std::array<std::int64_t, 3> grid{};
   /// side of a voxel; more than 0, at most 10 [m]
   double pitch = 0.0;
-  /// the shell is where the values are so much; more than 0, at most 1
+  /// fill level at the shell; more than 0, at most 1
   double level = 0.5;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -208,13 +208,13 @@ struct Voxels {
 
 using Primitive = std::variant<Sphere, Box, Capsule, Mesh, Voxels>;
 
-/// A solid elsewhere, or turned.
+/// A solid that is moved or rotated.
 struct Placed {
   static constexpr std::string_view tag = "placed";
 
-  /// in its own frame
+  /// solid in its own frame
   Primitive shape;
-  /// where that is
+  /// pose of that frame
   Pose pose;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -223,7 +223,7 @@ struct Placed {
 
 using Piece = std::variant<Sphere, Box, Capsule, Mesh, Voxels, Placed>;
 
-/// All that is in any of the parts.
+/// The union of the parts.
 struct Union {
   static constexpr std::string_view tag = "union";
 
@@ -234,7 +234,7 @@ struct Union {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What is in all of the parts.
+/// The intersection of the parts.
 struct Intersection {
   static constexpr std::string_view tag = "intersection";
 
@@ -245,13 +245,13 @@ struct Intersection {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What is in one solid and in none of others.
+/// One solid without others.
 struct Difference {
   static constexpr std::string_view tag = "difference";
 
-  /// the one
+  /// the solid
   Piece of;
-  /// the others; 1 to 16
+  /// solids that are cut away; 1 to 16
   std::vector<Piece> less;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);

@@ -26,106 +26,107 @@ constexpr std::array<std::string_view, 5> words(Output) {
 
 /// A client.
 struct ClientState {
-  /// as in its `hello`; 1 to 64 characters
+  /// names from its `hello`; 1 to 64 characters
   std::string name;
-  /// as in its `hello`; 1 to 64 characters
+  /// names from its `hello`; 1 to 64 characters
   std::string scene;
-  /// whether the output is its own
+  /// whether it owns the output
   bool owner = false;
-  /// that it has
+  /// number of its objects
   std::int64_t objects = 0;
-  /// how many so far; dropped were too old, or replaced while they waited
+  /// number of commands so far
   std::int64_t commands = 0;
-  /// how many so far; dropped were too old, or replaced while they waited
+  /// number of errors so far
   std::int64_t errors = 0;
-  /// how many so far; dropped were too old, or replaced while they waited
+  /// number of commands that were too old, or were replaced by newer ones while they waited
   std::int64_t dropped = 0;
-  /// of its newest command when it was applied [s]
+  /// age of its newest command when that was applied [s]
   double age = 0.0;
-  /// since its last renewal [s]
+  /// time since its last renewal [s]
   double renewed = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// What is emitted, and how the server is: published, and the answer to `status`.
+/// The emitted output and the health of the server. Published, and sent as the answer to `status`.
 struct State {
   static constexpr std::string_view tag = "state";
 
-  /// of the `status` that it answers; 0 where it is published; 0 to 4,294,967,295
+  /// `id` of the `status` that it answers; 0 if it is published; 0 to 4,294,967,295
   std::int64_t id = 0;
-  /// counts up
+  /// increases with each message
   std::int64_t sequence = 0;
-  /// of the server's clock [s]; -1e+12 to 1e+12 [s]
+  /// reading of the server's clock [s]; -1e+12 to 1e+12 [s]
   double time = 0.0;
-  /// as in the table below
+  /// one of the values below
   Output output{};
-  /// whether it may sound
+  /// whether the output may sound
   bool armed = false;
-  /// name of the client that owns the output, or empty; 0 to 200 characters
+  /// name of the client that owns the output; empty if there is none; 0 to 200 characters
   std::string owner;
-  /// that is felt; 0 to 200 characters
+  /// name of the active scene; 0 to 200 characters
   std::string scene;
-  /// in use; 0 to 200 characters
+  /// name of the plug-in in use; 0 to 200 characters
   std::string solver;
-  /// in use; 0 to 200 characters
+  /// name of the plug-in in use; 0 to 200 characters
   std::string backend;
-  /// in use; 0 to 200 characters
+  /// technique in use; 0 to 200 characters
   std::string technique;
   /// factor on all radiation pressures
   double intensity = 0.0;
-  /// where samples are, (M, 3) float32 [m]
+  /// positions of the samples, (M, 3) float32 [m]
   Bytes points;
-  /// (M, 3) float32
+  /// normals of the samples, (M, 3) float32
   Bytes normals;
-  /// radiation pressure, (M,) float32 [Pa]; achieved by the gains as emitted
+  /// target radiation pressure of each sample, (M,) float32 [Pa]
   Bytes asked;
-  /// radiation pressure, (M,) float32 [Pa]; achieved by the gains as emitted
+  /// radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa]
   Bytes achieved;
-  /// which of `objects` each sample is of, (M,) little-endian int32
+  /// index into `objects` of each sample, (M,) little-endian int32
   Bytes index;
-  /// names
+  /// names of the rendered objects
   std::vector<std::string> objects;
-  /// joints of the hands as they are rendered, (hands, 26, 3) float32 [m]
+  /// joints of the rendered hands, (hands, 26, 3) float32 [m]
   Bytes hands;
-  /// of the sound pressures at the samples, as emitted
+  /// relative error of the sound pressures at the samples, as emitted
   double error = 0.0;
-  /// of each of `objects` between its samples, (objects, 4) little-endian float32: force over what
-  /// was asked, rms of the difference over that of what was asked, share with less than half,
-  /// highest radiation pressure 3 to 5 mm beside it over the mean asked; as emitted, of the last
-  /// looks; NaN without a region; since protocol 1.1
+  /// quality of each of `objects` between its samples, (objects, 4) little-endian float32: force
+  /// over target force; rms error over rms target; share of the region with less than half of its
+  /// target; highest radiation pressure 3 to 5 mm beside the region over the mean target. Computed
+  /// from the gains as emitted at the last evaluations; NaN for an object without a region; since
+  /// protocol 1.1
   Bytes felt;
-  /// of the last tick; 0 to 200 characters
+  /// status of the last tick; 0 to 200 characters
   std::string status;
-  /// so far
+  /// number of ticks so far
   std::int64_t ticks = 0;
-  /// of these
+  /// number of late ticks
   std::int64_t late = 0;
   /// ticks per second [Hz]
   double rate = 0.0;
-  /// median, 99 % and maximum of the last second [ms]
+  /// median, 99th percentile and maximum of the tick times of the last second [ms]
   std::array<double, 3> tick_ms{0.0, 0.0, 0.0};
-  /// that the device took
+  /// number of frames that the device has accepted
   std::int64_t frames = 0;
-  /// between two frames while armed [s]
+  /// longest time between two frames while armed [s]
   double longest_gap = 0.0;
-  /// samples by reason
+  /// number of skipped samples by reason
   Map<std::int64_t> skipped;
-  /// the last ones, newest last
+  /// texts of the last faults, newest last
   std::vector<std::string> faults;
-  /// of all
+  /// number of all faults
   std::int64_t fault_count = 0;
-  /// of the server's processes, by name
+  /// number of restarts of each process of the server, by name
   Map<std::int64_t> restarts;
-  /// of each hand update that reached the device since the last state, (K, 4) little-endian
-  /// float64: sequence, the client's time, when it was received and when it was emitted, by the
-  /// server's clock [s]
+  /// each hand update that reached the device since the last state, (K, 4) little-endian float64:
+  /// sequence, client's time, and times of receipt and emission by the server's clock [s]
   Bytes inputs;
-  /// that are there
+  /// clients that are connected
   std::vector<ClientState> clients;
-  /// how many ticks of the last second took 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, (64,) little-
-  /// endian uint32; the first and last count what is beyond, too; since protocol 1.1
+  /// histogram of the tick times of the last second, (64,) little-endian uint32; bin k counts ticks
+  /// of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since
+  /// protocol 1.1
   Bytes tick_counts;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -134,21 +135,21 @@ struct State {
 
 using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
 
-/// The levels that are emitted: of the last row of a frame; empty in silence.
+/// The emitted levels, from the last row of a frame; empty in silence.
 struct FrameState {
   static constexpr std::string_view tag = "frame";
 
-  /// counts up
+  /// increases with each message
   std::int64_t sequence = 0;
-  /// of the server's clock [s]; -1e+12 to 1e+12 [s]
+  /// reading of the server's clock [s]; -1e+12 to 1e+12 [s]
   double time = 0.0;
-  /// levels that the device has
+  /// number of levels of the device
   std::int64_t phases = 0;
-  /// levels that the device has
+  /// number of levels of the device
   std::int64_t amplitudes = 0;
-  /// of each transducer, (N,) little-endian uint16
+  /// level of each transducer, (N,) little-endian uint16
   Bytes phase;
-  /// of each transducer, (N,) little-endian uint16
+  /// level of each transducer, (N,) little-endian uint16
   Bytes amplitude;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);

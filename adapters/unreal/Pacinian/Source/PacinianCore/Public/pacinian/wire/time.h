@@ -29,83 +29,84 @@ constexpr std::array<std::string_view, 2> words(WaveMode) {
   return {"loudness", "waveform"};
 }
 
-/// The same at all times.
+/// A constant envelope.
 struct Constant {
   static constexpr std::string_view tag = "constant";
 
-  /// how strong; 0 to 1
+  /// strength; 0 to 1
   double level = 1.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Up and down, starting at its lowest.
+/// A sine that starts at its minimum.
 struct Sine {
   static constexpr std::string_view tag = "sine";
 
-  /// how often; 0 to 20000 [Hz]
+  /// frequency of the sine; 0 to 20000 [Hz]
   double frequency = 0.0;
-  /// at its lowest; 0 to 1
+  /// minimum; 0 to 1
   double low = 0.0;
-  /// at its highest; 0 to 1
+  /// maximum; 0 to 1
   double high = 1.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// High, then low.
+/// A square wave that starts high.
 struct Square {
   static constexpr std::string_view tag = "square";
 
-  /// how often; 0 to 20000 [Hz]
+  /// frequency of the wave; 0 to 20000 [Hz]
   double frequency = 0.0;
-  /// how strong then; 0 to 1
+  /// its levels; 0 to 1
   double low = 0.0;
-  /// how strong then; 0 to 1
+  /// its levels; 0 to 1
   double high = 1.0;
-  /// share of a period that is high; 0 to 1
+  /// share of high; 0 to 1
   double duty = 0.5;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// High for a while, else low.
+/// A pulse.
 struct Pulse {
   static constexpr std::string_view tag = "pulse";
 
-  /// for how long; more than 0, at most 1e+06 [s]
+  /// duration of the pulse; more than 0, at most 1e+06 [s]
   double width = 0.0;
-  /// after which it comes again; only once unless given; more than 0, at most 1e+06 [s]
+  /// time between the starts of pulses; by default there is only one pulse; more than 0, at most
+  /// 1e+06 [s]
   std::optional<double> period;
-  /// when it is first high; -1e+12 to 1e+12 [s]
+  /// start of the first pulse; -1e+12 to 1e+12 [s]
   double start = 0.0;
-  /// how long it takes up, and again down, within the width; 0 to 1e+06 [s]
+  /// duration of the rise and of the fall, which are part of the width; 0 to 1e+06 [s]
   double rise = 0.0;
-  /// how strong then; 0 to 1
+  /// level outside of pulses; 0 to 1
   double low = 0.0;
-  /// how strong then; 0 to 1
+  /// level of pulses; 0 to 1
   double high = 1.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Random about the middle of low and high, with an even spectrum.
+/// Random noise about the mean of low and high, with a flat spectrum.
 struct Noise {
   static constexpr std::string_view tag = "noise";
 
-  /// ends of its band; 0 to 20000 [Hz]
+  /// limits of the band; 0 to 20000 [Hz]
   double low_frequency = 0.0;
-  /// ends of its band; more than 0, at most 20000 [Hz]
+  /// limits of the band; more than 0, at most 20000 [Hz]
   double high_frequency = 0.0;
-  /// 2.5 standard deviations below and above its middle; what goes beyond is clipped; 0 to 1
+  /// 2.5 standard deviations below and above the mean; values beyond are clipped; 0 to 1
   double low = 0.0;
-  /// 2.5 standard deviations below and above its middle; what goes beyond is clipped; 0 to 1
+  /// 2.5 standard deviations below and above the mean; values beyond are clipped; 0 to 1
   double high = 1.0;
-  /// the same is the same noise; 0 to 4,294,967,295
+  /// equal seeds give equal noise; 0 to 4,294,967,295
   std::int64_t seed = 0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -116,7 +117,7 @@ struct Noise {
 struct Preset {
   static constexpr std::string_view tag = "preset";
 
-  /// of it, which alone will do, too
+  /// its name, which may stand alone as the envelope
   PresetName name{};
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -129,11 +130,12 @@ struct Wave {
 
   /// x in -1..1, (L,) float32; 4 to 800,000 bytes
   Bytes samples;
-  /// of these; 1 to 1e+06 [Hz]
+  /// sampling rate; 1 to 1e+06 [Hz]
   double rate = 0.0;
-  /// again and again, else once
+  /// whether it repeats or plays once
   bool loop = true;
-  /// "waveform": the radiation pressure follows (1 + x) / 2; "loudness": it follows how loud x is
+  /// "waveform" if the radiation pressure follows (1 + x) / 2, "loudness" if it follows the
+  /// loudness of x
   WaveMode mode = WaveMode::waveform;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
@@ -142,7 +144,7 @@ struct Wave {
 
 using Envelope = std::variant<PresetName, Constant, Sine, Square, Pulse, Noise, Preset, Wave>;
 
-/// All samples at once, always.
+/// All samples at once, at all times.
 struct Simultaneous {
   static constexpr std::string_view tag = "simultaneous";
 
@@ -151,43 +153,44 @@ struct Simultaneous {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Amplitude modulation: pressure up and down as a sine.
+/// Amplitude modulation by a sine.
 struct AM {
   static constexpr std::string_view tag = "am";
 
-  /// of it; 0 to 20000 [Hz]
+  /// frequency of the sine; 0 to 20000 [Hz]
   double frequency = 200.0;
-  /// 1 goes down to nothing; 0 to 1
+  /// 1 if the pressure falls to zero; 0 to 1
   double depth = 1.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Spatio-temporal modulation: a single focus that runs along a route.
+/// Spatio-temporal modulation: a single focus that runs along a path.
 struct STM {
   static constexpr std::string_view tag = "stm";
 
-  /// how often it passes the whole route; more than 0, at most 20000 [Hz]
+  /// passages of the whole path per second; more than 0, at most 20000 [Hz]
   double frequency = 0.0;
-  /// "samples": from one to the next; "outline": around them all; or a curve in their tangent plane
+  /// "samples" to go from sample to sample, "outline" to go around all of them, or a curve in their
+  /// tangent plane
   Route along = RouteWord::samples;
-  /// time at each place; a 720th of the period unless given; more than 0, at most 1e+06 [s]
+  /// time at each position; by default 1/720 of the period; more than 0, at most 1e+06 [s]
   std::optional<double> dwell;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
 };
 
-/// Lateral modulation: every sample moves to and fro across its normal, as a sine.
+/// Lateral modulation: every sample oscillates as a sine, perpendicular to its normal.
 struct LM {
   static constexpr std::string_view tag = "lm";
 
-  /// how often; 0 to 20000 [Hz]
+  /// frequency of the sine; 0 to 20000 [Hz]
   double frequency = 0.0;
-  /// to either side; more than 0, at most 10 [m]
+  /// displacement to either side; more than 0, at most 10 [m]
   double amplitude = 0.0;
-  /// from the frame's x-axis, about the normal; -1e+06 to 1e+06 [deg]
+  /// direction of the motion, about the normal from the frame's x-axis; -1e+06 to 1e+06 [deg]
   double angle = 0.0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
