@@ -25,7 +25,7 @@ namespace Pacinian.Zmtp
 
         /// <summary>
         /// Whether it is ERROR; and where its data are. libzmq's server of PLAIN, up to 4.3.5, writes "^RROR" in place of the length
-        /// 5 and "ERROR": its source has "\x5ERROR", of which C takes two digits.
+        /// 5 and "ERROR": its source has "\x05ERROR", where C takes the first E for a digit of the escape.
         /// </summary>
         public static bool IsError(FrameReader frame, out int offset, out int count)
         {
