@@ -215,15 +215,23 @@ def test_where_the_connection_file_is(server: Fake, tmp_path: Path, start: Start
         game.event("connected")
 
 
-def test_without_libzmq_it_says_so(csharp_driver: Path, file: Path, tmp_path: Path) -> None:
+def test_libzmq_is_needed_only_for_keys(csharp_driver: Path, server: Fake, tmp_path: Path) -> None:
     for name in ("Pacinian.dll", "ClientDriver.exe"):
         (tmp_path / name).write_bytes(csharp_driver.with_name(name).read_bytes())
     config = '<configuration><dllmap dll="libzmq" target="libnone.so.5"/></configuration>'
     (tmp_path / "Pacinian.dll.config").write_text(config)
-    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", file, "0", "1", "2"]) as game:
+    (public, _), (ours, secret) = zmq.curve_keypair(), zmq.curve_keypair()
+    keys = {"server_key": public, "public_key": ours, "secret_key": secret}
+    decoded = {name: key.decode() for name, key in keys.items()}
+    path = replace(server.connection, token="", **decoded).write(tmp_path / "connection.json")
+    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", path, "0", "1", "2"]) as game:
         game.do("start")
-        status = game.until(lambda s: "libzmq" in s["problem"])
-        assert status["status"] == "Stopped"
+        problem = game.until(lambda s: "libzmq" in s["problem"])["problem"]
+        assert "Window > Pacinian > Server" in problem  # says what to do
         game.do("stop")
-        game.event("refused", "stop")
+        assert "libzmq" in game.event("refused", "stop")["message"]
+        server.connection.write(path)
+        game.event("connected")
+        game.do("stop")
+        server.until(lambda: bool(server.of(control.Stop)))
         assert game.end() == 0

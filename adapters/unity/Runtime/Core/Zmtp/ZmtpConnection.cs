@@ -99,7 +99,7 @@ namespace Pacinian.Zmtp
                     Obey();
                     continue;
                 }
-                _wanted = _inMessage ? _wanted : IsWanted();
+                _wanted = _inMessage ? _wanted : _settings.IsWanted(Input.Data, Input.Offset, Input.Count);
                 _inMessage = Input.HasMore;
                 if (!_inMessage && _wanted)
                 {
@@ -194,27 +194,6 @@ namespace Pacinian.Zmtp
             {
                 End(Ending.Gone, "the peer ends it: " + Command.ReadText(Input.Data, offset, count));
             }
-        }
-
-        private bool IsWanted()
-        {
-            if (_settings.Kind != SocketKind.Sub)
-            {
-                return true;
-            }
-            foreach (byte[] topic in _settings.Topics)
-            {
-                bool same = topic.Length <= Input.Count;
-                for (int i = 0; i < topic.Length && same; i++)
-                {
-                    same = Input.Data[Input.Offset + i] == topic[i];
-                }
-                if (same)
-                {
-                    return true;
-                }
-            }
-            return false;
         }
 
         private void End(Ending ending, string problem)

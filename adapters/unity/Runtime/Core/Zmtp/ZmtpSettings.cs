@@ -34,5 +34,39 @@ namespace Pacinian.Zmtp
 
         /// <summary>What a subscriber wants: beginnings of messages.</summary>
         public readonly List<byte[]> Topics = new List<byte[]>();
+
+        /// <summary>Takes one of the topics away; false if there is none that is equal.</summary>
+        public bool Remove(byte[] topic)
+        {
+            int at = Topics.FindIndex(each => Begins(each, 0, each.Length, topic) && each.Length == topic.Length);
+            if (at >= 0)
+            {
+                Topics.RemoveAt(at);
+            }
+            return at >= 0;
+        }
+
+        /// <summary>Whether a message that begins with these bytes is wanted.</summary>
+        public bool IsWanted(byte[] data, int offset, int count)
+        {
+            for (int i = 0; i < Topics.Count; i++)
+            {
+                if (Begins(data, offset, count, Topics[i]))
+                {
+                    return true;
+                }
+            }
+            return Kind != SocketKind.Sub;
+        }
+
+        private static bool Begins(byte[] data, int offset, int count, byte[] topic)
+        {
+            bool same = topic.Length <= count;
+            for (int i = 0; i < topic.Length && same; i++)
+            {
+                same = data[offset + i] == topic[i];
+            }
+            return same;
+        }
     }
 }

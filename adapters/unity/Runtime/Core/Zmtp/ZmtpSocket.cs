@@ -148,7 +148,7 @@ namespace Pacinian.Zmtp
         /// <summary>Asks once less for messages that begin so.</summary>
         public void Cancel(byte[] topic)
         {
-            if (_settings.Topics.Remove(topic))
+            if (_settings.Remove(topic))
             {
                 Tell(topic, false);
             }
