@@ -71,7 +71,7 @@ def bind() -> Iterator[Bind]:
             if plain:
                 socket.plain_server, socket.zap_domain = True, b"zmtp"
             eventually(lambda: _binds(socket, f"tcp://127.0.0.1:{port}"))
-            return socket, socket.last_endpoint.decode()
+            return socket, socket.get_string(zmq.LAST_ENDPOINT)
 
         yield bound
 
@@ -113,12 +113,11 @@ def ended(game: Game) -> tuple[str, str]:
 
 @pytest.mark.parametrize("plain", [False, True], ids=["NULL", "PLAIN"])
 @pytest.mark.parametrize("kind", [zmq.ROUTER, zmq.DEALER], ids=["ROUTER", "DEALER"])
-def test_messages_of_all_sizes_both_ways(
-    bind: Bind, start: Start, kind: int, plain: bool
-) -> None:
+def test_messages_of_all_sizes_both_ways(bind: Bind, start: Start, kind: int, plain: bool) -> None:
     socket, address = bind(kind, plain=plain)
     with start("Dealer", address, TOKEN if plain else "") as game:
         connected(game)
+        peer: list[bytes] = []
         for size in SIZES:
             assert game.do(f"large {size}")["done"]
             *peer, data = socket.recv_multipart()
@@ -194,7 +193,11 @@ def test_who_is_refused(bind: Bind, start: Start) -> None:
     plain, at_plain = bind(zmq.ROUTER, plain=True)
     null, at_null = bind(zmq.ROUTER)
     publisher, at_publisher = bind(zmq.PUB)
-    cases = [(at_plain, "", "mechanism"), (at_null, TOKEN, "mechanism"), (at_publisher, "", "type PUB")]
+    cases = [
+        (at_plain, "", "mechanism"),
+        (at_null, TOKEN, "mechanism"),
+        (at_publisher, "", "type PUB"),
+    ]
     for address, token, problem in cases:
         with start("Dealer", address, token) as game:
             how, why = ended(game)
@@ -262,15 +265,18 @@ def test_one_that_goes(bind: Bind, start: Start) -> None:
 
 
 def test_a_peer_of_3_0_is_subscribed_to_by_messages(start: Start) -> None:
-    with Listener() as listener, start("Sub", listener.address, again=True) as game:
-        with listener.accept() as peer:
-            peer.greet(0, b"PUB")
-            game.do("subscribe state")
-            peer.expect(0, b"\1state")
-            peer.send(frame(b"state", 1) + frame(b"it"))
-            assert received(game) == b"it"
-            game.do("cancel state")
-            peer.expect(0, b"\0state")
+    with (
+        Listener() as listener,
+        start("Sub", listener.address, again=True) as game,
+        listener.accept() as peer,
+    ):
+        peer.greet(0, b"PUB")
+        game.do("subscribe state")
+        peer.expect(0, b"\1state")
+        peer.send(frame(b"state", 1) + frame(b"it"))
+        assert received(game) == b"it"
+        game.do("cancel state")
+        peer.expect(0, b"\0state")
 
 
 def test_a_byte_at_a_time(start: Start) -> None:

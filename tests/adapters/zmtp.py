@@ -15,7 +15,9 @@ GREETING = 64  # [bytes]
 
 
 def greeting(minor: int = 1, mechanism: bytes = b"NULL") -> bytes:
-    return b"\xff" + bytes(8) + b"\x7f\x03" + bytes([minor]) + mechanism.ljust(20, b"\0") + bytes(32)
+    return (
+        b"\xff" + bytes(8) + b"\x7f\x03" + bytes([minor]) + mechanism.ljust(20, b"\0") + bytes(32)
+    )
 
 
 def frame(body: bytes, flags: int = 0) -> bytes:

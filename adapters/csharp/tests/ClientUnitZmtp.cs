@@ -1,5 +1,8 @@
 using System;
+using System.Net;
+using System.Net.Sockets;
 using System.Text;
+using System.Threading;
 using Pacinian.Zmtp;
 
 namespace Pacinian.Tests
@@ -270,6 +273,31 @@ namespace Pacinian.Tests
             ClientUnit.Equal(16 * 12, made.Output.Count);
         }
 
+        public void WhatWasReadFromTcpIsNotWaitedFor()
+        {
+            TcpListener listener = new TcpListener(IPAddress.Loopback, 0);
+            listener.Start();
+            using (AutoResetEvent bell = new AutoResetEvent(false))
+            {
+                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, bell, Timing.Now);
+                using (Socket peer = listener.AcceptSocket())
+                {
+                    peer.Send(Bytes(Greeting31 + Null));
+                    Until(() => Works(socket) && peer.Available >= 64);
+                    ClientUnit.Holds(socket.Patience > 0.0); // a greeting in two parts: there is nothing to do
+                    peer.Send(Bytes(Filler + RouterReady + "00 03 'abc' 00 01 'd'"));
+                    Until(() => Works(socket) && socket.HasRoom && socket.Patience == 0.0);
+                    Until(() => socket.Receive(_into) == 3);
+                    ClientUnit.Holds(socket.Patience == 0.0 || socket.Receive(_into) == 1);
+                    Until(() => socket.Receive(_into) < 0);
+                    ClientUnit.Holds(socket.Patience > 0.0);
+                }
+                socket.Close();
+                ClientUnit.Equal(-1, socket.Receive(_into));
+            }
+            listener.Stop();
+        }
+
         public void Addresses()
         {
             ClientUnit.Equal("127.0.0.1:5555", Endpoint.Read("tcp://127.0.0.1:5555").ToString());
@@ -312,6 +340,20 @@ namespace Pacinian.Tests
                 ClientUnit.Equal(ending, made.Ending);
                 ClientUnit.Holds(made.Problem.Contains(problem));
                 ClientUnit.Holds(!made.Established && !made.HasRoom);
+            }
+        }
+
+        private static bool Works(ZmtpSocket socket)
+        {
+            socket.Work();
+            return true;
+        }
+
+        private static void Until(Func<bool> done)
+        {
+            for (double end = Timing.Now() + 60.0; !done(); Thread.Sleep(1))
+            {
+                ClientUnit.Holds(Timing.Now() < end);
             }
         }
 

@@ -73,7 +73,6 @@ namespace Pacinian.Tests
                 _ended = true;
                 ClientJson.Say("ended", _socket.Ended, "problem", _socket.Problem);
             }
-            _socket.Work();
             _socket.Watch();
             _bell.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.Patience)));
             _socket.Work();

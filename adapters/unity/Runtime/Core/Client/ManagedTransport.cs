@@ -80,7 +80,6 @@ namespace Pacinian
             {
                 if (socket != null)
                 {
-                    socket.Work();
                     socket.Watch();
                     longest = Math.Min(longest, socket.Patience);
                 }

@@ -43,6 +43,9 @@ namespace Pacinian.Zmtp
         /// <summary>Why the bytes are no frames; "" while they are.</summary>
         public string Problem { get; private set; }
 
+        /// <summary>Whether bytes have come since it was known that no whole frame is there.</summary>
+        public bool IsUnread { get; private set; }
+
         /// <summary>The buffer's memory [bytes].</summary>
         public int Capacity
         {
@@ -70,6 +73,7 @@ namespace Pacinian.Zmtp
         public void Add(int count)
         {
             _end += count;
+            IsUnread = true;
         }
 
         /// <summary>Bytes that were added and not read yet.</summary>
@@ -92,6 +96,11 @@ namespace Pacinian.Zmtp
 
         /// <summary>Reads the next frame; false if it has not come whole, or there is a problem.</summary>
         public bool Read()
+        {
+            return IsUnread = ReadFrame();
+        }
+
+        private bool ReadFrame()
         {
             if (Problem.Length > 0 || _start == _end)
             {

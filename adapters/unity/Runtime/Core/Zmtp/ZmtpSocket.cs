@@ -62,7 +62,11 @@ namespace Pacinian.Zmtp
                 {
                     return _reconnects ? Math.Max(0.0, _due - _clock()) : double.PositiveInfinity;
                 }
-                bool looks = !_link.Connected || _connection.Output.Count > 0;
+                if (_connection != null && _connection.Established && _connection.Input.IsUnread)
+                {
+                    return 0.0; // it was read from TCP, so that no bell rings for it
+                }
+                bool looks = _connection == null || _connection.Output.Count > 0;
                 return looks ? Look : _settings.PingInterval > 0.0 ? _settings.PingInterval : double.PositiveInfinity;
             }
         }
