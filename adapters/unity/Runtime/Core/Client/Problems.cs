@@ -8,9 +8,9 @@ namespace Pacinian
     /// <summary>What is told to people when there is no connection, and what they can do.</summary>
     internal static class Problems
     {
-        private const string NoLibrary = "a server with CURVE keys, on another machine, needs the library libzmq (4.3 or newer), which is "
-            + "not installed for this program: in Unity, Window > Pacinian > Server; else install libzmq5 (Debian) or zeromq, or put "
-            + "libzmq.dll beside the program: ";
+        private const string NoLibrary = "this server takes CURVE keys, for which the library libzmq (4.3 or newer) is needed, and it is not "
+            + "installed for this program: in Unity, Window > Pacinian > Server copies it; else install libzmq5 (Debian) or zeromq "
+            + "(Homebrew), or put libzmq.dll beside the program; a server on this machine needs none if it has no keys: ";
 
         public const string Nothing = "; nothing of this session goes on";
 
