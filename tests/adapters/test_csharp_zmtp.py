@@ -162,6 +162,19 @@ def test_subscriptions(bind: Bind, start: Start, plain: bool) -> None:
         eventually(lambda: count_threads(game) < threads)
 
 
+def test_ipv6(start: Start) -> None:
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
+        socket.linger, socket.ipv6, socket.rcvtimeo = 0, True, int(1e3 * PATIENCE)
+        try:
+            socket.bind("tcp://[::1]:*")
+        except zmq.ZMQError:
+            pytest.skip("no IPv6 here")
+        with start("Dealer", socket.get_string(zmq.LAST_ENDPOINT)) as game:
+            connected(game)
+            game.do("send hello")
+            assert socket.recv_multipart()[1] == b"hello"
+
+
 def count_threads(game: Game) -> int:
     game.say("threads")
     return int(game.wait(lambda t: "threads" in t)["threads"])

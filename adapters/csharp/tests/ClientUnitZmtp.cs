@@ -49,6 +49,7 @@ namespace Pacinian.Tests
             Ends(Ending.Foreign, "not ZMTP", "'HTTP/1.1 400'");
             Ends(Ending.Foreign, "not ZMTP", "ff 0000000000000000 7e");
             Ends(Ending.Foreign, "older than 3.0", "ff 0000000000000000 7f 01");
+            Ends(Ending.Foreign, "older than 3.0", "ff 0000000000000000 7f 02");
             Ends(Ending.Foreign, "mechanism", Greeting31 + "'NULL'");
             Ends(Ending.Foreign, "mechanism", Greeting31 + "'PLAINX'");
             Ends(Ending.Foreign, "does not belong", Greeting31 + Plain + Filler + RouterReady);
@@ -62,7 +63,16 @@ namespace Pacinian.Tests
             Ends(Ending.Foreign, "of type", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 06 05'READY'");
             Ends(Ending.Foreign, "cut off", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 08 05'READY' 0b41");
             Ends(Ending.Foreign, "cut off", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 0d 05'READY' 01'A' ffffffff 00");
+            Ends(Ending.Foreign, "cut off", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 0d 05'READY' 01'A' 00000002 00");
             Ends(Ending.Foreign, "where at most 4096", Greeting31 + Plain + Filler + "06 0000000000001001");
+        }
+
+        public void ASubscriberRefusesWhatIsNoPublisher()
+        {
+            ZmtpConnection made = new ZmtpConnection(new ZmtpSettings { Kind = SocketKind.Sub }, 0.0);
+            Gives(made, Greeting31 + Null + Filler + RouterReady);
+            ClientUnit.Equal(Ending.Foreign, made.Ending);
+            ClientUnit.Holds(made.Problem.Contains("of type ROUTER"));
         }
 
         public void ANewerPeerIsAccepted()
