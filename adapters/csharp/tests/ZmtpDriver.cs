@@ -1,6 +1,5 @@
 using System;
 using System.Collections.Concurrent;
-using System.Diagnostics;
 using System.Globalization;
 using System.Threading;
 using Pacinian.Zmtp;
@@ -91,7 +90,6 @@ namespace Pacinian.Tests
                 case "release": _holds = false; break;
                 case "close": _socket.Close(); break;
                 case "room": done = _socket.HasRoom; break;
-                case "threads": ClientJson.Say("threads", Process.GetCurrentProcess().Threads.Count); break;
                 case "end": _socket.Close(); _ends = true; break;
                 default: throw new ArgumentException(words[0]);
             }
