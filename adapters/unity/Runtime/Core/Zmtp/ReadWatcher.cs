@@ -10,8 +10,8 @@ namespace Pacinian.Zmtp
     /// </summary>
     internal sealed class ReadWatcher
     {
-        private const int Slice = 50000; // [us] of a wait: a thread in foreign code cannot be ended
-        private const int Patience = 1000; // [ms] for its end
+        private const int PollTime = 50000; // [us] of a wait: a thread in foreign code cannot be ended
+        private const int JoinTimeout = 1000; // [ms], which only a thread that hangs would take
 
         private readonly Socket _socket;
         private readonly AutoResetEvent _bell, _armed = new AutoResetEvent(false);
@@ -41,7 +41,7 @@ namespace Pacinian.Zmtp
         {
             _ends = true;
             _armed.Set();
-            if (_thread.Join(Patience))
+            if (_thread.Join(JoinTimeout))
             {
                 _armed.Dispose();
             }
@@ -53,7 +53,7 @@ namespace Pacinian.Zmtp
             {
                 for (_armed.WaitOne(); !_ends; _armed.WaitOne())
                 {
-                    while (!_ends && !_socket.Poll(Slice, SelectMode.SelectRead))
+                    while (!_ends && !_socket.Poll(PollTime, SelectMode.SelectRead))
                     {
                     }
                     _watches = false;

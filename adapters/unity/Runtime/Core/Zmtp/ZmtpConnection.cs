@@ -11,7 +11,7 @@ namespace Pacinian.Zmtp
     {
         private const int MaxFrames = 64; // that wait to be sent before heartbeats are not answered any more
         private const int MaxContext = 16; // [bytes] of a heartbeat
-        private const double Tick = 0.1; // [s], the unit of a heartbeat's time to live
+        private const double TtlUnit = 0.1; // [s]
 
         private readonly ZmtpSettings _settings;
         private readonly Handshake _handshake;
@@ -26,7 +26,7 @@ namespace Pacinian.Zmtp
             _settings = settings;
             _handshake = new Handshake(settings);
             _begun = _heard = _pinged = now;
-            int ticks = (int)Math.Round(settings.PingTimeout / Tick);
+            int ticks = (int)Math.Round(settings.PingTimeout / TtlUnit);
             _ping[0] = (byte)(ticks >> 8);
             _ping[1] = (byte)ticks;
             Input = new FrameReader(settings.MaxMessage, Command.MaxBytes);
@@ -96,7 +96,7 @@ namespace Pacinian.Zmtp
             {
                 if (Input.IsCommand)
                 {
-                    Obey();
+                    HandleCommand();
                     continue;
                 }
                 _wanted = _inMessage ? _wanted : _settings.IsWanted(Input.Data, Input.Offset, Input.Count);
@@ -126,7 +126,10 @@ namespace Pacinian.Zmtp
             return true;
         }
 
-        /// <summary>Asks for messages that begin so, or not any more: by a command, or to a peer of ZMTP 3.0 by a message.</summary>
+        /// <summary>
+        /// Asks for messages that begin so, or not any more: by a command (RFC 37, "The Publish-Subscribe Pattern"), or to a peer of
+        /// ZMTP 3.0 by a message (RFC 23, the same).
+        /// </summary>
         public void Subscribe(byte[] topic, bool wanted)
         {
             if (_handshake.Minor >= 1)
@@ -140,7 +143,7 @@ namespace Pacinian.Zmtp
             Output.WriteMessage(message, message.Length);
         }
 
-        /// <summary>Sends a heartbeat that is due, and ends what was silent for too long.</summary>
+        /// <summary>Sends a heartbeat that is due, and ends what was silent for too long (RFC 37, "Connection Heartbeating").</summary>
         public void CheckTime(double now)
         {
             if (!Established)
@@ -172,7 +175,7 @@ namespace Pacinian.Zmtp
             End(Established ? Ending.Gone : Ending.Foreign, "");
         }
 
-        private void Obey()
+        private void HandleCommand()
         {
             int offset, count;
             if (Command.Is(Input, Command.Ping, out offset, out count))
@@ -183,7 +186,7 @@ namespace Pacinian.Zmtp
                     End(Ending.Foreign, "a heartbeat of " + count + " bytes");
                     return;
                 }
-                _peerTimeout = Tick * (Input.Data[offset] << 8 | Input.Data[offset + 1]);
+                _peerTimeout = TtlUnit * (Input.Data[offset] << 8 | Input.Data[offset + 1]);
                 if (Output.Frames < MaxFrames)
                 {
                     Buffer.BlockCopy(Input.Data, offset + _ping.Length, _context, 0, context);

@@ -11,7 +11,7 @@ namespace Pacinian.Zmtp
     internal sealed class ZmtpSocket
     {
         private const double FirstPause = 0.1, LongestPause = 2.0; // [s] before it connects again
-        private const double Look = 0.002; // [s] between two looks at what rings no bell: a connection, and room to send
+        private const double PollInterval = 0.002; // [s] between two looks at what rings no bell: a connection, and room to send
         private const int MaxReads = 16; // of a peer that sends without an end, for one message
 
         private readonly ZmtpSettings _settings;
@@ -67,7 +67,7 @@ namespace Pacinian.Zmtp
                     return 0.0; // it was read from TCP, so that no bell rings for it
                 }
                 bool looks = _connection == null || _connection.Output.Count > 0;
-                return looks ? Look : _settings.PingInterval > 0.0 ? _settings.PingInterval : double.PositiveInfinity;
+                return looks ? PollInterval : _settings.PingInterval > 0.0 ? _settings.PingInterval : double.PositiveInfinity;
             }
         }
 
@@ -103,7 +103,7 @@ namespace Pacinian.Zmtp
                 _connection = new ZmtpConnection(_settings, now);
             }
             ReadBytes(now);
-            Settle(now);
+            Continue(now);
         }
 
         /// <summary>Takes a message; false if there is no room for it.</summary>
@@ -132,7 +132,7 @@ namespace Pacinian.Zmtp
                 count = _connection.Read(into);
                 if (count < 0)
                 {
-                    Settle(now);
+                    Continue(now);
                 }
                 if (!some)
                 {
@@ -146,7 +146,7 @@ namespace Pacinian.Zmtp
         public void Subscribe(byte[] topic)
         {
             _settings.Topics.Add(topic);
-            Tell(topic, true);
+            SendSubscription(topic, true);
         }
 
         /// <summary>Asks once less for messages that begin so.</summary>
@@ -154,7 +154,7 @@ namespace Pacinian.Zmtp
         {
             if (_settings.Remove(topic))
             {
-                Tell(topic, false);
+                SendSubscription(topic, false);
             }
         }
 
@@ -198,7 +198,7 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>now: before the last bytes were read.</summary>
-        private void Settle(double now)
+        private void Continue(double now)
         {
             _connection.Advance();
             _connection.CheckTime(now);
@@ -229,7 +229,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        private void Tell(byte[] topic, bool wanted)
+        private void SendSubscription(byte[] topic, bool wanted)
         {
             if (_connection != null && _connection.Established && Current == Ending.None)
             {
