@@ -76,23 +76,23 @@ def error(
     transducers. With hands, sound counts along the normals and is hidden by hands of an adult's size: the state does
     not tell how large they are.
     """
-    from pacinian.acoustics.facing import Facing
     from pacinian.acoustics.pressure import radiation_pressure
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer
-    from pacinian.scene.hands.capsules import capsules
+    from pacinian.scene.hands.capsules import make_capsules
     from pacinian.scene.hands.hand import Hand
     from pacinian.solving.propagator import Propagator
 
     found = np.full(len(at), np.nan)
     places = nearest_places(at, across, regions)
     joints = np.frombuffer(regions.hands, "<f4").reshape(-1, JOINTS, 3).astype(np.float64)
-    flesh = [capsules(Hand(each)) for each in joints]
+    flesh = [make_capsules(Hand(each)) for each in joints]
     propagator = Propagator(array, medium)
     for k in range(0, len(places.rows), step := max(1, PAIRS // len(array))):
         part = slice(k, k + step)
-        facing = Facing(places.normals[part], np.concatenate(flesh)) if flesh else None
+        facing = SkinFacing(places.normals[part], np.concatenate(flesh)) if flesh else None
         try:
-            propagator.place(places.points[part], facing)
+            propagator.set_points(places.points[part], facing)
         except PointOnTransducer:
             continue
         made = np.zeros(len(places.asked[part]))

@@ -128,7 +128,7 @@ namespace Pacinian
                 Kind = state ? SocketKind.Sub : SocketKind.Dealer,
                 User = User,
                 Password = token,
-                MaxMessage = Protocol.LongestReply,
+                MaxMessage = Protocol.MaxReplyBytes,
                 PingInterval = channel == Channel.Control ? PingInterval : 0.0, // elsewhere it would wait behind what is not read
             };
             if (state)
