@@ -8,6 +8,7 @@ import threading
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
 
 ROOM = 1 << 14  # [bytes] that wait in it
@@ -25,6 +26,8 @@ class Slow:
         self.goes = threading.Event()
         """Set: it passes."""
         self.goes.set()
+        self.tap: Callable[[str, bytes], object] = lambda _side, _data: None
+        """Is told what comes, and from whom: "near", who connected, or "far"."""
         self._open: list[socket.socket] = []
         self._threads = [threading.Thread(target=self._accept)]
         self._threads[0].start()
@@ -39,14 +42,15 @@ class Slow:
                     near.close()
                     continue
                 self._open += near, far
-                for pair in ((near, far), (far, near)):
-                    self._threads.append(threading.Thread(target=self._pass, args=pair))
+                for way in (("near", near, far), ("far", far, near)):
+                    self._threads.append(threading.Thread(target=self._pass, args=way))
                     self._threads[-1].start()
 
-    def _pass(self, source: socket.socket, sink: socket.socket) -> None:
+    def _pass(self, side: str, source: socket.socket, sink: socket.socket) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(ROOM):
                 self.goes.wait()
+                self.tap(side, data)
                 sink.sendall(data)
             sink.shutdown(socket.SHUT_WR)
 

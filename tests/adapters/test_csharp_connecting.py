@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import socket
 import sys
 import time
@@ -20,7 +21,7 @@ from ..core.client.fake import Fake, usual
 from ..core.client.standing import server_apart, stand_still
 from ..waiting import PATIENCE
 from . import tools
-from .game import Game, fill
+from .game import Game, begin, fill
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -183,15 +184,35 @@ def test_its_domain_can_be_unloaded_as_an_editor_does(
     assert len(server.of(control.Hello)) == 2
 
 
-def test_keys_in_place_of_a_token(tmp_path: Path, start: Start) -> None:
+def with_library_of_wheel(driver: Path, folder: Path) -> list[str | Path]:
+    """The driver in a folder with pyzmq's own libzmq, as the Unity package copies it. Skips where pyzmq has none."""
+    libraries = Path(zmq.__file__).parents[1] / "pyzmq.libs"
+    for library in libraries.glob("*.so*") if libraries.exists() else ():
+        name = "libzmq.so" if library.name.startswith("libzmq") else library.name
+        shutil.copy(library, folder / name)
+    if not (folder / "libzmq.so").exists():
+        pytest.skip("pyzmq was built with a libzmq of the system")
+    for name in ("Pacinian.dll", "ClientDriver.exe"):
+        shutil.copy(driver.with_name(name), folder)
+    return ["mono", "--debug", folder / "ClientDriver.exe"]
+
+
+@pytest.mark.parametrize("of", ["system", "wheel"])
+def test_keys_in_place_of_a_token(csharp_driver: Path, tmp_path: Path, of: str) -> None:
     public, secret = zmq.curve_keypair()
     ours, our_secret = zmq.curve_keypair()
     keys = {"public_key": ours.decode(), "secret_key": our_secret.decode()}
+    program: list[str | Path] = ["mono", "--debug", csharp_driver]
+    if of == "wheel":
+        program = with_library_of_wheel(csharp_driver, tmp_path)
     with Fake(keys=(public, secret)) as server:
         path = replace(server.connection, token="", **keys).write(tmp_path / "connection.json")
-        with start(path) as game:
+        with begin(program, path) as game:
             game.do("start")
             game.event("connected")
+            mapped = Path(f"/proc/{game.process.pid}/maps")
+            if of == "wheel" and mapped.exists():
+                assert f"{tmp_path}/libzmq.so" in mapped.read_text()
             replace(server.connection, token="", **{**keys, "server_key": ours.decode()}).write(
                 path
             )
@@ -215,15 +236,23 @@ def test_where_the_connection_file_is(server: Fake, tmp_path: Path, start: Start
         game.event("connected")
 
 
-def test_without_libzmq_it_says_so(csharp_driver: Path, file: Path, tmp_path: Path) -> None:
+def test_libzmq_is_needed_only_for_keys(csharp_driver: Path, server: Fake, tmp_path: Path) -> None:
     for name in ("Pacinian.dll", "ClientDriver.exe"):
         (tmp_path / name).write_bytes(csharp_driver.with_name(name).read_bytes())
     config = '<configuration><dllmap dll="libzmq" target="libnone.so.5"/></configuration>'
     (tmp_path / "Pacinian.dll.config").write_text(config)
-    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", file, "0", "1", "2"]) as game:
+    (public, _), (ours, secret) = zmq.curve_keypair(), zmq.curve_keypair()
+    keys = {"server_key": public, "public_key": ours, "secret_key": secret}
+    decoded = {name: key.decode() for name, key in keys.items()}
+    path = replace(server.connection, token="", **decoded).write(tmp_path / "connection.json")
+    with Game(["mono", "--debug", tmp_path / "ClientDriver.exe", path, "0", "1", "2"]) as game:
         game.do("start")
-        status = game.until(lambda s: "libzmq" in s["problem"])
-        assert status["status"] == "Stopped"
+        problem = game.until(lambda s: "libzmq" in s["problem"])["problem"]
+        assert "Window > Pacinian > Server" in problem  # says what to do
         game.do("stop")
-        game.event("refused", "stop")
+        assert "libzmq" in game.event("refused", "stop")["message"]
+        server.connection.write(path)
+        game.event("connected")
+        game.do("stop")
+        server.until(lambda: bool(server.of(control.Stop)))
         assert game.end() == 0

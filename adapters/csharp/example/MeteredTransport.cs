@@ -6,7 +6,7 @@ namespace Pacinian.Example
     /// <summary>A transport that tells how much memory its thread takes.</summary>
     public sealed class MeteredTransport : ITransport
     {
-        private readonly ITransport _inner = new ZmqTransport();
+        private readonly ITransport _inner = Transports.Make();
         private long _bytes;
 
         /// <summary>What its thread has allocated until it waited last [bytes].</summary>

@@ -13,6 +13,7 @@ namespace Pacinian.Tests
             foreach (Type type in new[]
             {
                 typeof(ClientUnitOutbox), typeof(ClientUnitCommands), typeof(ClientUnitSessions), typeof(ClientUnitParts),
+                typeof(ClientUnitZmtp),
             })
             {
                 foreach (MethodInfo method in type.GetMethods(

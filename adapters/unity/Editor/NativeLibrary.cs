@@ -4,7 +4,10 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>libzmq, which this package does not contain: it is copied into the project, so that builds have it, too.</summary>
+    /// <summary>
+    /// libzmq, which only a server on another machine needs (CURVE keys), and this package does not contain: it is copied into the
+    /// project, so that builds have it, too.
+    /// </summary>
     internal static class NativeLibrary
     {
         private static readonly string[] Usual =
@@ -13,10 +16,14 @@ namespace Pacinian.Haptics.Editing
             "/usr/lib/libzmq.so.5", "/opt/homebrew/lib/libzmq.5.dylib", "/usr/local/lib/libzmq.5.dylib",
         };
 
+        // Where pyzmq's wheels have theirs, on Linux and on macOS. On Windows it is inside of another library.
+        private static readonly string[] Wheels = { "pyzmq.libs", "zmq/.dylibs" };
+
         /// <summary>What to do where it is missing.</summary>
         public const string Advice =
-            "Games need the library libzmq, 4.3 or newer. Linux: install libzmq5 (Debian) or zeromq. macOS: `brew install "
-            + "zeromq`. Windows: `vcpkg install zeromq`, then choose its libzmq*.dll here. A copy is put into Assets/Plugins/Pacinian.";
+            "Only for a server on another machine, with CURVE keys: games that connect to it need the library libzmq, 4.3 or newer. "
+            + "Linux and macOS: that of the program's Python, or libzmq5 (Debian) or `brew install zeromq`. Windows: `vcpkg install "
+            + "zeromq`, then choose its libzmq*.dll here. A copy is put into Assets/Plugins/Pacinian.";
 
         /// <summary>Where it is in the project.</summary>
         public static string Place
@@ -38,25 +45,82 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>One that this system has; "" if it has none in the usual places.</summary>
-        public static string Find()
+        /// <summary>That of the server's Python, or of this system; "" if there is none in the usual places. program: `pacinian`, or "".</summary>
+        public static string Find(string program)
         {
-            return Array.Find(Usual, File.Exists) ?? "";
+            string wheel = program.Length == 0 ? "" : FindInEnvironment(program);
+            return wheel.Length > 0 ? wheel : Array.Find(Usual, File.Exists) ?? "";
         }
 
         /// <summary>Copies one into the project, under the name by which it is looked for; "", or why that cannot be.</summary>
         public static string Install(string path)
         {
+            return Install(path, Place);
+        }
+
+        /// <summary>Copies one to a place, and what it needs beside it; "", or why that cannot be.</summary>
+        internal static string Install(string path, string place)
+        {
             try
             {
-                Directory.CreateDirectory(Path.GetDirectoryName(Place));
-                File.Copy(path, Place, true);
+                string folder = Path.GetDirectoryName(place);
+                Directory.CreateDirectory(folder);
+                string[] needed = IsOfWheel(path) ? Directory.GetFiles(Path.GetDirectoryName(path), "libsodium*") : new string[0];
+                foreach (string beside in needed)
+                {
+                    File.Copy(beside, Path.Combine(folder, Path.GetFileName(beside)), true);
+                }
+                File.Copy(path, place, true);
                 return "";
             }
             catch (Exception error) when (error is IOException || error is UnauthorizedAccessException || error is ArgumentException)
             {
                 return path + ": cannot be copied: " + error.Message;
             }
+        }
+
+        private static bool IsOfWheel(string path)
+        {
+            string folder = Path.GetFileName(Path.GetDirectoryName(path));
+            return Array.Exists(Wheels, each => Path.GetFileName(each) == folder);
+        }
+
+        private static string FindInEnvironment(string program)
+        {
+            try
+            {
+                string root = Path.GetDirectoryName(Path.GetDirectoryName(Interpreter(program)));
+                foreach (string version in Directory.GetDirectories(Path.Combine(root, "lib"), "python3*"))
+                {
+                    foreach (string wheel in Wheels)
+                    {
+                        string folder = Path.Combine(Path.Combine(version, "site-packages"), wheel);
+                        string[] files = Directory.Exists(folder) ? Directory.GetFiles(folder, "libzmq*") : new string[0];
+                        if (files.Length > 0)
+                        {
+                            return files[0];
+                        }
+                    }
+                }
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException || error is ArgumentException)
+            {
+                return ""; // another kind of installation
+            }
+            return "";
+        }
+
+        /// <summary>The Python that runs a program, as its first line says: the program may be a link from elsewhere.</summary>
+        private static string Interpreter(string program)
+        {
+            char[] start = new char[512];
+            int count;
+            using (StreamReader reader = new StreamReader(program))
+            {
+                count = reader.ReadBlock(start, 0, start.Length);
+            }
+            string line = new string(start, 0, count).Split('\n')[0].Trim();
+            return line.StartsWith("#!/", StringComparison.Ordinal) && line.Contains("python") ? line.Substring(2) : program;
         }
     }
 }

@@ -62,7 +62,7 @@ namespace Pacinian.Haptics.Editing
                 string chosen = EditorUtility.OpenFilePanel("pacinian", "", "");
                 Executable.Chosen = chosen.Length > 0 ? chosen : Executable.Chosen;
             }
-            Library();
+            Library(executable);
             _arguments = EditorGUILayout.TextField("pacinian serve", _arguments);
             EditorGUILayout.BeginHorizontal();
             GUI.enabled = executable.Length > 0 && !LocalServer.Running;
@@ -88,14 +88,14 @@ namespace Pacinian.Haptics.Editing
             EditorGUILayout.EndScrollView();
         }
 
-        private void Library()
+        private void Library(string executable)
         {
             if (NativeLibrary.There)
             {
                 return;
             }
-            EditorGUILayout.HelpBox(NativeLibrary.Advice, MessageType.Warning);
-            string found = NativeLibrary.Find();
+            EditorGUILayout.HelpBox(NativeLibrary.Advice, MessageType.Info);
+            string found = NativeLibrary.Find(executable);
             string path = "";
             if (found.Length > 0 && GUILayout.Button("Copy " + found))
             {

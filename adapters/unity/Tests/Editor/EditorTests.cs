@@ -61,6 +61,26 @@ namespace Pacinian.Haptics.Tests
             Executable.Chosen = before;
         }
 
+        [Test]
+        public void TheLibraryOfTheServersPythonIsFoundAndCopiedWithWhatItNeeds()
+        {
+            string root = Path.Combine(Path.GetTempPath(), "pacinian-test-" + Guid.NewGuid().ToString("N"));
+            string libraries = Path.Combine(root, "lib/python3.12/site-packages/pyzmq.libs");
+            Directory.CreateDirectory(libraries);
+            string library = Path.Combine(libraries, "libzmq-12ab.so.5.2.5");
+            File.WriteAllText(library, "zmq");
+            File.WriteAllText(Path.Combine(libraries, "libsodium-34cd.so.26"), "sodium");
+            string program = Path.Combine(root, "pacinian"); // a link, as of pipx
+            File.WriteAllText(program, "#!" + root + "/bin/python\nimport sys");
+            Assert.AreEqual(library, NativeLibrary.Find(program));
+            string place = Path.Combine(root, "Plugins/libzmq.so");
+            Assert.AreEqual("", NativeLibrary.Install(library, place));
+            Assert.AreEqual("zmq", File.ReadAllText(place));
+            Assert.AreEqual("sodium", File.ReadAllText(Path.Combine(root, "Plugins/libsodium-34cd.so.26")));
+            Directory.Delete(root, true);
+            Assert.IsTrue(NativeLibrary.Find(program) != library);
+        }
+
         /// <summary>Does nothing where `pacinian` is not installed.</summary>
         [Test]
         public void AServerIsStartedAndStopped()

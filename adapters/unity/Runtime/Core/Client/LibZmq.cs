@@ -13,7 +13,6 @@ namespace Pacinian
         public const int Pair = 0, Subscriber = 2, Dealer = 5;
         public const int Subscribe = 6, More = 13, Events = 15, Linger = 17, ReconnectInterval = 18;
         public const int LongestMessage = 22, SendRoom = 23, ReceiveRoom = 24, Immediate = 39, Ipv6 = 42;
-        public const int PlainUser = 45, PlainPassword = 46;
         public const int CurvePublicKey = 48, CurveSecretKey = 49, CurveServerKey = 50;
         public const int HandshakeTimeout = 66, ConnectTimeout = 79;
         public const int HeartbeatInterval = 75, HeartbeatTtl = 76, HeartbeatTimeout = 77;

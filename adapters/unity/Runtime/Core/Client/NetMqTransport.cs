@@ -39,8 +39,7 @@ namespace Pacinian
             if (!Z85.Read(connection.ServerKey, out server) || !Z85.Read(connection.PublicKey, out ours)
                 || !Z85.Read(connection.SecretKey, out secret))
             {
-                return "NetMQ knows no tokens (PLAIN), only CURVE keys: start the server with those (`pacinian keys`), "
-                    + "or use libzmq";
+                return "NetMQ knows no tokens (PLAIN), only CURVE keys";
             }
             try
             {

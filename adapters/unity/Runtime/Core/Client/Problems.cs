@@ -8,6 +8,10 @@ namespace Pacinian
     /// <summary>What is told to people when there is no connection, and what they can do.</summary>
     internal static class Problems
     {
+        private const string NoLibrary = "this server takes CURVE keys, for which the library libzmq (4.3 or newer) is needed, and it is not "
+            + "installed for this program: in Unity, Window > Pacinian > Server copies it; else install libzmq5 (Debian) or zeromq "
+            + "(Homebrew), or put libzmq.dll beside the program; a server on this machine needs none if it has no keys: ";
+
         public const string Nothing = "; nothing of this session goes on";
 
         /// <summary>Why a connection to an address has ended.</summary>
@@ -60,11 +64,13 @@ namespace Pacinian
         /// <summary>Why a thread of ours has ended.</summary>
         public static string Of(Exception error)
         {
-            if (error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException)
-            {
-                return "the library libzmq (4.3 or newer) is not installed for this program: " + error.Message;
-            }
-            return "the client has failed: " + error;
+            return IsMissingLibrary(error) ? NoLibrary + error.Message : "the client has failed: " + error;
+        }
+
+        /// <summary>Whether a native library is not there, or is no good.</summary>
+        public static bool IsMissingLibrary(Exception error)
+        {
+            return error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException;
         }
 
         /// <summary>Of two major versions the older is to be updated.</summary>

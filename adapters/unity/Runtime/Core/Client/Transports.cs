@@ -1,10 +1,16 @@
 namespace Pacinian
 {
-    /// <summary>The transport that is built in: NetMQ where PACINIAN_NETMQ is defined, else libzmq.</summary>
+    /// <summary>The transports that are built in.</summary>
     public static class Transports
     {
-        /// <summary>One that is not connected.</summary>
+        /// <summary>One that is not connected, for all connections.</summary>
         public static ITransport Make()
+        {
+            return new DefaultTransport();
+        }
+
+        /// <summary>One for CURVE keys. Raises DllNotFoundException where libzmq is needed and not installed.</summary>
+        internal static ITransport MakeCurve()
         {
 #if PACINIAN_NETMQ
             return new NetMqTransport();

@@ -11,7 +11,6 @@ namespace Pacinian
     {
         private const int Most = 1000; // messages that wait to be read
         private const int Waiting = 16; // messages that wait to be sent
-        private const string User = "pacinian";
 
         private readonly byte[] _event = new byte[6];
         private readonly byte[] _skipped = new byte[256];
@@ -38,7 +37,7 @@ namespace Pacinian
             get { return Handle != IntPtr.Zero; }
         }
 
-        /// <summary>What all sockets to a server have; false if the connection has no token or keys that will do.</summary>
+        /// <summary>What all sockets to a server have; false if the connection has no keys that will do.</summary>
         public bool Secure(Connection connection)
         {
             Set(LibZmq.SendRoom, Waiting);
@@ -47,15 +46,10 @@ namespace Pacinian
             Set(LibZmq.ConnectTimeout, 2000);
             long longest = Protocol.MaxReplyBytes;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
-            if (connection.ServerKey.Length > 0)
-            {
-                return Set(LibZmq.CurveServerKey, connection.ServerKey)
-                    && Set(LibZmq.CurvePublicKey, connection.PublicKey)
-                    && Set(LibZmq.CurveSecretKey, connection.SecretKey);
-            }
-            return connection.Token.Length > 0
-                && Set(LibZmq.PlainUser, User)
-                && Set(LibZmq.PlainPassword, connection.Token);
+            return connection.ServerKey.Length > 0
+                && Set(LibZmq.CurveServerKey, connection.ServerKey)
+                && Set(LibZmq.CurvePublicKey, connection.PublicKey)
+                && Set(LibZmq.CurveSecretKey, connection.SecretKey);
         }
 
         /// <summary>It takes messages only while it is connected, and is connected only once; its end is told.</summary>

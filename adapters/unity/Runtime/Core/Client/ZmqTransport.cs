@@ -3,7 +3,7 @@ using System.Threading;
 
 namespace Pacinian
 {
-    /// <summary>By libzmq: with a token or CURVE keys, over any of its transports.</summary>
+    /// <summary>By libzmq: with CURVE keys, for a server on another machine.</summary>
     public sealed class ZmqTransport : ITransport
     {
         private const int Longest = 50; // [ms] of a wait: a thread in foreign code cannot be ended
@@ -162,7 +162,7 @@ namespace Pacinian
             }
             if (!socket.Secure(connection))
             {
-                return "the connection has no token, or no keys of a client";
+                return "the connection has no keys of a client";
             }
             if (channel == Channel.State)
             {

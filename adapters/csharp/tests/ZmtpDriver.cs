@@ -1,0 +1,121 @@
+using System;
+using System.Collections.Concurrent;
+using System.Globalization;
+using System.Threading;
+using Pacinian.Zmtp;
+
+namespace Pacinian.Tests
+{
+    /// <summary>
+    /// A socket that does what its standard input says, a command a line, and tells what happens, a JSON object a line. Arguments:
+    /// kind, address, password ("" for NULL), time between heartbeats [s] and their timeout [s], `again` to reconnect.
+    /// </summary>
+    internal sealed class ZmtpDriver
+    {
+        private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
+        private readonly AutoResetEvent _bell = new AutoResetEvent(false);
+        private readonly byte[] _into = new byte[1 << 20];
+        private readonly ZmtpSocket _socket;
+        private bool _ends, _ended, _holds;
+
+        private ZmtpDriver(string[] arguments)
+        {
+            bool plain = arguments[2].Length > 0;
+            ZmtpSettings settings = new ZmtpSettings
+            {
+                Kind = (SocketKind)Enum.Parse(typeof(SocketKind), arguments[0]),
+                User = plain ? "pacinian" : null,
+                Password = plain ? arguments[2] : null,
+                PingInterval = double.Parse(arguments[3], CultureInfo.InvariantCulture),
+                PingTimeout = double.Parse(arguments[4], CultureInfo.InvariantCulture),
+            };
+            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[5] == "again", _bell, Timing.Now);
+        }
+
+        private static int Main(string[] arguments)
+        {
+            new ZmtpDriver(arguments).Run();
+            return 0;
+        }
+
+        private void Run()
+        {
+            new Thread(Read) { IsBackground = true }.Start();
+            while (!_ends)
+            {
+                string line;
+                while (!_ends && _lines.TryDequeue(out line))
+                {
+                    Do(line.Split(' '));
+                }
+                if (!_holds)
+                {
+                    Step();
+                }
+            }
+        }
+
+        private void Step()
+        {
+            int count;
+            while ((count = _socket.Receive(_into)) >= 0)
+            {
+                long sum = 0;
+                for (int i = 0; i < count; i++)
+                {
+                    sum = (sum * 31 + _into[i]) % 1000003;
+                }
+                ClientJson.Say("received", count, "sum", sum, "hex", BitConverter.ToString(_into, 0, Math.Min(count, 40)).Replace("-", ""));
+            }
+            if (_socket.Ended != Ending.None && !_ended)
+            {
+                _ended = true;
+                ClientJson.Say("ended", _socket.Ended, "problem", _socket.Problem);
+            }
+            _socket.Watch();
+            _bell.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.Patience)));
+            _socket.Work();
+        }
+
+        private void Do(string[] words)
+        {
+            bool done = true;
+            switch (words[0])
+            {
+                case "send": done = _socket.Send(System.Text.Encoding.ASCII.GetBytes(words[1]), words[1].Length); break;
+                case "large": done = _socket.Send(Pattern(int.Parse(words[1])), int.Parse(words[1])); break;
+                case "subscribe": _socket.Subscribe(System.Text.Encoding.ASCII.GetBytes(words[1])); break;
+                case "cancel": _socket.Cancel(System.Text.Encoding.ASCII.GetBytes(words[1])); break;
+                case "hold": _holds = true; break;
+                case "release": _holds = false; break;
+                case "close": _socket.Close(); break;
+                case "room": done = _socket.HasRoom; break;
+                case "end": _socket.Close(); _ends = true; break;
+                default: throw new ArgumentException(words[0]);
+            }
+            ClientJson.Say("did", words[0], "done", done);
+        }
+
+        private static byte[] Pattern(int count)
+        {
+            byte[] made = new byte[count];
+            for (int i = 0; i < count; i++)
+            {
+                made[i] = (byte)(i * 7);
+            }
+            return made;
+        }
+
+        private void Read()
+        {
+            string line;
+            while ((line = Console.In.ReadLine()) != null)
+            {
+                _lines.Enqueue(line);
+                _bell.Set();
+            }
+            _lines.Enqueue("end");
+            _bell.Set();
+        }
+    }
+}

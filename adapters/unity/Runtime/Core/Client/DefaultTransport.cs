@@ -1,0 +1,90 @@
+using System;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// By the sockets of .NET where the connection has a token, which is so on one machine; by libzmq, or NetMQ where
+    /// PACINIAN_NETMQ is defined, where it has CURVE keys.
+    /// </summary>
+    public sealed class DefaultTransport : ITransport
+    {
+        private readonly ManagedTransport _managed = new ManagedTransport();
+        private volatile ITransport _current, _curve;
+
+        /// <summary>Not connected.</summary>
+        public DefaultTransport()
+        {
+            _current = _managed;
+        }
+
+        /// <inheritdoc/>
+        public string Open(Connection connection, bool all)
+        {
+            Close();
+            _current = _managed;
+            if (connection.ServerKey.Length > 0)
+            {
+                try
+                {
+                    _curve = _curve ?? Transports.MakeCurve();
+                }
+                catch (Exception error) when (Problems.IsMissingLibrary(error))
+                {
+                    return Problems.Of(error);
+                }
+                _current = _curve;
+            }
+            return _current.Open(connection, all);
+        }
+
+        /// <inheritdoc/>
+        public Ending Ended()
+        {
+            return _current.Ended();
+        }
+
+        /// <inheritdoc/>
+        public bool Room(Channel channel)
+        {
+            return _current.Room(channel);
+        }
+
+        /// <inheritdoc/>
+        public bool Send(Channel channel, byte[] data, int count)
+        {
+            return _current.Send(channel, data, count);
+        }
+
+        /// <inheritdoc/>
+        public int Receive(Channel channel, byte[] into)
+        {
+            return _current.Receive(channel, into);
+        }
+
+        /// <inheritdoc/>
+        public void Wait(double seconds)
+        {
+            _current.Wait(seconds);
+        }
+
+        /// <inheritdoc/>
+        public void Wake()
+        {
+            _managed.Wake();
+            _curve?.Wake();
+        }
+
+        /// <inheritdoc/>
+        public void Close()
+        {
+            _current.Close();
+        }
+
+        /// <inheritdoc/>
+        public void Dispose()
+        {
+            _managed.Dispose();
+            _curve?.Dispose();
+        }
+    }
+}

@@ -1,0 +1,141 @@
+using System;
+using System.Net;
+using System.Text;
+using System.Threading;
+using Pacinian.Wire;
+using Pacinian.Zmtp;
+
+namespace Pacinian
+{
+    /// <summary>By the sockets of .NET alone, with the token of a server on this machine, over TCP: no native library is needed.</summary>
+    public sealed class ManagedTransport : ITransport
+    {
+        private const double LongestWait = 0.05; // [s]: a thread that waits cannot be ended
+        private const double PingInterval = 0.05; // [s]
+        private const int MaxToken = 255; // [bytes]: what a HELLO has room for
+        private const string User = "pacinian";
+
+        private readonly AutoResetEvent _bell = new AutoResetEvent(false);
+        private readonly ZmtpSocket[] _sockets = new ZmtpSocket[3];
+
+        /// <inheritdoc/>
+        public string Open(Connection connection, bool all)
+        {
+            Close();
+            int token = Encoding.UTF8.GetByteCount(connection.Token);
+            if (token == 0 || token > MaxToken)
+            {
+                return "the connection has no token";
+            }
+            for (int i = 0; i < (all ? 3 : 1); i++)
+            {
+                string address = connection.At((Channel)i);
+                IPEndPoint at = Endpoint.Read(address);
+                if (at == null)
+                {
+                    Close();
+                    return "cannot connect to " + address + ": with a token it must be tcp://ADDRESS:PORT of this machine";
+                }
+                _sockets[i] = Make((Channel)i, at, connection.Token);
+            }
+            return "";
+        }
+
+        /// <inheritdoc/>
+        public Ending Ended()
+        {
+            foreach (ZmtpSocket socket in _sockets)
+            {
+                if (socket != null && socket.Ended != Ending.None)
+                {
+                    return socket.Ended;
+                }
+            }
+            return Ending.None;
+        }
+
+        /// <inheritdoc/>
+        public bool Room(Channel channel)
+        {
+            return _sockets[(int)channel]?.HasRoom ?? false;
+        }
+
+        /// <inheritdoc/>
+        public bool Send(Channel channel, byte[] data, int count)
+        {
+            return _sockets[(int)channel]?.Send(data, count) ?? false;
+        }
+
+        /// <inheritdoc/>
+        public int Receive(Channel channel, byte[] into)
+        {
+            return _sockets[(int)channel]?.Receive(into) ?? -1;
+        }
+
+        /// <inheritdoc/>
+        public void Wait(double seconds)
+        {
+            double longest = Math.Min(Math.Max(0.0, seconds), LongestWait);
+            foreach (ZmtpSocket socket in _sockets)
+            {
+                if (socket != null)
+                {
+                    socket.Watch();
+                    longest = Math.Min(longest, socket.Patience);
+                }
+            }
+            _bell.WaitOne((int)Math.Ceiling(1e3 * longest));
+            foreach (ZmtpSocket socket in _sockets)
+            {
+                socket?.Work();
+            }
+        }
+
+        /// <inheritdoc/>
+        public void Wake()
+        {
+            try
+            {
+                _bell.Set();
+            }
+            catch (ObjectDisposedException)
+            {
+            }
+        }
+
+        /// <inheritdoc/>
+        public void Close()
+        {
+            for (int i = 0; i < _sockets.Length; i++)
+            {
+                _sockets[i]?.Close();
+                _sockets[i] = null;
+            }
+        }
+
+        /// <inheritdoc/>
+        public void Dispose()
+        {
+            Close();
+            _bell.Dispose();
+        }
+
+        private ZmtpSocket Make(Channel channel, IPEndPoint at, string token)
+        {
+            bool state = channel == Channel.State;
+            ZmtpSettings settings = new ZmtpSettings
+            {
+                Kind = state ? SocketKind.Sub : SocketKind.Dealer,
+                User = User,
+                Password = token,
+                MaxMessage = Protocol.MaxReplyBytes,
+                PingInterval = channel == Channel.Control ? PingInterval : 0.0, // elsewhere it would wait behind what is not read
+            };
+            if (state)
+            {
+                settings.Topics.Add(Encoding.ASCII.GetBytes("state"));
+            }
+            return new ZmtpSocket(settings, at, state, _bell, Timing.Now);
+        }
+    }
+}

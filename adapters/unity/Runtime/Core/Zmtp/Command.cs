@@ -1,0 +1,119 @@
+using System;
+using System.Text;
+
+namespace Pacinian.Zmtp
+{
+    /// <summary>The names of commands, and how they and their properties are read (RFC 37, "Commands" and "Connection Metadata").</summary>
+    internal static class Command
+    {
+        public static readonly byte[] Hello = Name("HELLO"), Welcome = Name("WELCOME"), Initiate = Name("INITIATE");
+        public static readonly byte[] Ready = Name("READY"), Error = Name("ERROR");
+        public static readonly byte[] Ping = Name("PING"), Pong = Name("PONG");
+        public static readonly byte[] Subscribe = Name("SUBSCRIBE"), Cancel = Name("CANCEL");
+        private static readonly byte[] MisspeltError = Name("^RROR");
+
+        /// <summary>The largest body of a command that is accepted: a READY with all its properties is some 100 bytes.</summary>
+        public const int MaxBytes = 4096;
+
+        /// <summary>Whether the frame that was read is the command of that name; and where its data are.</summary>
+        public static bool Is(FrameReader frame, byte[] name, out int offset, out int count)
+        {
+            offset = frame.Offset + 1 + name.Length;
+            count = frame.Count - 1 - name.Length;
+            return frame.IsCommand && count >= 0 && frame.Data[frame.Offset] == name.Length && Begins(frame, 1, name);
+        }
+
+        /// <summary>
+        /// Whether it is ERROR; and where its data are. libzmq's server of PLAIN, up to 4.3.5, writes "^RROR" in place of the length
+        /// 5 and "ERROR": its source has "\x05ERROR", where C takes the first E for a digit of the escape.
+        /// </summary>
+        public static bool IsError(FrameReader frame, out int offset, out int count)
+        {
+            if (Is(frame, Error, out offset, out count))
+            {
+                return true;
+            }
+            offset = frame.Offset + MisspeltError.Length;
+            count = frame.Count - MisspeltError.Length;
+            return frame.IsCommand && count >= 0 && Begins(frame, 0, MisspeltError);
+        }
+
+        /// <summary>Reads a text whose length is its first byte; null if it is cut off.</summary>
+        public static string ReadText(byte[] data, int offset, int count)
+        {
+            if (count < 1 || data[offset] > count - 1)
+            {
+                return null;
+            }
+            return Encoding.ASCII.GetString(data, offset + 1, data[offset]);
+        }
+
+        /// <summary>Finds a property by its name, in which case does not count; "" if there is none, null if they are cut off.</summary>
+        public static string FindProperty(byte[] data, int offset, int count, string name)
+        {
+            string found = "";
+            int end = offset + count;
+            while (offset < end)
+            {
+                string key = ReadText(data, offset, end - offset);
+                if (string.IsNullOrEmpty(key))
+                {
+                    return null;
+                }
+                offset += 1 + key.Length;
+                if (end - offset < 4)
+                {
+                    return null;
+                }
+                uint size = (uint)(data[offset] << 24 | data[offset + 1] << 16 | data[offset + 2] << 8 | data[offset + 3]);
+                offset += 4;
+                if (size > (uint)(end - offset))
+                {
+                    return null;
+                }
+                if (string.Equals(key, name, StringComparison.OrdinalIgnoreCase))
+                {
+                    found = Encoding.ASCII.GetString(data, offset, (int)size);
+                }
+                offset += (int)size;
+            }
+            return found;
+        }
+
+        /// <summary>Properties as bytes: name, value, name, value and so on.</summary>
+        public static byte[] WriteProperties(params string[] pairs)
+        {
+            int count = 0;
+            for (int i = 0; i < pairs.Length; i++)
+            {
+                count += pairs[i].Length + (i % 2 == 0 ? 1 : 4);
+            }
+            byte[] made = new byte[count];
+            int at = 0;
+            for (int i = 0; i < pairs.Length; i++)
+            {
+                at += i % 2 == 0 ? 0 : 3; // a value's size has four bytes, of which these are 0
+                made[at++] = (byte)pairs[i].Length;
+                at += Encoding.ASCII.GetBytes(pairs[i], 0, pairs[i].Length, made, at);
+            }
+            return made;
+        }
+
+        private static bool Begins(FrameReader frame, int at, byte[] text)
+        {
+            for (int i = 0; i < text.Length; i++)
+            {
+                if (frame.Data[frame.Offset + at + i] != text[i])
+                {
+                    return false;
+                }
+            }
+            return true;
+        }
+
+        private static byte[] Name(string name)
+        {
+            return Encoding.ASCII.GetBytes(name);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+using System.Globalization;
+using System.Net;
+
+namespace Pacinian.Zmtp
+{
+    /// <summary>Addresses as ZeroMQ writes them.</summary>
+    internal static class Endpoint
+    {
+        private const string Tcp = "tcp://";
+
+        /// <summary>Reads `tcp://ADDRESS:PORT`, where the address is an IP address or `localhost`; null if it is none.</summary>
+        public static IPEndPoint Read(string text)
+        {
+            int colon = text.LastIndexOf(':');
+            int port;
+            if (!text.StartsWith(Tcp, System.StringComparison.Ordinal) || colon < Tcp.Length
+                || !int.TryParse(text.Substring(colon + 1), NumberStyles.None, CultureInfo.InvariantCulture, out port)
+                || port < 1 || port > IPEndPoint.MaxPort)
+            {
+                return null;
+            }
+            string host = text.Substring(Tcp.Length, colon - Tcp.Length);
+            host = host == "localhost" ? "127.0.0.1" : host;
+            bool isV6 = host.StartsWith("[", System.StringComparison.Ordinal) && host.EndsWith("]", System.StringComparison.Ordinal);
+            IPAddress address;
+            if (!IPAddress.TryParse(isV6 ? host.Substring(1, host.Length - 2) : host, out address)
+                || (address.AddressFamily == System.Net.Sockets.AddressFamily.InterNetworkV6) != isV6)
+            {
+                return null;
+            }
+            return new IPEndPoint(address, port);
+        }
+    }
+}

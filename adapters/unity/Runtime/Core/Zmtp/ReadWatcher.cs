@@ -1,0 +1,68 @@
+using System;
+using System.Net.Sockets;
+using System.Threading;
+
+namespace Pacinian.Zmtp
+{
+    /// <summary>
+    /// A thread that waits until there is something to read from a socket, and rings a bell: all else is its owner's work. In
+    /// place of Socket.Select, which takes memory at each call: a game's threads are to make no garbage.
+    /// </summary>
+    internal sealed class ReadWatcher
+    {
+        private const int PollTime = 50000; // [us] of a wait: a thread in foreign code cannot be ended
+        private const int JoinTimeout = 1000; // [ms], which only a thread that hangs would take
+
+        private readonly Socket _socket;
+        private readonly AutoResetEvent _bell, _armed = new AutoResetEvent(false);
+        private readonly Thread _thread;
+        private volatile bool _watches, _ends;
+
+        public ReadWatcher(Socket socket, AutoResetEvent bell)
+        {
+            _socket = socket;
+            _bell = bell;
+            _thread = new Thread(Run) { IsBackground = true, Name = "Pacinian reading" };
+            _thread.Start();
+        }
+
+        /// <summary>The bell is to be rung once, now or when something comes.</summary>
+        public void Arm()
+        {
+            if (!_watches)
+            {
+                _watches = true;
+                _armed.Set();
+            }
+        }
+
+        /// <summary>Ends the thread; the socket must be shut down, which ends its wait.</summary>
+        public void End()
+        {
+            _ends = true;
+            _armed.Set();
+            if (_thread.Join(JoinTimeout))
+            {
+                _armed.Dispose();
+            }
+        }
+
+        private void Run()
+        {
+            try
+            {
+                for (_armed.WaitOne(); !_ends; _armed.WaitOne())
+                {
+                    while (!_ends && !_socket.Poll(PollTime, SelectMode.SelectRead))
+                    {
+                    }
+                    _watches = false;
+                    _bell.Set();
+                }
+            }
+            catch (Exception error) when (error is SocketException || error is ObjectDisposedException)
+            {
+            }
+        }
+    }
+}
