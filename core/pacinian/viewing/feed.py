@@ -23,7 +23,7 @@ from pacinian.viewing.messages import (
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from pacinian.viewing.hub import Hub
+    from pacinian.viewing.hub import Drive, Hub
     from pacinian.viewing.slices import Fields
 
 SHORTEST = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
@@ -104,7 +104,7 @@ class Page:
             if pressure is None:
                 continue
             window.unseen = asked.id
-            await self._send(_told(asked, pressure, drive.time))
+            await self._send(_told(asked, pressure, drive))
             await asyncio.sleep(begin + SHORTEST - time.perf_counter())
 
 
@@ -135,17 +135,18 @@ class Window:
             self.turn.set()
 
 
-def _told(asked: Slice | Volume, pressure: bytes, at: float) -> bytes:
+def _told(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
     if isinstance(asked, Slice):
         return told(
             SliceTold(
                 id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
-                shape=asked.shape, of=asked.of, pressure=pressure, time=at,
+                shape=asked.shape, of=asked.of, over=asked.over, frames=drive.frames(asked),
+                pressure=pressure, time=drive.time,
             )
         )  # fmt: skip
     return told(
         VolumeTold(
             id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
-            pressure=pressure, time=at,
+            pressure=pressure, time=drive.time,
         )
     )  # fmt: skip

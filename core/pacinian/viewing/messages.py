@@ -23,6 +23,7 @@ MOST_POINTS = 1 << 18  # of a slice or volume
 WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
 PERPENDICULAR = 1e-3  # of u and v, and how far their lengths are from 1
 
+Over = Literal["mean", "peak", "instant"]  # of the field, over the frames of the last moments
 Id = Annotated[int, Meta(ge=1, le=2**53)]
 Side = Annotated[int, Meta(ge=2, le=1024)]
 Direction = tuple[Part, Part, Part]
@@ -37,7 +38,8 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
     u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols. of: radiation pressure, or its error on
-    regions: made minus asked.
+    regions: made minus asked. over: mean or largest pressure over the frames of the last moments, or that of the newest
+    frame; an error is always that of the mean.
     """
 
     id: Id
@@ -47,6 +49,7 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
     size: tuple[Length, Length]
     shape: tuple[Side, Side]
     of: Literal["pressure", "error"] = "pressure"
+    over: Over = "mean"
 
     def __post_init__(self) -> None:
         _few(self.shape)
@@ -63,6 +66,7 @@ class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
     origin: Position
     spacing: Length
     shape: tuple[Side, Side, Side]
+    over: Over = "mean"
 
     def __post_init__(self) -> None:
         _few(self.shape)
@@ -193,7 +197,10 @@ class SceneryTold(Told, frozen=True, kw_only=True, tag="scenery"):
 
 
 class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
-    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa]. time: of the frame [s]."""
+    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa].
+
+    time: of the newest frame [s]. frames: how many frames count; 1 where all of the last moments are the same.
+    """
 
     id: int
     centre: Position
@@ -202,6 +209,8 @@ class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
     size: tuple[float, float]
     shape: tuple[int, int]
     of: str
+    over: str = "mean"
+    frames: int = 1
     pressure: bytes
     time: float
 

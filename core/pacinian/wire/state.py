@@ -104,9 +104,10 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):
-    """The levels that are emitted: of the last row of a frame; empty in silence.
+    """The levels that are emitted: of one row of a frame, another one each time; empty in silence.
 
-    sequence: counts up. time: of the server's clock [s]. phases, amplitudes: levels that the device has. phase,
+    Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with
+    them. sequence: counts up. time: of the server's clock [s]. phases, amplitudes: levels that the device has. phase,
     amplitude: of each transducer, (N,) little-endian uint16.
     """
 

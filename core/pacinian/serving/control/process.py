@@ -40,6 +40,10 @@ if TYPE_CHECKING:
 MOST = 64  # requests in one round
 ROUND = 0.005  # [s] a round takes at most while nobody asks anything
 OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
+SHORTEST = 0.001  # [s] the same, where a frame is to be published sooner
+GOLDEN = (
+    5.0**0.5 - 1.0
+) / 2.0  # of a period: steps of the times of frames; no modulation keeps step
 LOOK = 0.02  # [s] between two looks at the other processes
 MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
 TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
@@ -74,7 +78,8 @@ class Control:
         self._log = Sparse(clock)
         self._written: dict[str, object] = {}
         self._rates: OrderedDict[bytes, tuple[Allowance, Allowance]] = OrderedDict()
-        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0}
+        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0, "frame": 0.0}
+        self._offset = 0.0  # of the newest published frame in its period
         self._reset: dict[str, tuple[str, float]] = {}  # faults that were reset, until when [s]
         self._settle()
 
@@ -96,7 +101,7 @@ class Control:
 
     def round(self) -> None:
         """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
-        self._doors.wait(ROUND)
+        self._doors.wait(min(ROUND, max(self._due["frame"] - self._clock(), SHORTEST)))
         self._stop()
         for peer, user, data in self._doors.requests(MOST):
             self._request(peer, user, data)
@@ -111,8 +116,13 @@ class Control:
             self._probe(now, owner=True)
         if self._is_due("others", OTHERS, now):
             self._probe(now, owner=False)
-        if self._is_due("publish", 1.0 / self._settings.state_rate, now):
+        every = 1.0 / self._settings.state_rate
+        if self._is_due("publish", every, now):
             self._publish(now)
+        after = (self._offset + GOLDEN) % 1.0
+        if self._is_due("frame", every * (1.0 + after - self._offset), now):
+            self._offset = after
+            self._publish_frame(now)
 
     def let_go(self) -> None:
         """End all sound: softly where some is permitted, then for good."""
@@ -301,12 +311,17 @@ class Control:
 
     def _publish(self, now: float) -> None:
         self._look(now)  # so that what is said has been acted on
-        self.view.look_at_frame()
         try:
             self.newest = self.publisher.published(now, self._supervisor.restarts)
             self._doors.publish(STATE, encode(self.newest))
-            self._doors.publish(FRAME, encode(self.publisher.frame(now)))
         except (TypeError, ValueError):  # what a plug-in has told, or WireError: it is too long
+            self.counts["unpublished"] += 1
+
+    def _publish_frame(self, now: float) -> None:
+        self.view.look_at_frame()
+        try:
+            self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+        except (TypeError, ValueError):
             self.counts["unpublished"] += 1
 
 

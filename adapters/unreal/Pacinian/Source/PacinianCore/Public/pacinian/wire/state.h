@@ -134,7 +134,9 @@ struct State {
 
 using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
 
-/// The levels that are emitted: of the last row of a frame; empty in silence.
+/// The levels that are emitted: of one row of a frame, another one each time; empty in silence.
+/// Frames are published at uneven times, `state_rate` times a second on average, so that no
+/// modulation keeps step with them.
 struct FrameState {
   static constexpr std::string_view tag = "frame";
 
