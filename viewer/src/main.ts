@@ -7,6 +7,7 @@ import { address, Feed } from "./feed/feed";
 import type { ToServer } from "./feed/messages";
 import { Store } from "./feed/store";
 import { Charts } from "./panels/charts";
+import { Demonstrating } from "./panels/demonstrating";
 import { Choosing } from "./panels/choosing";
 import { element, say } from "./panels/dom";
 import { FieldPanel } from "./panels/fielding";
@@ -72,6 +73,7 @@ notices(store);
 new OutputPanel(store, send);
 new Choosing(store, send);
 new Lists(store);
+new Demonstrating(store, send);
 new Replaying(store, send);
 const space = makeSpace();
 new Charts(store, () => space?.transducers.drive ?? { mean: 0, most: 0 });
@@ -81,7 +83,7 @@ if (space) {
   const pointing = new Pointing(space, slicer, tell);
   new FieldPanel(space, slicer, boxer, scales, store);
   store.onBeat("slice", () => {
-    scaleBar(space.scale.most, space.slice.of);
+    scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
     pointing.tellAgain();
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # what all else is of
-ORDER = "record", "replay", "histogram", "frame", "state"
+ORDER = "record", "replay", "history", "histogram", "frame", "state"
 NOW = "histogram", "frame", "state"  # are soon too old to be told
 GONE = "array", *NOW  # with the server
 EVENTS = 64  # that wait for one page

@@ -116,6 +116,12 @@ class Reset(Asked, frozen=True, kw_only=True, tag="reset"):
     """After an emergency stop or a fault."""
 
 
+class Demonstrate(Asked, frozen=True, kw_only=True, tag="demonstrate"):
+    """Play a demonstration on the server, or end it: only while nobody owns the output, and this page says `alive`."""
+
+    on: bool
+
+
 class Record(Asked, frozen=True, kw_only=True, tag="record"):
     """Begin to record, or end it."""
 
@@ -131,7 +137,19 @@ class Replay(Asked, frozen=True, kw_only=True, tag="replay"):
 
 
 AnyAsked = (
-    Slice | Volume | Hide | Seen | Select | Arm | Alive | Disarm | Stop | Reset | Record | Replay
+    Slice
+    | Volume
+    | Hide
+    | Seen
+    | Select
+    | Arm
+    | Alive
+    | Disarm
+    | Stop
+    | Reset
+    | Record
+    | Replay
+    | Demonstrate
 )
 
 
@@ -232,6 +250,19 @@ class Histogram(Told, frozen=True, kw_only=True, tag="histogram"):
     edges_ms: tuple[float, ...]
     counts: tuple[int, ...]
     deadline_ms: float
+
+
+class History(Told, frozen=True, kw_only=True, tag="history"):
+    """Of a recording: what was before the time that is shown, for charts. Not numbers where there is none.
+
+    times: by the server's clock, (K,) float64 [s]. drive_mean, drive_max: of the amplitudes, 0..1; error: of the sound
+    pressures at the samples, (K,) float32.
+    """
+
+    times: bytes
+    drive_mean: bytes
+    drive_max: bytes
+    error: bytes
 
 
 class Lost(Told, frozen=True, kw_only=True, tag="lost"):

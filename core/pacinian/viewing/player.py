@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from bisect import bisect_right
 from contextlib import suppress
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from msgspec import Raw
 
+from pacinian.viewing.history import history
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import (
     WRONG,
@@ -41,6 +43,7 @@ T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
 
 EVERY = 1.0 / 30.0  # [s] between two looks
+JUMP = 1.0  # [s] over which the charts are filled anew
 AGAINST = {
     "array": ("lost",),
     "lost": ("array", "histogram", "frame", "state"),
@@ -63,6 +66,7 @@ class Player:
         self._recent = RecentFrames()
         self._regions: Regions | None = None
         self._time = 0.0  # of the newest state or frame [s], by the server's clock
+        self._past = -math.inf  # time that was shown last [s]
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
@@ -107,6 +111,7 @@ class Player:
         if place < self._place:
             self._place, self._scenery = 0, Scenery()
             self._recent.clear()
+            self._past = -math.inf
         newest: dict[str, Entry] = {}
         for entry in self._recorded.entries[self._place : place]:
             if entry.kind == "scenery" or (
@@ -124,6 +129,10 @@ class Player:
             self._hub.drive_by(Drive(self._model, gains, self._time, self._regions, shares))
         if self._scenery is not self._hub.scenery:
             self._hub.show(self._scenery)
+        if self._model is not None and self.time - self._past > JUMP:
+            told_before = history(self._recorded, self._recorded.entries[:place], self._model)
+            self._hub.put("history", told_before)
+        self._past = self.time
         stands = Replayed(
             time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
         )

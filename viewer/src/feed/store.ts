@@ -11,6 +11,7 @@ import type {
   FromServer,
   Hello,
   Histogram,
+  Past,
   Recording,
   Refused,
   Replay,
@@ -35,6 +36,7 @@ export interface Events {
   slice: Slice;
   volume: Volume;
   histogram: Histogram;
+  history: Past;
   refused: Refused;
   record: Recording;
   replay: Replay;
@@ -78,7 +80,10 @@ export class Store {
       this.linked("lost", message.reason);
       return;
     }
-    if (message.type === "array") this.linked("live");
+    if (message.type === "array" && this.link !== "live") {
+      delete this.newest.state; // of before: it is not so any more
+      this.linked("live");
+    }
     this.tell(message.type, message as never);
   }
 

@@ -1,6 +1,6 @@
 /** Hands: a capsule around each bone, and some that fill the palm, as the server's own hands have them. */
 
-import { CapsuleGeometry, Float32BufferAttribute, Group, Vector3, Vector4, type BufferGeometry } from "three";
+import { Box3, CapsuleGeometry, Float32BufferAttribute, Group, Vector3, Vector4, type BufferGeometry } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 import type { Bytes } from "../feed/messages";
@@ -98,9 +98,12 @@ class Hand extends Glass implements Turned {
 
 export class Hands {
   readonly group = new Group();
+  /** What all joints are in [m]. */
+  readonly box = new Box3();
   count = 0;
   private readonly all: Hand[] = [];
   private readonly geometry = bones();
+  private readonly joint = new Vector3();
 
   /** Those that are there. */
   get shown(): Turned[] {
@@ -111,6 +114,8 @@ export class Hands {
   show(data: Bytes): void {
     const joints = floats(data);
     this.count = Math.floor(joints.length / (3 * JOINTS));
+    this.box.makeEmpty();
+    for (let k = 0; k + 2 < joints.length; k += 3) this.box.expandByPoint(this.joint.fromArray(joints, k));
     while (this.all.length < this.count) {
       const hand = new Hand(this.geometry);
       this.all.push(hand);
