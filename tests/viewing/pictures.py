@@ -112,7 +112,7 @@ def pictures() -> Iterator[tuple[str, bytes]]:
 
 def settle(shown: Seen, name: str) -> None:
     """Look closely at an object, and wait until it has been felt for as long as charts and means need."""
-    shown.until(lambda: name in shown.text("#samples") and "±" in shown.text("#samples"))
+    shown.until(lambda: name in shown.text("#samples") and "%" in shown.text("#samples"))
     for button in ("[data-from=home]", "[data-from=near]"):
         shown.page.click(button)
     shown.page.wait_for_timeout(SETTLED)

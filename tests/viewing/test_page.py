@@ -177,7 +177,7 @@ def test_the_slice_is_dragged_and_is_the_field(browser: Browser, url: str, serve
 
 def test_the_error_is_shown_on_what_is_felt(browser: Browser, url: str, server: Running) -> None:
     with Game(server.connection, names=("plate",)), seen(browser, url) as shown:
-        shown.until(lambda: "±" in shown.text("#samples"))
+        shown.until(lambda: shown.text("#samples td:nth-child(5)").endswith("%"))
         shown.page.check("[name=of][value=error]")
         shown.page.check("[name=axis][value=z]")
         shown.until(lambda: shown.get("slice.of") == "error")

@@ -21,6 +21,8 @@ export interface Shown {
   readonly wanted: { axis: string; position: number; on: boolean; over: Over; follows: boolean; faces: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
+  /** Whether what is felt is painted on the hands. */
+  readonly painted: boolean;
   /** How many of each there were. */
   readonly frames: number;
   readonly slices: number;
@@ -88,6 +90,9 @@ export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer):
     },
     get surface() {
       return { triangles: boxer.on ? space.surface.triangles : 0, level: space.level };
+    },
+    get painted() {
+      return space.hands.painted;
     },
     get scale() {
       return space.scale.most;

@@ -12,6 +12,8 @@ from pacinian.viewing.messages import (
     Hide,
     Record,
     Seen,
+    Skin,
+    SkinTold,
     Slice,
     SliceTold,
     Volume,
@@ -35,7 +37,7 @@ class Page:
     def __init__(self, hub: Hub, fields: Fields, send: Callable[[bytes], Awaitable[None]]) -> None:
         self._hub, self._fields, self._send = hub, fields, send
         self._fresh = asyncio.Event()
-        self._windows = {name: Window(name) for name in ("slice", "volume")}
+        self._windows = {name: Window(name) for name in ("slice", "volume", "skin")}
         self._view = hub.join(self._wake)
 
     def _wake(self) -> None:
@@ -55,6 +57,8 @@ class Page:
             self._refuse("message", str(error))
             return
         match asked:
+            case Skin():
+                self._windows["skin"].ask(asked)
             case Slice():
                 self._windows["slice"].ask(asked)
             case Volume():
@@ -136,6 +140,14 @@ class Window:
 
 
 def _told(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
+    if isinstance(asked, Skin):
+        felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
+        return told(
+            SkinTold(
+                id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
+                shape=asked.shape, felt=felt, asked=wanted, time=drive.time,
+            )
+        )  # fmt: skip
     if isinstance(asked, Slice):
         return told(
             SliceTold(

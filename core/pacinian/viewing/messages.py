@@ -59,6 +59,10 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
             raise ValueError("`u` and `v` must be unit vectors at a right angle")
 
 
+class Skin(Slice, frozen=True, kw_only=True, tag="skin"):
+    """What is felt on regions, and what is asked there, as seen from a plane before them; as a slice else."""
+
+
 class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
     """The field in a box is wanted, as a slice is. The point (i, j, k) is origin + spacing (i, j, k), k the fastest."""
 
@@ -75,7 +79,7 @@ class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
 class Hide(Asked, frozen=True, kw_only=True, tag="hide"):
     """No slice, or no volume, any more."""
 
-    what: Literal["slice", "volume"]
+    what: Literal["slice", "volume", "skin"]
 
 
 class Seen(Asked, frozen=True, kw_only=True, tag="seen"):
@@ -137,7 +141,8 @@ class Replay(Asked, frozen=True, kw_only=True, tag="replay"):
 
 
 AnyAsked = (
-    Slice
+    Skin
+    | Slice
     | Volume
     | Hide
     | Seen
@@ -230,6 +235,23 @@ class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
     over: str = "mean"
     frames: int = 1
     pressure: bytes
+    time: float
+
+
+class SkinTold(Told, frozen=True, kw_only=True, tag="skin"):
+    """As asked. felt: radiation pressure on the skin, mean over the last frames; asked: (rows, cols) float32 [Pa] each.
+
+    Not numbers where nothing is felt. time: of the newest frame [s].
+    """
+
+    id: int
+    centre: Position
+    u: Direction
+    v: Direction
+    size: tuple[float, float]
+    shape: tuple[int, int]
+    felt: bytes
+    asked: bytes
     time: float
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from pacinian.acoustics.grid import Grid
 from pacinian.errors import ArgumentError
 from pacinian.serving.ipc.scheduling import AUTOGROUP
-from pacinian.viewing.messages import Slice, Volume
+from pacinian.viewing.messages import Skin, Slice, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,6 +74,11 @@ class Fields:
         """
         where, drive, peak = grid(asked), drive.chosen(asked), asked.over == "peak"
         count = math.prod(where.shape)
+        if isinstance(asked, Skin):
+            if drive.regions is None or not drive.gains:
+                return np.full(2 * count, np.nan, np.float32).tobytes()
+            across = tuple(np.cross(asked.u, asked.v).tolist())
+            return await self._done(skin, drive, where, across, drive.regions)
         if isinstance(asked, Slice) and asked.of == "error":
             if drive.regions is None:
                 return np.full(count, np.nan, np.float32).tobytes()
@@ -184,6 +189,18 @@ def region_errors(
     array, medium = _unpacked(model)
     found = error(array, medium, _frames(gains, array), _points(where), np.array(across), regions)
     return found.astype(np.float32).tobytes()
+
+
+def skin(
+    model: bytes, gains: bytes, where: Grid, across: tuple[float, ...], regions: Regions
+) -> bytes:
+    """What is felt on regions before the points of a grid, then what is asked, float32 [Pa]: `felt_and_asked`."""
+    from pacinian.viewing.region_error import felt_and_asked
+
+    array, medium = _unpacked(model)
+    frames, at = _frames(gains, array), _points(where)
+    found = felt_and_asked(array, medium, frames, at, np.array(across), regions)
+    return np.concatenate(found).astype(np.float32).tobytes()
 
 
 def compress(frames: Gains) -> tuple[Gains, Gains]:

@@ -158,6 +158,15 @@ export interface Slice extends Plane {
   time: number;
 }
 
+/** What is felt on the skin behind a plane, and what is asked there [Pa]; NaN where there is none. */
+export interface Skin extends Plane {
+  type: "skin";
+  id: number;
+  felt: Bytes;
+  asked: Bytes;
+  time: number;
+}
+
 /** Points from `origin` on, `spacing` apart along x, y and z; z is the fastest. */
 export interface Box {
   origin: Triple;
@@ -225,6 +234,7 @@ export type FromServer =
   | Scenery
   | Slice
   | Volume
+  | Skin
   | Histogram
   | Past
   | Lost
@@ -249,7 +259,8 @@ export interface Selection {
 export type ToServer =
   | ({ type: "slice"; id: number; of: Quantity; over: Over } & Plane)
   | ({ type: "volume"; id: number; over: Over } & Box)
-  | { type: "hide"; what: "slice" | "volume" }
+  | ({ type: "skin"; id: number } & Plane)
+  | { type: "hide"; what: "slice" | "volume" | "skin" }
   | { type: "seen"; id: number }
   | ({ type: "select" } & Selection)
   | { type: "arm"; scene: string; take: boolean }

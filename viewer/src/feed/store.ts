@@ -17,6 +17,7 @@ import type {
   Replay,
   Scenery,
   Session,
+  Skin,
   Slice,
   State,
   Volume,
@@ -35,6 +36,7 @@ export interface Events {
   scenery: Scenery;
   slice: Slice;
   volume: Volume;
+  skin: Skin;
   histogram: Histogram;
   history: Past;
   refused: Refused;

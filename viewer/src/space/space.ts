@@ -5,9 +5,9 @@ import { Box3, Vector3 } from "three";
 import { css } from "../colours/maps";
 import type { Boxer } from "../field/boxer";
 import type { Law } from "../field/law";
-import type { Scale } from "../field/scale";
+import { round, type Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
-import type { Arrayed, Frame, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
+import type { Arrayed, Frame, Plane, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
 import { floats, same } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { Axes, type Extent } from "./axes";
@@ -176,6 +176,30 @@ export class Space {
     this.recut();
   }
 
+  /** Paint what is felt on the hands; return the top of its colours [Pa]: the most that is asked, and some more. */
+  paint(plane: Plane, felt: Float32Array<ArrayBuffer>, asked: Float32Array): number {
+    const most = (values: Float32Array): number => values.reduce((a, b) => (b > a ? b : a), 0);
+    const wanted = most(asked);
+    const top = round(Math.min(most(felt), BRIGHT * wanted) > wanted ? Math.min(most(felt), BRIGHT * wanted) : wanted);
+    this.hands.paint(plane, felt, top);
+    this.layer();
+    this.view.change();
+    return top;
+  }
+
+  /** Hands are plain again. */
+  unpaint(): void {
+    this.hands.unpaint();
+    this.layer();
+    this.view.change();
+  }
+
+  /** Samples are drawn where nothing else tells of them. */
+  private layer(): void {
+    const error = this.slicer.on && this.slice.plane && this.slice.of === "error";
+    this.samples.group.visible = !error && !this.hands.painted;
+  }
+
   private changed(change: () => void): void {
     change();
     this.view.change();
@@ -225,6 +249,7 @@ export class Space {
     this.view.change();
     this.samples.show(state);
     this.hands.show(state.hands);
+    this.layer();
     if (!this.samples.count) return;
     this.boxer.follow(this.middle);
   }
@@ -236,7 +261,7 @@ export class Space {
     this.slice.most = this.scale.most;
     this.slice.law = this.law;
     this.old = undefined;
-    this.samples.group.visible = slice.of === "pressure"; // an error tells of them, and between them
+    this.layer(); // an error tells of samples, and between them
     this.look();
   }
 
@@ -257,7 +282,7 @@ export class Space {
     this.slice.group.visible = this.slicer.on;
     if (!this.slicer.on) {
       this.slice.clear();
-      this.samples.group.visible = true;
+      this.layer();
     }
     this.slice.want(this.slicer.plane);
     this.view.urge();
