@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -167,6 +168,95 @@ def test_when_a_game_goes_its_objects_its_sound_and_its_field_go(url: str, serve
         page.until(lambda: page.output == "silent" and not page.newest["frame"]["phase"])
         page.until(lambda: not pressure())
         assert page.newest["slice"]["id"] == 1
+
+
+def test_the_mean_of_a_modulation_is_shown_its_peak_and_an_instant(
+    url: str, server: Running
+) -> None:
+    """A single point in amplitude modulation: mean and peak are 1/2 and 1 of what is asked, whenever one looks."""
+    point = pc.Point(
+        name="hum", position=(0.0, 0.0, 0.15), radiation_pressure=8.0, technique=pc.AM(frequency=120.0)
+    )  # fmt: skip
+    place = {**PLANE, "size": [0.002, 0.002], "shape": [2, 2]}
+
+    def at_point() -> float:
+        return float(np.frombuffer(page.newest["slice"]["pressure"], "<f4").mean())
+
+    def holds(over: str, low: float, high: float) -> None:
+        page.say("slice", id=1, over=over, **place)
+        page.until(lambda: page.newest.get("slice", {}).get("over") == over)
+        seen: list[float] = []
+        while len(seen) < 8:
+            page.next("slice")
+            seen = [*seen, at_point()] if low < at_point() < high else []
+
+    def hum() -> None:
+        with pc.Client(server.connection, name="hummer") as client:
+            client.put(point)
+            client.arm(take=True)
+            while not ended.is_set():
+                client.hold(0.02)
+
+    ended, game = threading.Event(), threading.Thread(target=hum)
+    with Page(url) as page:
+        game.start()
+        try:
+            holds("mean", 3.0, 5.0)
+            holds("peak", 6.5, 8.2)
+            page.say("slice", id=1, over="instant", **place)
+            instants = set[float]()
+            while not instants or max(instants) - min(instants) < 4.0:
+                if page.next("slice")["over"] == "instant":
+                    instants.add(at_point())
+        finally:
+            ended.set()
+            game.join(LIMIT)
+
+
+def test_what_is_felt_is_told_beside_what_is_asked(url: str, server: Running) -> None:
+    def told() -> bool:
+        found = page.newest.get("skin")
+        if not found or not cycles(page):
+            return False
+        felt, asked = (np.frombuffer(found[name], "<f4") for name in ("felt", "asked"))
+        inside = asked > 4.0
+        return inside.any() and bool(np.abs(felt[inside].mean() / asked[inside].mean() - 1.0) < 0.1)
+
+    with Page(url) as page, Game(server.connection, names=("plate",)):
+        page.say(
+            "skin", id=1, centre=[0.03, 0.03, 0.17], u=[1.0, 0.0, 0.0], v=[0.0, 1.0, 0.0],
+            size=[0.04, 0.04], shape=[40, 40],
+        )  # fmt: skip
+        page.until(told)
+        page.say("hide", what="skin")
+
+
+def test_a_demonstration_plays_for_a_page_and_takes_nothing_from_others(
+    url: str, server: Running
+) -> None:
+    def sounds() -> bool:
+        page.say("alive")
+        state = page.newest.get("state", {})
+        return (state.get("owner"), state.get("output")) == ("demonstration", "sounding")
+
+    with Page(url) as other:
+        with Page(url) as page:
+            page.say("demonstrate", on=True)
+            page.until(sounds)
+            page.until(lambda: "ball" in page.objects and len(page.newest["state"]["hands"]) > 0)
+            page.say("demonstrate", on=False)
+            page.until(lambda: page.newest["state"]["owner"] == "")
+            page.say("demonstrate", on=True)
+            page.until(sounds)
+        other.until(lambda: other.newest.get("state", {}).get("owner") == "")  # its page has gone
+        with Game(server.connection):
+            other.say("demonstrate", on=True)
+            refused = other.next("refused")
+            assert (refused["action"], "owns the output" in refused["message"]) == (
+                "demonstrate",
+                True,
+            )
+            assert other.next("state")["owner"] == "game"
 
 
 def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Running) -> None:
@@ -346,6 +436,11 @@ def test_a_recording_is_the_feed(url: str, server: Running, folder: Path) -> Non
                 break  # a frame may be older than the state
         assert again.output == "sounding"
         assert again.newest["array"] == live
+        past = again.newest["history"]
+        count = len(past["times"]) // 8
+        assert count > 1
+        assert len(past["error"]) == len(past["drive_max"]) == 4 * count
+        assert np.nanmax(np.frombuffer(past["drive_max"], "<f4")) > 0.0
         again.say("slice", id=1, **PLANE)
         again.until(lambda: again.newest.get("slice", {}).get("pressure", b"").strip(b"\0"))
         again.say("replay", playing=True)

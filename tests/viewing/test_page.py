@@ -17,7 +17,7 @@ from PIL import Image
 import pacinian as pc
 from pacinian.testing.server import serving
 
-from .browser import seen
+from .browser import SMALL, seen
 from .conftest import SETTINGS, Game
 from .test_live import cycles, mean_pressure
 from .watching import Page, viewer
@@ -191,6 +191,68 @@ def test_the_error_is_shown_on_what_is_felt(browser: Browser, url: str, server: 
         shown.until(lambda: shown.get("slice.of") == "pressure")
         shown.until(lambda: shown.text("#bar-caption") == "mean pressure [Pa]")
         assert shown.page.is_checked("[name=of][value=pressure]")
+
+
+def test_the_slice_and_the_camera_follow_what_is_felt(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with Game(server.connection, names=("plate",)), seen(browser, url) as shown:
+        page = shown.page
+        shown.until(lambda: shown.get("samples.length") > 0)
+        shown.until(lambda: abs(shown.get("wanted.position") - 0.03) < 3e-3)
+        assert shown.get("wanted.axis") == "y"  # faces the first view
+        page.click("[data-from=z]")
+        shown.until(lambda: shown.get("wanted.axis") == "z")
+        page.click("[data-from=x]")
+        shown.until(lambda: shown.get("wanted.axis") == "x")
+        width, height = SMALL
+        x, y = page.evaluate("() => pacinian.project([0.03, 0.03, 0.15])")
+        box = page.locator("#space").bounding_box()
+        assert box
+        assert abs(x - box["x"] - box["width"] / 2) < 0.2 * width
+        assert abs(y - box["y"] - box["height"] / 2) < 0.2 * height
+        page.check("[name=axis][value=y]")
+        page.fill("#slice-mm", "50")
+        page.press("#slice-mm", "Enter")
+        shown.until(lambda: not shown.get("wanted.follows"))
+        assert page.get_attribute("#slice-follow", "aria-pressed") == "false"
+        page.click("#slice-follow")
+        shown.until(lambda: abs(shown.get("wanted.position") - 0.03) < 3e-3)
+
+
+def test_mean_peak_and_instant_and_the_laws_of_colours(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with Game(server.connection), seen(browser, url) as shown:
+        page = shown.page
+        shown.until(lambda: shown.get("slice && pacinian.slice.over") == "mean")
+        page.select_option("#over", "peak")
+        shown.until(lambda: shown.text("#bar-caption") == "peak pressure [Pa]")
+        page.select_option("#over", "instant")
+        shown.until(lambda: shown.text("#bar-caption") == "pressure now [Pa]")
+        page.select_option("#law", "decibel")
+
+        def thirty_decibels() -> bool:
+            ticks = [float(tick) for tick in shown.text("#bar-ticks").split()]
+            return abs(ticks[0] / ticks[-1] / 1e3 - 1.0) < 0.1
+
+        shown.until(thirty_decibels)
+
+
+def test_a_hand_is_painted_with_what_it_feels(browser: Browser, url: str, server: Running) -> None:
+    with seen(browser, url) as shown:
+        page = shown.page
+        page.click("#demonstrate")
+        shown.until(lambda: shown.get("painted"))
+        shown.until(lambda: "force" in shown.text("#skin-words"))
+        coloured = """() => ["skin-asked", "skin-felt"].map((id) => {
+            const canvas = document.getElementById(id);
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            return data.filter((x, k) => k % 4 === 3 && x).length; })"""
+        shown.until(lambda: min(page.evaluate(coloured)) > 200)
+        page.uncheck("#skin-on")
+        shown.until(lambda: not shown.get("painted"))
+        page.click("#demonstrated")
 
 
 def test_the_surface_is_where_the_field_is_so_strong(

@@ -254,7 +254,9 @@ def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
         assert shown.page.is_enabled("#reset")
         for size in ((1920, 1080), (1280, 800), (900, 600), (800, 900), (390, 844)):
             shown.page.set_viewport_size({"width": size[0], "height": size[1]})
-            shown.until(lambda: not shown.page.evaluate(OUTSIDE))
+            for below in (0, 10_000):
+                shown.page.evaluate("(y) => scrollTo(0, y)", below)
+                shown.until(lambda: not shown.page.evaluate(OUTSIDE))
 
 
 def test_a_recording_is_made_and_gone_through(

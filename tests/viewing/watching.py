@@ -100,7 +100,7 @@ class Page:
         if kind == "scenery":
             self.objects |= message["objects"]
             self.objects = {n: o for n, o in self.objects.items() if n in message["poses"]}
-        if kind in ("slice", "volume"):
+        if kind in ("slice", "volume", "skin"):
             self.say("seen", id=message["id"])
         if kind == "refused" and message["action"] == "replay":
             self._answers += 1

@@ -97,7 +97,9 @@ class Bridge:
             playing.keep_alive() if on else playing.end()
         elif on:
             refuse = partial(self._post, self._hub.refuse, page, "demonstrate")
-            self._demonstration, self._demonstrated = Demonstration(self._where, refuse), page
+            is_open = partial(self._hub.views.__contains__, page)
+            self._demonstration = Demonstration(self._where, is_open, refuse)
+            self._demonstrated = page
 
     def _stop(self, page: int) -> None:
         if not self._stopping.acquire(blocking=False):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "demonstration"
 EVERY = 1.0 / 60.0  # [s] between two hands
-QUIET = 1.0  # [s] without a word of the page, after which it ends
+QUIET = 3.0  # [s] without a word of a page that is open, after which it ends
 HEIGHT = 0.2  # [m] of the hand over the array
 TURN, SWAY = 5.0, 0.02  # [s] of one way to and fro, and how far [m]
 BALL = Volume(
@@ -31,11 +31,17 @@ BALL = Volume(
 class Demonstration:
     """Plays in a thread of its own while the page that asked is alive. It arms, but takes the output from nobody.
 
-    where: the connection file. refuse: is told, with a message and advice, why it does not play.
+    where: the connection file. is_open: whether the page is. refuse: is told, with a message and advice, why it does
+    not play.
     """
 
-    def __init__(self, where: Path | str | None, refuse: Callable[[str, str], object]) -> None:
-        self._where, self._refuse = where, refuse
+    def __init__(
+        self,
+        where: Path | str | None,
+        is_open: Callable[[], bool],
+        refuse: Callable[[str, str], object],
+    ) -> None:
+        self._where, self._is_open, self._refuse = where, is_open, refuse
         self._ended = threading.Event()
         self._alive = time.perf_counter()
         self._thread = threading.Thread(target=self._run, name=NAME, daemon=True)
@@ -66,7 +72,7 @@ class Demonstration:
                 client.hands(hand(0.0))
                 client.arm()
                 begin = time.perf_counter()
-                while not self._ended.is_set() and time.perf_counter() - self._alive < QUIET:
+                while self._goes_on():
                     client.hands(hand(time.perf_counter() - begin), wait=False)
                     client.hold(EVERY)
         except ConnectionLost:
@@ -75,6 +81,10 @@ class Demonstration:
             self._refuse(str(error).removesuffix(f"; {error.advice}"), error.advice)
         except Exception as error:
             self._refuse(describe_error(error), "")
+
+    def _goes_on(self) -> bool:
+        lives = self._is_open() and time.perf_counter() - self._alive < QUIET
+        return lives and not self._ended.is_set()
 
 
 def hand(t: float) -> Hand:

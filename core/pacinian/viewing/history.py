@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.recorded import Entry, Recorded
 
 SPAN = 30.0  # [s] that the charts show
-MAX_MESSAGES = 600  # of each kind that are looked at
+MAX_MESSAGES = 240  # of each kind that are looked at
 
 
 def history(recorded: Recorded, before: Sequence[Entry], model: Model) -> History:

@@ -78,6 +78,7 @@ class Player:
         self.speed = self.speed if asked.speed is None else asked.speed
         if asked.time is not None:
             self.time = min(asked.time, self._recorded.duration)
+            self._past = -math.inf
         if asked.playing is not None:
             self.playing = asked.playing
             if self.playing and self.time >= self._recorded.duration:
@@ -129,10 +130,11 @@ class Player:
             self._hub.drive_by(Drive(self._model, gains, self._time, self._regions, shares))
         if self._scenery is not self._hub.scenery:
             self._hub.show(self._scenery)
-        if self._model is not None and self.time - self._past > JUMP:
-            told_before = history(self._recorded, self._recorded.entries[:place], self._model)
-            self._hub.put("history", told_before)
-        self._past = self.time
+        if self._model is not None:
+            if self.time - self._past > JUMP:
+                past = history(self._recorded, self._recorded.entries[:place], self._model)
+                self._hub.put("history", past)
+            self._past = self.time
         stands = Replayed(
             time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
         )

@@ -66,8 +66,9 @@ class RecentFrames:
     def gains(self) -> tuple[bytes, tuple[float, ...]]:
         """Of the frames that count, (K, N) complex64, the newest last, and the share of the time of each, (K,).
 
-        Without modulation, frames that differ are a cycle, in which each has the same share. Else the shares are how
-        often each was seen. Empty in silence.
+        Without modulation, frames that come again are a cycle, in which each has the same share; one that has not come
+        before is on the way to another, and alone. With modulation, the shares are how often each was seen. Empty in
+        silence.
         """
         if not self._frames:
             return b"", ()
@@ -80,6 +81,10 @@ class RecentFrames:
         for time, gains in self._frames:
             if time >= begin or (time, gains) == self._frames[-1]:
                 counts[gains] = counts.pop(gains, 0) + 1  # the newest last
+        if not modulated:
+            last = self._frames[-1][1]
+            again = {gains: count for gains, count in counts.items() if gains and count > 1}
+            counts = again if last in again else {last: 1}
         chosen = dict(list(counts.items())[-MAX_FRAMES:])
         size = max(map(len, chosen))
         if not size:

@@ -91,7 +91,7 @@ def felt_and_asked(
     As `error`, but each point is first moved along `across` to the height of the samples that are nearest to it beside
     that direction, so that a plane before a curved contact shows all of it.
     """
-    places = nearest_places(lifted(at, across, regions), across, regions)
+    places = nearest_places(lifted(at, across, regions), across, regions, beside=0.0)
     felt, asked = np.full(len(at), np.nan), np.full(len(at), np.nan)
     felt[places.rows] = felt_at(array, medium, gains, places, regions)
     asked[places.rows] = places.asked
@@ -143,11 +143,12 @@ def felt_at(array: Array, medium: Air, gains: Gains, places: Places, regions: Re
     return found
 
 
-def nearest_places(at: Floats, across: Floats, regions: Regions) -> Places:
+def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float = BESIDE) -> Places:
     """Of points `at`, (P, 3) [m], those with a region near, moved to the nearest place of its surface.
 
     The surface is the plane through the nearest sample. A place is inside where samples surround it, and is then
-    asked for their mean, weighted by the inverse square of the distance.
+    asked for their mean, weighted by the inverse square of the distance. beside: [m] from the samples, at least, of a
+    place that is not inside.
     """
     from scipy.spatial import KDTree
 
@@ -169,7 +170,7 @@ def nearest_places(at: Floats, across: Floats, regions: Regions) -> Places:
     weight = own / (away * away + SAME * SAME)
     asked = np.where(inside, (weight * P[around]).sum(axis=1), 0.0)
     asked /= np.where(inside, weight.sum(axis=1), 1.0)
-    kept = inside | ((away[:, 0] >= BESIDE) & (away[:, 0] <= NEAR))
+    kept = inside | ((away[:, 0] >= beside) & (away[:, 0] <= NEAR))
     return Places(rows[kept], x[kept], n[m][kept], asked[kept])
 
 

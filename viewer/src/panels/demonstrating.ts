@@ -16,6 +16,9 @@ export class Demonstrating {
   ) {
     button("demonstrate").addEventListener("click", () => this.play(true));
     button("demonstrated").addEventListener("click", () => this.play(false));
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden && this.timer) this.play(false);
+    });
     store.onBeat("state", (state) => this.show(state));
     store.on("refused", ({ action }) => {
       if (action === "demonstrate") this.rest();

@@ -85,8 +85,12 @@ export class OutputPanel {
     element("take").hidden = !on;
     if (!on) return;
     const scene = select("scene").value;
-    for (const each of document.querySelectorAll("#take .who")) say(each, this.others);
-    say(element("take-scene"), scene ? `the scene “${scene}”` : "this viewer's own scene, which is empty");
+    const { others } = this;
+    const then = scene
+      ? `Then the scene “${scene}” is felt, for as long as this page is open and in view.`
+      : "Then nothing is felt: this viewer's own scene is empty.";
+    say(element("take-title"), `Take the output from “${others}”?`);
+    say(element("take-text"), `It falls silent, and is told so. ${then} “Give back” ends that, and “${others}” can arm again.`);
     button("take-no").focus();
   }
 

@@ -55,6 +55,7 @@ export class Skinning {
 
   private clear(why: string): void {
     say(element("skin-words"), why);
+    say(element("skin-top"), "");
     element("skin-maps").hidden = true;
     this.space.unpaint();
     this.skinner.forget();

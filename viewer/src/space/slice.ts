@@ -211,5 +211,5 @@ export class FieldSlice implements Turned {
 function material(fragmentShader: string, values: Record<string, unknown>): ShaderMaterial {
   const uniforms = Object.fromEntries(Object.entries(values).map(([k, value]) => [k, { value }]));
   const given = { vertexShader: VERTEX, fragmentShader, uniforms };
-  return new ShaderMaterial({ ...given, side: DoubleSide, transparent: true });
+  return new ShaderMaterial({ ...given, side: DoubleSide, transparent: true, depthWrite: false });
 }
