@@ -171,5 +171,5 @@ function radios(name: string): HTMLInputElement[] {
 function errorWords(values: Float32Array): string {
   const found = range(values);
   if (!found) return "No surface or volume that is felt is within 5 mm of this slice.";
-  return `at most ${digits(-found.low)} Pa too little, ${digits(found.high)} Pa too much`;
+  return `max ${digits(-found.low)} Pa too little, ${digits(found.high)} Pa too much`;
 }

@@ -57,8 +57,8 @@ export class Skinning {
     say(element("skin-words"), why);
     say(element("skin-top"), "");
     element("skin-maps").hidden = true;
-    this.space.unpaint();
     this.skinner.forget();
+    if (this.space.hands.painted) this.space.unpaint();
   }
 }
 
