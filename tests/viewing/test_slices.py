@@ -24,7 +24,7 @@ from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
 from pacinian.viewing.region_error import Regions, error
-from pacinian.viewing.slices import Fields, compress, grid, interpolated, pressure
+from pacinian.viewing.slices import MAX_FIELDS, Fields, compress, grid, interpolated, pressure
 
 from ..waiting import eventually
 from .watching import LIMIT
@@ -140,6 +140,11 @@ def test_many_frames_of_one_modulation_cost_one_field(fields: Fields) -> None:
     basis, shares = compress(frames)
     assert len(basis) == 1
     np.testing.assert_allclose(shares @ basis, frames, atol=1e-5)
+    rng = np.random.default_rng(0)
+    others = np.exp(1j * rng.uniform(0.0, 6.0, (40, len(ARRAY)))).astype(np.complex64)
+    basis, shares = compress(others)
+    assert len(basis) == len(shares) == MAX_FIELDS
+    np.testing.assert_allclose(shares @ basis, others[-MAX_FIELDS:], atol=1e-4)
     (whole,) = computed(fields, HERE)
     full = np.frombuffer(whole or b"", "<f4")
     drive = DRIVE._replace(gains=frames.tobytes())
@@ -242,7 +247,7 @@ import asyncio, pathlib, sys, time
 import pacinian as pc
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.model import Model
-from pacinian.viewing.slices import Fields
+from pacinian.viewing.slices import MAX_FIELDS, Fields
 
 def for_ever(model, gains, begun):
     pathlib.Path(begun).touch()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SPAN = 0.3  # [s] of frames that make up a cycle
 MODULATED_SPAN = 1.0  # [s] of frames of which a modulation's mean is made, while nothing moves
 MOVING_SPAN = 0.12  # [s] the same, while something moves: a longer mean would smear it
-MAX_FRAMES = 16  # that differ
+MAX_FRAMES = 64  # that differ
 MAX_KEPT = 128
 STILL = 0.001  # [m] that joints and objects may move, and count as still
 SIMULTANEOUS = "simultaneous"
@@ -77,19 +77,20 @@ class RecentFrames:
         begin = max(newest - (MODULATED_SPAN if modulated else SPAN), self._moved)
         if modulated:
             begin = min(begin, newest - MOVING_SPAN)
-        counts: dict[bytes, int] = {}
-        for time, gains in self._frames:
-            if time >= begin or (time, gains) == self._frames[-1]:
-                counts[gains] = counts.pop(gains, 0) + 1  # the newest last
+        counts: dict[bytes, int] = {}  # the newest first
+        for time, gains in reversed(self._frames):
+            known = gains in counts
+            if counts and (time < begin or (len(counts) == MAX_FRAMES and not known)):
+                break  # older ones would have less than their share
+            counts[gains] = counts.get(gains, 0) + 1
         if not modulated:
             last = self._frames[-1][1]
             again = {gains: count for gains, count in counts.items() if gains and count > 1}
             counts = again if last in again else {last: 1}
-        chosen = dict(list(counts.items())[-MAX_FRAMES:])
-        size = max(map(len, chosen))
+        size = max(map(len, counts))
         if not size:
             return b"", ()
-        chosen = {gains: count for gains, count in chosen.items() if len(gains) in (0, size)}
+        chosen = {g: count for g, count in reversed(counts.items()) if len(g) in (0, size)}
         total = sum(chosen.values()) if modulated else len(chosen)
         shares = tuple((count if modulated else 1) / total for count in chosen.values())
         return b"".join(gains or bytes(size) for gains in chosen), shares

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
 CALM = 19  # nice
+MAX_FIELDS = 16  # that are computed for one slice
 NEGLIGIBLE = 1e-5  # of the power of all frames
 
 
@@ -207,12 +208,15 @@ def compress(frames: Gains) -> tuple[Gains, Gains]:
     """Few gains of which all frames, (K, N), are made: `basis`, (R, N), and `shares`, (K, R); frames = shares @ basis.
 
     Columns of `shares` are orthonormal. So the mean of |p|^2 over the frames is the sum over the basis, divided by K.
-    What has less than `NEGLIGIBLE` of all power is left out.
+    What has less than `NEGLIGIBLE` of all power is left out. Of frames that need more than `MAX_FIELDS`, as of a focus
+    that runs about, only so many count, the last ones.
     """
     if len(frames) == 1:
         return frames, np.ones((1, 1), np.complex64)
     power, vectors = np.linalg.eigh(frames.astype(np.complex128) @ frames.conj().T)
     kept = power > NEGLIGIBLE * max(float(power.sum()), 1e-300)
+    if kept.sum() > MAX_FIELDS < len(frames):
+        return compress(frames[-MAX_FIELDS:])
     shares = vectors[:, kept].astype(np.complex64)
     return (shares.conj().T @ frames).astype(np.complex64), shares
 

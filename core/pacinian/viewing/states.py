@@ -47,6 +47,7 @@ class States:
         self._emitted: Drive | None = None
         self._regions: Regions | None = None
         self._sent: ArrayTold | None = None
+        self._stale = False
         self._frame_time = 0.0  # of the newest [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
         self._shows = True
@@ -141,6 +142,7 @@ class States:
             self._counted = now
             self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
         self._recent.see_state(state.time, state.technique, state.hands)
+        self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):
             self._recent.clear()
         self._regions = Regions.of(state)
@@ -151,7 +153,7 @@ class States:
             return
         self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
         self._frame_time = frame.time
-        if self._model is not None:
+        if self._model is not None and (frame.phase or not self._stale):  # a gap is no modulation
             self._recent.add(frame.time, self._model.gains(frame))
 
     def _emit(self) -> None:

@@ -4,6 +4,7 @@ import type { AlignedData } from "uplot";
 
 export const SPAN = 30; // [s]
 const BIN = 0.25; // [s]: as short as a pixel or two, and longer than a modulation
+const BACK = 0.2; // [s]
 const GAP = 1; // [s] over which no line is drawn
 
 export type Kind = "mean" | "max";
@@ -20,10 +21,11 @@ export class History {
     this.counts = kinds.map(() => 0);
   }
 
-  /** time: of the server's clock [s]; one that goes back begins anew. A value that is no number leaves a gap. */
-  add(time: number, ...values: number[]): void {
-    if (this.last !== undefined && time < this.last) this.clear();
+  /** moment: of the server's clock [s]; one that goes back by more than messages do begins anew. A value that is no number leaves a gap. */
+  add(moment: number, ...values: number[]): void {
+    if (this.last !== undefined && moment < this.last - BACK) this.clear();
     const { last } = this;
+    const time = Math.max(moment, last ?? moment);
     if (last !== undefined && time - last > GAP) this.push((last + time) / 2);
     if (last === undefined || time - last > GAP || Math.floor(time / BIN) !== Math.floor(last / BIN)) this.push(time);
     this.last = time;
