@@ -252,7 +252,6 @@ def test_a_hand_is_painted_with_what_it_feels(browser: Browser, url: str, server
         shown.until(lambda: min(page.evaluate(coloured)) > 200)
         page.uncheck("#skin-on")
         shown.until(lambda: not shown.get("painted"))
-        page.click("#demonstrated")
 
 
 def test_the_surface_is_where_the_field_is_so_strong(
