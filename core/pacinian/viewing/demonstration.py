@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "demonstration"
 EVERY = 1.0 / 60.0  # [s] between two hands
-QUIET = 3.0  # [s] without a word of a page that is open, after which it ends
+QUIET = 10.0  # [s] without a word of a page that is open, after which it ends: one that is hidden says so at once
 HEIGHT = 0.2  # [m] of the hand over the array
 TURN, SWAY = 5.0, 0.02  # [s] of one way to and fro, and how far [m]
 BALL = Volume(
