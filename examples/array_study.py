@@ -3,7 +3,7 @@
 import sys
 import tempfile
 
-import pacinian.study as ps
+import pacinian_lab.study as ps
 from pacinian.plot import figure, save
 
 study = ps.Study(

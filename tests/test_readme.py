@@ -13,7 +13,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.connected import Connected
+from pacinian.client.base_client import BaseClient
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import serving
 from pacinian.wire.connection import VARIABLE
@@ -35,7 +35,7 @@ def server() -> Iterator[str]:
     """For what talks to one; a machine that stands still for a moment ends nothing."""
     safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
     with serving(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
-        patch.setitem(Connected.__init__.__kwdefaults__, "timeout", 60.0)
+        patch.setitem(BaseClient.__init__.__kwdefaults__, "timeout", 60.0)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
             patch.setitem(link.HEARTBEAT, limit, 60_000)
         yield str(running.connection)

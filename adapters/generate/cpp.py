@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cpp_types import declared, identifier, initial, named, read, reset
 
-from pacinian.wire.bulk import Grid, Indices, Rows
+from pacinian.wire.binary_arrays import Grid, Indices, Rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -10,7 +10,7 @@ from csharp_types import declared, default, member, pascal, union
 from csharp_unions import protocol, unions, words
 from model import Array, Map, Maybe, Part, Text
 
-from pacinian.wire.bulk import Grid, Indices, Rows
+from pacinian.wire.binary_arrays import Grid, Indices, Rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

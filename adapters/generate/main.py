@@ -1,9 +1,9 @@
-"""Write the messages of the wire in the languages of the adapters, from `pacinian.wire`, and a feature table.
+"""Write all generated files: the wire's messages in C# and C++, a feature table, docs, schemas and byte vectors.
 
-    python adapters/generate/main.py            writes all generated files
-    python adapters/generate/main.py --check    writes nothing; fails if a file is not what that would write
+    python adapters/generate/main.py            writes the files that differ
+    python adapters/generate/main.py --check    writes nothing; fails if a file differs
 
-A generator has `generate(model)`, which gives the files: path below adapters/, and text.
+A generator has `generate(model)`, which returns the files: path below its folder, and text.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import cpp
 import csharp
 import features_table
+import published
 import wire
 
 if TYPE_CHECKING:
@@ -22,21 +23,22 @@ if TYPE_CHECKING:
 
     from model import Model
 
-GENERATORS: tuple[Callable[[Model], dict[str, str]], ...] = (
-    csharp.generate,
-    cpp.generate,
-    features_table.generate,  # reads what the others write
-)
 ADAPTERS = Path(__file__).resolve().parent.parent
+GENERATORS: tuple[tuple[Path, Callable[[Model], dict[str, str]]], ...] = (
+    (ADAPTERS, csharp.generate),
+    (ADAPTERS, cpp.generate),
+    (ADAPTERS, features_table.generate),  # reads what the others write
+    (ADAPTERS.parent, published.generate),
+)
 
 
 def main(arguments: list[str]) -> int:
     """Write, or check."""
     model, check = wire.read(), "--check" in arguments
     wrong = 0
-    for generate in GENERATORS:
+    for folder, generate in GENERATORS:
         for name, text in generate(model).items():
-            path, data = ADAPTERS / name, text.encode()
+            path, data = folder / name, text.encode()
             if path.is_file() and path.read_bytes() == data:
                 continue
             wrong += 1

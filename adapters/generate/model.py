@@ -10,9 +10,9 @@
     Scalar Anything                    a bool, int, float or text; anything that MessagePack has
     Maybe                              one of these, or nil
 
-Rules for `bin` fields (`Message.bulk`) are those of `pacinian.wire.bulk`: Rows, Grid, Indices. A reader checks them
-in their order when all fields are there and valid by themselves. Lengths of text are in code points, of `bin` in
-bytes. None as a bound: there is none. An Int without bounds is taken for 64 bits, signed.
+Rules for `bin` fields (`Message.bulk`) are those of `pacinian.wire.binary_arrays`: Rows, Grid, Indices. A reader checks
+them in their order when all fields are there and each is valid by itself. Lengths of text are in code points, those of
+`bin` in bytes. A bound that is None does not exist. An Int without bounds has 64 bits and a sign.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pacinian.wire.bulk import Grid, Indices, Rows
+    from pacinian.wire.binary_arrays import Grid, Indices, Rows
 
 
 @dataclass(frozen=True)

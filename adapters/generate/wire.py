@@ -26,7 +26,7 @@ from model import (
 )
 from msgspec import Struct, inspect
 
-from pacinian.wire import commands, control, described, objects, protocol, replies, shapes, state
+from pacinian.wire import commands, control, message_docs, objects, protocol, replies, shapes, state
 from pacinian.wire import time as times
 
 if TYPE_CHECKING:
@@ -55,10 +55,10 @@ UNIONS: dict[str, Any] = {
     "AnyState": state.AnyState,
 }
 SOCKETS = {
-    "command": ("AnyCommand", protocol.LONGEST_COMMAND),
-    "control": ("AnyControl", protocol.LONGEST_CONTROL),
-    "reply": ("AnyReply", protocol.LONGEST_REPLY),
-    "state": ("AnyState", protocol.LONGEST_REPLY),
+    "command": ("AnyCommand", protocol.MAX_COMMAND_BYTES),
+    "control": ("AnyControl", protocol.MAX_CONTROL_BYTES),
+    "reply": ("AnyReply", protocol.MAX_REPLY_BYTES),
+    "state": ("AnyState", protocol.MAX_REPLY_BYTES),
 }
 BASES = commands.Command, control.Request, replies.Reply, objects.Felt
 
@@ -117,14 +117,14 @@ def _within(t: Type) -> Iterator[Type]:
 
 
 def _message(kind: type[Struct]) -> Message:
-    said = {field.name: field for field in described.fields(kind)}
+    said = {field.name: field for field in message_docs.describe_fields(kind)}
     info: Any = inspect.type_info(kind)
     return Message(
         name=kind.__name__,
         tag="" if kind in BASES else str(kind.__struct_config__.tag or ""),
         base=_base(kind),
         module=kind.__module__.rpartition(".")[2],
-        text=described.summary(kind),
+        text=message_docs.summarise(kind),
         fields=tuple(
             Field(
                 field.name,

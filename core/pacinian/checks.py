@@ -13,11 +13,11 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
-MOST = 20e6  # samples of one object
+MAX_SAMPLES = 20e6  # samples of one object
 FAR = 10.0  # [m]; nothing in mid-air haptics is further from its array
 
 
-def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
     """Return `value` as float64 of the given shape, None being any length; all finite."""
     try:
         array = np.asarray(value)
@@ -41,7 +41,7 @@ def numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Float
     return array
 
 
-def number(
+def check_number(
     name: str, value: float, *, low: float = -math.inf, high: float = math.inf, above: bool = False
 ) -> float:
     """Return `value` as a finite float in [low, high]; `above` excludes low itself."""
@@ -58,7 +58,7 @@ def number(
     return result
 
 
-def near(name: str, points: Floats, origin: Floats) -> None:
+def check_near(name: str, points: Floats, origin: Floats) -> None:
     """Refuse `points`, shape (M, 3) [m], that must have been meant in millimetres."""
     if not len(points):
         return
@@ -72,15 +72,15 @@ def near(name: str, points: Floats, origin: Floats) -> None:
         )
 
 
-def length(name: str, value: float) -> float:
+def check_length(name: str, value: float) -> float:
     """Return a positive length [m] that is not meant in millimetres."""
-    result = number(name, value, low=0.0, above=True)
+    result = check_number(name, value, low=0.0, above=True)
     if result > FAR:
         raise ArgumentError(name, f"is {result:g} m: lengths are in metres (millimetres given?)")
     return result
 
 
-def integer(name: str, value: float, *, low: int) -> int:
+def check_integer(name: str, value: float, *, low: int) -> int:
     """Return `value` as an int of at least `low`."""
     try:
         if isinstance(value, (bool, np.bool_)):
@@ -94,7 +94,7 @@ def integer(name: str, value: float, *, low: int) -> int:
     return result
 
 
-def kind(name: str, value: object, *kinds: type) -> None:
+def check_kind(name: str, value: object, *kinds: type) -> None:
     """Refuse a `value` that is none of `kinds`."""
     if not isinstance(value, kinds):
         *most, last = (k.__name__ for k in kinds)
@@ -103,20 +103,20 @@ def kind(name: str, value: object, *kinds: type) -> None:
         raise ArgumentError(name, f"must be {article} {wanted}, not {value!r}")
 
 
-def count(measure: float, spacing: float, dimension: int) -> float:
+def check_count(measure: float, spacing: float, dimension: int) -> float:
     """Samples that cover `measure` [m^dimension], `spacing` [m] apart. Refuses more than 20 million."""
     try:
         samples = measure / spacing**dimension
     except (ZeroDivisionError, OverflowError):
         samples = math.inf
-    if not samples <= MOST:
+    if not samples <= MAX_SAMPLES:
         raise ArgumentError(
             "spacing", f"of {spacing:g} m makes {samples:g} samples: choose a larger one"
         )
     return samples
 
 
-def names(name: str, given: object) -> tuple[str, ...]:
+def check_names(name: str, given: object) -> tuple[str, ...]:
     """Different names: a list, or text with commas, as a server's clients give it. Raises ArgumentError."""
     parts = given.split(",") if isinstance(given, str) else given
     if isinstance(parts, (list, tuple)) and all(isinstance(part, str) for part in parts):

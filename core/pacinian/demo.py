@@ -9,10 +9,10 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose
 from pacinian.rendering.report import Report
+from pacinian.scene.modulation.envelope import Sine
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes import Disc, Sphere
-from pacinian.scene.time.envelope import Sine
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound=Struct)
 
-LARGEST = 64 << 20  # [bytes]
+MAX_BYTES = 64 << 20  # [bytes]
 
 
-def decoded(path: Path, kind: type[S]) -> S:
+def decode_document(path: Path, kind: type[S]) -> S:
     """What a TOML or JSON file holds, as a struct. Raises SceneFileError, which names the file, the key and the fix."""
     text = read_bytes(path, ".toml", ".json")
     decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
@@ -38,7 +38,7 @@ def decoded(path: Path, kind: type[S]) -> S:
     return file
 
 
-def read_bytes(path: Path, *suffixes: str, largest: int = LARGEST) -> bytes:
+def read_bytes(path: Path, *suffixes: str, largest: int = MAX_BYTES) -> bytes:
     """The bytes of a file, without a byte order mark. suffixes: of which it has one, if given. largest: [bytes].
 
     Raises SceneFileError, which says nothing of what is in it.

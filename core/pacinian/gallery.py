@@ -10,16 +10,16 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose
-from pacinian.scene.hands.capsules import capsules, distance_to_skin
+from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.technique import STM
+from pacinian.scene.modulation.waves import Sine
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Point, Surface, Volume
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes import Rectangle, Sphere
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.texture import grating
-from pacinian.scene.time.technique import STM
-from pacinian.scene.time.waves import Sine
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -231,7 +231,7 @@ def _drops(update: int) -> Scene:
 @functools.cache
 def _clouds() -> tuple[Floats, Floats, Floats]:
     """Where under the hand each drop rises, (40, 2), how far, (40,) [m], and when in each second, (40,) [s]."""
-    rng, flesh = np.random.default_rng(1), capsules(HAND)
+    rng, flesh = np.random.default_rng(1), make_capsules(HAND)
     places = rng.uniform([-0.03, -0.03], [0.025, 0.025], (DROPS, 2))
     tops = np.full(DROPS, BOTTOM)
     while (away := distance_to_skin(flesh, np.column_stack([places, tops]))).max() > INTO:

@@ -11,24 +11,30 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import Precision, matrix
-from pacinian.checks import FAR, kind, near, numbers
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.checks import FAR, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence
 from pacinian.solving.blas import one_thread
-from pacinian.solving.evidence import TOLERANCE, judge, missed, reached, violations
-from pacinian.solving.felt import Places
-from pacinian.solving.keep import ROUNDING, keep
-from pacinian.solving.nulls import Preparation
-from pacinian.solving.problem import Budget, Limits, Targets, numbered
+from pacinian.solving.buffer_pool import acquire, release
+from pacinian.solving.evidence import (
+    TOLERANCE,
+    determine_status,
+    measure_violations,
+    reached_multiple,
+    relative_error,
+)
+from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits
+from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import carried, settle
+from pacinian.solving.quiet_subspace import Preparation
+from pacinian.solving.regions import carry_phases, settle_phases
 from pacinian.solving.relaxation import MAX_POINTS, least_error
-from pacinian.solving.rooms import give, take
 from pacinian.solving.solution import Solution, Status
 
 if TYPE_CHECKING:
@@ -42,7 +48,7 @@ ENDLESS = Budget()
 SILENCE = Result()
 PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
 FEWER = 4  # where up to a quarter of the points, and one, come or go, the last solution is a start
-MOST = 1e6  # times as strong: beyond that a problem is solved anew
+MAX_MULTIPLE = 1e6  # times as strong: beyond that a problem is solved anew
 
 
 class Session:
@@ -64,9 +70,9 @@ class Session:
     ) -> None:
         if precision not in ("single", "double"):
             raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
-        kind("array", array, Array)
+        check_kind("array", array, Array)
         self.array, self.medium = array, AIR if medium is None else medium
-        kind("medium", self.medium, Air)
+        check_kind("medium", self.medium, Air)
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self.clock = clock
@@ -87,7 +93,7 @@ class Session:
     @solver.setter
     def solver(self, solver: str | Solver) -> None:
         made = registry.solver(solver) if isinstance(solver, str) else solver
-        kind("solver", made, Solver)
+        check_kind("solver", made, Solver)
         self._solver = made
 
     def solve(
@@ -97,7 +103,7 @@ class Session:
         phases: ArrayLike | None = None,
         *,
         regions: ArrayLike | None = None,
-        facing: Facing | None = None,
+        facing: SkinFacing | None = None,
         limits: Limits | None = None,
         scale: str = "exact",
         deadline: float | None = None,
@@ -126,9 +132,9 @@ class Session:
         budget = ENDLESS if deadline is None else Budget.until(deadline, self.clock)
         if limits is None:
             limits = FULL_DRIVE
-        kind("limits", limits, Limits)
+        check_kind("limits", limits, Limits)
         if facing is not None:
-            kind("facing", facing, Facing)
+            check_kind("facing", facing, SkinFacing)
         q, targets = self._problem(points, amplitudes, phases, scale, regions)
         out = self._checked(out)
         warm, self.last = self.last, None
@@ -148,7 +154,7 @@ class Session:
     def _carried(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
         """The last solution as one of the points q, (M, 3) [m]; None where it says nothing of them."""
         if warm.asked_phases is not None and targets.regions is not None:
-            return carried(self.propagator, targets, warm, self._solved_at)
+            return carry_phases(self.propagator, targets, warm, self._solved_at)
         M = len(warm.sound_pressure)
         if len(q) == M:
             return warm
@@ -199,23 +205,23 @@ class Session:
         phases = np.angle(p) if last.asked_phases is None else last.asked_phases
         asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
         if y is not None and last.targets.scale == "exact":
-            proven = evidence.bound(B, asked, y, last.mu, limits.gain, last.weights)
+            proven = evidence.compute_bound(B, asked, y, last.mu, limits.gain, last.weights)
         rest = asked - p
         missed_by = float(np.vdot(rest, last.weights * rest).real)
         objective = (missed_by + last.mu * float(np.vdot(g, g).real)) / 2.0
         if last.targets.scale == "max":
             objective = math.nan
-        broken = violations(self.propagator, limits, last.targets, p, g)
+        broken = measure_violations(self.propagator, limits, last.targets, p, g)
         if nulls is not None and (over := nulls.over(self.array, self.medium, g)) > TOLERANCE:
             broken["zones"] = max(over, broken.get("zones", over))
         certified = dataclasses.replace(
             last,
             gains=g,
             sound_pressure=p,
-            status=judge(
+            status=determine_status(
                 self.propagator,
                 last.targets,
-                missed(last.targets, p),
+                relative_error(last.targets, p),
                 broken=bool(broken),
                 late=last.status is Status.deadline,
                 scaled=last.status is Status.scaled,
@@ -235,10 +241,12 @@ class Session:
         if targets.regions is None or not targets.norm:
             return solution
         propagator = Propagator(self.array, self.medium, self.propagator.precision)
-        places = Places.of(self.propagator.points, targets, self.propagator.facing)
+        places = FeltPlaces.of(self.propagator.points, targets, self.propagator.facing)
         places = places.heard_by(propagator)
         p = propagator.apply(solution.gains)
-        multiple = 1.0 if targets.scale == "exact" else reached(targets, solution.sound_pressure)
+        multiple = (
+            1.0 if targets.scale == "exact" else reached_multiple(targets, solution.sound_pressure)
+        )
         felt, status = places.felt(p, multiple), solution.status
         if status is Status.ok and not all(part.even for part in felt):
             held = solution.saturation > 0.0 or targets.scale == "max"
@@ -261,37 +269,37 @@ class Session:
                 and t.flags.c_contiguous
                 and kernels.furthest(q, self.propagator.origin, t) <= FAR * FAR
             ):
-                return q, Targets.simple(t, numbered(len(t), regions))
-        q = numbers("points", points, (None, 3))
-        near("points", q, self.propagator.origin)
+                return q, Targets.unchecked(t, number_regions(len(t), regions))
+        q = check_numbers("points", points, (None, 3))
+        check_near("points", q, self.propagator.origin)
         return q, Targets.checked(len(q), amplitudes, phases, scale, regions)
 
-    def _place(self, q: Floats, facing: Facing | None, limits: Limits, budget: Budget) -> bool:
+    def _place(self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget) -> bool:
         """Put the points, and the quiet points, where they are now; those are in the free field.
 
         Whether the quiet zones are prepared, too.
         """
-        if limits.asked and (unkept := limits.asked - self._solver.keeps):
+        if limits.solver_limits and (unkept := limits.solver_limits - self._solver.keeps):
             raise UnsupportedLimit(self._solver.name, min(unkept))
         if limits.exact is not None:
-            limits.exactly(len(q))
+            limits.exact_mask(len(q))
         propagator = self.propagator
         quiet = None if limits.quiet is None else np.asarray(limits.quiet[0], np.float64)
         if quiet is not None:
-            near("limits.quiet[0]", quiet, propagator.origin)
+            check_near("limits.quiet[0]", quiet, propagator.origin)
         nulls = None
         if limits.zones:
             rms = limits.rms(len(self.array))
             nulls = self._zones.nulls(self.array, self.medium, limits.zones, rms, budget)
         propagator.keep_quiet(nulls)
-        propagator.place(q, facing)
+        propagator.set_points(q, facing)
         if quiet is None:
             propagator.quiet = None
         else:
             if propagator.quiet is None:
                 propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
             propagator.quiet.keep_quiet(nulls)
-            if propagator.quiet.place(quiet):
+            if propagator.quiet.set_points(quiet):
                 propagator.version += 1
         return nulls is not None or not limits.zones
 
@@ -309,7 +317,7 @@ class Session:
         met = met and not (base.late and base.targets.regions is not None)
         if (
             not (met and self._solver.linear)
-            or limits.asked
+            or limits.solver_limits
             or limits.power is not None
             or (limits.zones and c > 1.0)  # what is left in a zone would be louder, too
             or not c > 0.0
@@ -318,7 +326,7 @@ class Session:
         top = _top(limits) * (1.0 - ROUNDING)
         strongest = math.sqrt(kernels.peak(self._work))
         held = strongest >= top or c * strongest >= top
-        return c if not held and 1.0 / MOST < c < MOST else math.nan
+        return c if not held and 1.0 / MAX_MULTIPLE < c < MAX_MULTIPLE else math.nan
 
     def _scaled(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
         """What was solved last, c times as strong."""
@@ -349,29 +357,31 @@ class Session:
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:
-                asked = settle(propagator, targets, warm, self.tilt)
+                asked = settle_phases(propagator, targets, warm, self.tilt)
             with one_thread(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
-        kind(f"{solver.name}.solve(...)", result, Result)
+        check_kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
-        finite, scaled = keep(g, limits, "exact" if limits.asked else targets.scale)
+        finite, scaled = enforce_limits(
+            g, limits, "exact" if limits.solver_limits else targets.scale
+        )
         if propagator.nulls is not None:
             propagator.nulls.keep(g, limits.gain, propagator, budget)
         p = propagator.apply(g)
         out[:] = g
-        miss, bound, objective = missed(targets, p), result.bound, result.objective
+        miss, bound, objective = relative_error(targets, p), result.bound, result.objective
         if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
-            rest = (miss if asked is targets else asked.miss(p)) * targets.norm
+            rest = (miss if asked is targets else asked.relative_error(p)) * targets.norm
             quiet = p[targets.beside]
             rest = rest * rest + result.quiet_weight * float(np.vdot(quiet, quiet).real)
             objective = (rest + result.mu * kernels.power(g)) / 2.0
             bound = min(bound, objective)  # what is above it is rounding
-        hard = limits.asked or limits.zones
-        broken = violations(propagator, limits, targets, p, g) if hard else {}
+        hard = limits.solver_limits or limits.zones
+        broken = measure_violations(propagator, limits, targets, p, g) if hard else {}
         status = Status.failed
         if finite:
-            status = judge(
+            status = determine_status(
                 propagator, targets, miss,
                 broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
                 unproven=result.unproven,
@@ -388,7 +398,7 @@ class Session:
         N, dtype = len(self.array), self.propagator.dtype
         if out is None:
             return np.empty(N, dtype=dtype)
-        kind("out", out, np.ndarray)
+        check_kind("out", out, np.ndarray)
         fits = out.shape == (N,) and out.dtype == dtype
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
             raise ArgumentError("out", f"must be {dtype}, contiguous, writable, of shape ({N},)")
@@ -407,7 +417,7 @@ def solve(
     *,
     solver: str | Solver = "auto",
     regions: ArrayLike | None = None,
-    facing: Facing | None = None,
+    facing: SkinFacing | None = None,
     limits: Limits | None = None,
     scale: str = "exact",
     medium: Air | None = None,
@@ -420,11 +430,11 @@ def solve(
     Nothing that was computed is kept; the space of small problems is, for the next call. Arguments and
     errors as in `Session` and `Session.solve`.
     """
-    kind("array", array, Array)
+    check_kind("array", array, Array)
     medium = AIR if medium is None else medium
-    kind("medium", medium, Air)
+    check_kind("medium", medium, Air)
     key = array, medium, str(precision)
-    session = take(key, lambda: Session(array, medium, solver, precision=precision))
+    session = acquire(key, lambda: Session(array, medium, solver, precision=precision))
     session.solver = solver
     solution = session.solve(
         points, amplitudes, phases,
@@ -432,5 +442,5 @@ def solve(
     )  # fmt: skip
     solution = session.felt(solution)
     session.forget()
-    give(key, session, len(solution.sound_pressure) * len(array))
+    release(key, session, len(solution.sound_pressure) * len(array))
     return solution

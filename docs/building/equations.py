@@ -1,4 +1,4 @@
-"""Equations as MathML, which browsers draw by themselves: the pages load nothing from elsewhere."""
+"""Render equations as MathML. Browsers draw it without a library, so the pages load nothing from other sites."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from latex2mathml.converter import convert
 
 
 def setup(app: Any) -> dict[str, bool]:
-    """Sphinx's entry point."""
-    app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
+    """Register with Sphinx."""
+    app.add_html_math_renderer("mathml", (visit_inline, None), (visit_block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
-def inline(writer: Any, node: Any) -> None:
-    """In a line of text."""
-    writer.body.append(drawn(node.astext(), "inline"))
+def visit_inline(writer: Any, node: Any) -> None:
+    """Write an equation within a line of text."""
+    writer.body.append(render_mathml(node.astext(), "inline"))
     raise SkipNode
 
 
-def displayed(writer: Any, node: Any) -> None:
-    """On a line of its own."""
-    writer.body.append(f'<div class="equation">{drawn(node.astext(), "block")}</div>\n')
+def visit_block(writer: Any, node: Any) -> None:
+    """Write an equation on a line of its own."""
+    writer.body.append(f'<div class="equation">{render_mathml(node.astext(), "block")}</div>\n')
     raise SkipNode
 
 
-def drawn(equation: str, display: str) -> str:
-    """MathML of LaTeX. Raises ValueError where a command is not known."""
+def render_mathml(equation: str, display: str) -> str:
+    """Convert LaTeX to MathML. Raises ValueError for an unknown command."""
     made = convert(equation, display=display)
     if "\\" in made:
-        raise ValueError(f"not known in an equation: {equation}")
+        raise ValueError(f"unknown command in an equation: {equation}")
     return made

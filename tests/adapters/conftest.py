@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from pacinian.bench.faults.server import Server
+from pacinian_lab.server.faults.server import Server
 
 from ..core.client.fake import Fake
 from . import tools

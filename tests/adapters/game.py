@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import TracebackType
 
-    from pacinian.bench.faults.device import Log
-    from pacinian.bench.faults.server import Server
     from pacinian.wire.state import State
+    from pacinian_lab.server.faults.device import Log
+    from pacinian_lab.server.faults.server import Server
 
     from ..core.client.fake import Fake
     from .slow import Slow

@@ -11,7 +11,7 @@ import msgpack
 
 from pacinian.errors import WireError
 from pacinian.wire.codec import encode
-from pacinian.wire.vectors import DECODE
+from pacinian_lab.vectors.vectors import DECODE
 
 from . import tools
 

@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.plot import figure, save
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Settings
-from pacinian.solving.felt import Felt
+from pacinian.solving.felt_regions import FeltRegion
 from pacinian.testing.server import serving
 
 from . import unity
@@ -71,7 +71,7 @@ def draw(states: list[tuple[float, State]], starts: list[float]) -> Figure:
         np.frombuffer(s.achieved, "<f4").max(initial=0.0) * (s.output == "sounding")
         for _, s in states
     ]
-    felt = [next(iter(pc.Client.felt(s).values()), Felt(np.nan)) for _, s in states]
+    felt = [next(iter(pc.Client.felt(s).values()), FeltRegion(np.nan)) for _, s in states]
     page = figure(7.6, 4.6)
     rows = page.subplots(3, 1, sharex=True)
     curves = {

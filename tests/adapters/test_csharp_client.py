@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.protocol import MAJOR, MINOR
 
 from ..core.client.fake import Fake, state, usual

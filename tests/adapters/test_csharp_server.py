@@ -21,7 +21,7 @@ from .game import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.bench.faults.server import Server
+    from pacinian_lab.server.faults.server import Server
 
     from .game import Game
 

@@ -101,7 +101,7 @@ def test_what_was_tampered_with(program: Program, tmp_path: Path, seed: int) -> 
     assert 300 < sum("\tvalid\t" in line for line in lines) < 3000
 
 
-DEPTH = protocol.LONGEST_CONTROL - 100
+DEPTH = protocol.MAX_CONTROL_BYTES - 100
 SKIPPED = b"\x83" + STOP[1:] + b"\xa2id\x05\xa1x"
 READ = STOP + b"\xa2id"
 MEANT = "valid", "82a474797065a473746f70a2696405"
@@ -117,7 +117,7 @@ MEANT = "valid", "82a474797065a473746f70a2696405"
         (SKIPPED + b"\xdf\xff\xff\xff\xff" * (DEPTH // 5), ("refused", "$")),
         (b"\xdf\xff\xff\xff\xff" + b"\xa1a\x00" * (DEPTH // 3), ("refused", "$")),
         (READ + b"\x91" * DEPTH, ("refused", "$.id")),
-        (READ + bytes(protocol.LONGEST_CONTROL), ("refused", "$")),
+        (READ + bytes(protocol.MAX_CONTROL_BYTES), ("refused", "$")),
     ],
 )
 def test_what_is_long_or_deep(

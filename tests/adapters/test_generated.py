@@ -38,14 +38,16 @@ def test_the_generated_files_are_what_is_generated() -> None:
 
 
 def test_all_is_written_from_nothing_and_nothing_more(tmp_path: Path) -> None:
-    shutil.copytree(GENERATE, tmp_path / "generate", ignore=shutil.ignore_patterns("__pycache__"))
-    assert generate(tmp_path / "generate", "--check").returncode == 1
-    assert {path.name for path in tmp_path.iterdir()} == {"generate"}
-    assert generate(tmp_path / "generate").returncode == 0
-    made = {path.relative_to(tmp_path) for path in tmp_path.rglob("*.[ch]*") if path.is_file()}
+    adapters = tmp_path / "adapters"
+    shutil.copytree(GENERATE, adapters / "generate", ignore=shutil.ignore_patterns("__pycache__"))
+    assert generate(adapters / "generate", "--check").returncode == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"adapters"}
+    assert {path.name for path in adapters.iterdir()} == {"generate"}
+    assert generate(adapters / "generate").returncode == 0
+    made = {path.relative_to(adapters) for path in adapters.rglob("*.[ch]*") if path.is_file()}
     marked = [path for path in tools.ADAPTERS.rglob("*.[ch]*") if is_generated(path)]
     assert made == {path.relative_to(tools.ADAPTERS) for path in marked}
-    assert generate(tmp_path / "generate").stdout == ""
+    assert generate(adapters / "generate").stdout == ""
 
 
 def is_generated(path: Path) -> bool:

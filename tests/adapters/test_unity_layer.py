@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from pacinian.bench.faults.server import Server
+from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually
 from . import tools, unity

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from pacinian.bench.faults.run import FAULTS, Fault, measure
+from pacinian_lab.server.faults.run import FAULTS, Fault, measure
 
 TIMES, SLACK = 3.0, 1.0  # of a bound; [s]
 LONG = 60.0  # [s]

@@ -14,8 +14,8 @@ from scipy import linalg
 from threadpoolctl import threadpool_limits
 
 import pacinian as pc
-from pacinian.paper import experiment
 from pacinian.solving.least_squares import LeastSquares, Reduced
+from pacinian_lab.paper import experiment
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 
@@ -38,7 +38,7 @@ def quickest(function: Callable[[], object], repeats: int) -> float:
 def propagator(case: str, precision: Any) -> pc.Propagator:
     place = experiment.case(case)
     made = pc.Propagator(place.array, experiment.MEDIUM, precision)
-    made.place(place.points)
+    made.set_points(place.points)
     return made
 
 
@@ -72,7 +72,7 @@ def test_the_papers_cases(benchmark: Any, case: str, precision: Any) -> None:
 def test_many_points(benchmark: Any, M: int, width: float, precision: Any) -> None:
     rng = np.random.default_rng(0)
     made = pc.Propagator(pc.autd(3, 3), pc.Air(), precision)
-    made.place(np.c_[rng.uniform(-width / 2, width / 2, (M, 2)), np.full(M, 0.2)])
+    made.set_points(np.c_[rng.uniform(-width / 2, width / 2, (M, 2)), np.full(M, 0.2)])
     compare(benchmark, made.B, np.exp(1j * rng.uniform(0, 6, M)))
 
 

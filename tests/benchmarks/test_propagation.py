@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.propagation import Wave
+from pacinian.acoustics.propagation import KernelData
 
 
 def median(function: Callable[[], object], repeats: int) -> float:
@@ -31,7 +31,7 @@ def test_building_b(benchmark: Any, M: int, directivity: Any) -> None:
     rng = np.random.default_rng(0)
     q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
     out = np.empty((M, len(array)), dtype=np.complex64)
-    wave = Wave.prepare(array, pc.Air())
+    wave = KernelData.prepare(array, pc.Air())
     k = pc.Air().wavenumber(40_000.0)
 
     def numpy_omni() -> Any:
@@ -50,13 +50,13 @@ def test_the_gram_matrix(benchmark: Any, M: int) -> None:
     from scipy.linalg import blas
     from threadpoolctl import threadpool_limits
 
-    from pacinian.solving.propagator import gram
+    from pacinian.solving.propagator import gram_matrix
 
     rng = np.random.default_rng(0)
     B = (rng.normal(size=(M, 2241)) + 1j * rng.normal(size=(M, 2241))).astype(np.complex64)
     with threadpool_limits(1):
         library = median(lambda: blas.cherk(1.0, B.T, trans=2), 20)
-        benchmark(gram, B)
+        benchmark(gram_matrix, B)
     benchmark.extra_info["times_faster_than_blas"] = round(
         library / benchmark.stats.stats.median, 2
     )

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.solving.propagator import gram
+from pacinian.solving.propagator import gram_matrix
 
 SOLVER = pc.solver("lagrange")
 
@@ -64,10 +64,10 @@ def test_what_a_session_saves(benchmark: Any, units: int, M: int) -> None:
 
     def rows() -> None:
         parts.forget()
-        parts.place(q)
+        parts.set_points(q)
 
     def products() -> None:
-        gram(parts.single)
+        gram_matrix(parts.single)
 
     def there_and_back() -> None:
         parts.apply(g)
@@ -95,15 +95,15 @@ class _Steps:
     """Two Newton steps of `lagrange` alone, with what they start from."""
 
     def __init__(self, array: pc.Array, q: Any, t: Any) -> None:
-        from pacinian_plugins.solvers.lagrange.room import Room
+        from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
         self.propagator = pc.Propagator(array, pc.Air())
-        self.propagator.place(q)
+        self.propagator.set_points(q)
         self.p = pc.solve(array, q, t, solver=SOLVER).asked
         self.mu = 1e-6 * self.propagator.power
         self.free = np.ones(len(q), np.bool_)
         self.y = self.mu * self.propagator.factor(self.mu).solve(self.p)
-        self.room, self.out = Room.of(len(q), len(array)), np.empty(len(array), np.complex64)
+        self.room, self.out = Workspace.of(len(q), len(array)), np.empty(len(array), np.complex64)
 
     def _attempt(self, steps: int) -> None:
         from pacinian_plugins.native.lagrange import attempt

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 import pacinian as pc
-from pacinian.documents import decoded
+from pacinian.documents import decode_document
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,11 +40,11 @@ def test_structs_of_one_name_are_told_apart(tmp_path: Path, text: str, said: str
     file = tmp_path / "file.toml"
     file.write_text(text)
     with pytest.raises(pc.SceneFileError, match=said):
-        decoded(file, twins())
+        decode_document(file, twins())
 
 
 def test_what_is_like_nothing_is_answered_with_all_there_is(tmp_path: Path) -> None:
     file = tmp_path / "file.toml"
     file.write_text("zzzz = 1")
     with pytest.raises(pc.SceneFileError, match=r"there are inner, plane, space"):
-        decoded(file, twins())
+        decode_document(file, twins())

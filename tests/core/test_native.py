@@ -12,9 +12,9 @@ import pytest
 
 import pacinian as pc
 from pacinian import native
-from pacinian.acoustics.propagation import Wave, matrix
-from pacinian.bench.regions.contacts import CONTACTS
+from pacinian.acoustics.propagation import KernelData, matrix
 from pacinian.scene.sampling.sampler import Sampler
+from pacinian_lab.regions.contacts import CONTACTS
 
 ROOT = Path(__file__).parents[2]
 VARIANTS = [name.lstrip("_") for name in native.runnable()]
@@ -29,7 +29,7 @@ def kernels(variant: str, package: str = "pacinian.native") -> Any:
 
 @every
 def test_b_is_the_reference_in_every_variant(variant: str) -> None:
-    wave, rng = Wave.prepare(ARRAY, AIR), np.random.default_rng(0)
+    wave, rng = KernelData.prepare(ARRAY, AIR), np.random.default_rng(0)
     q = rng.uniform(-0.1, 0.1, (33, 3)) + np.array([0.0, 0.0, 0.25])
     B, touches = np.empty((33, len(ARRAY)), np.complex64), np.empty(33, np.float32)
     place = np.ascontiguousarray(q - wave.origin, np.float32)
@@ -43,13 +43,13 @@ def test_b_is_the_reference_in_every_variant(variant: str) -> None:
 
 @every
 def test_weights_of_a_hand_are_the_reference_in_every_variant(variant: str) -> None:
-    sampler, wave = Sampler(), Wave.prepare(ARRAY, AIR)
+    sampler, wave = Sampler(), KernelData.prepare(ARRAY, AIR)
     sampler.prepare(ARRAY, AIR)
     samples = sampler.sample(CONTACTS["ball of 12 mm radius at a fingertip"](), 0.04)
     assert samples.capsules is not None
-    facing = pc.Facing(samples.normals, samples.capsules)
+    facing = pc.SkinFacing(samples.normals, samples.capsules)
     W = np.ones((len(samples), len(ARRAY)), np.complex64)
-    boxes = importlib.import_module("pacinian.acoustics.facing")._boxes(wave)
+    boxes = importlib.import_module("pacinian.acoustics.skin_facing")._boxes(wave)
     kernels(variant).acoustics.weigh(
         samples.positions, facing.normals, facing.capsules, facing.edge, wave.origin, wave.r,
         boxes, np.arange(len(W)), W,

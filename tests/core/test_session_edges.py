@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.skin_facing import SkinFacing
 
 from ..plugins import problems
 
@@ -45,7 +45,9 @@ def test_one_solve_leaves_nothing_to_the_next() -> None:
     alike, t = np.repeat(q[:1], 4, axis=0), [1.0, 2.0, 3.0, 4.0]  # proportions that nothing makes
     first = pc.solve(ARRAY, alike, t, scale="max")
     gains = first.gains.copy()
-    palm = Facing(np.tile([0.0, 0.0, -1.0], (4, 1)), [[0.0, 0.0, 0.22, 0.1, 0.0, 0.22, 0.01, 0.01]])
+    palm = SkinFacing(
+        np.tile([0.0, 0.0, -1.0], (4, 1)), [[0.0, 0.0, 0.22, 0.1, 0.0, 0.22, 0.01, 0.01]]
+    )
     others: list[dict[str, Any]] = [
         {"amplitudes": np.ones(4)},
         {"amplitudes": np.full(4, 1e4), "limits": pc.Limits(gain=0.3)},

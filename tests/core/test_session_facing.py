@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.intensity import intensity, normal_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.plugins.registry import installed
-from pacinian.scene.hands.capsules import capsules, closest
+from pacinian.scene.hands.capsules import find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
 
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
@@ -24,17 +24,17 @@ ARRAY = BELOW + BELOW.moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.3)))
 WALL = [[-1.0, 0.0, 0.15, 1.0, 0.0, 0.15, 0.02, 0.02]]  # between the halves
 
 
-def skin(count: int, seed: int = 0) -> tuple[Any, Facing]:
+def skin(count: int, seed: int = 0) -> tuple[Any, SkinFacing]:
     """Points on the wall, some facing up and some down."""
     rng = np.random.default_rng(seed)
     side = np.where(rng.uniform(size=count) < 0.5, -1.0, 1.0)
     tilt = rng.uniform(-0.5, 0.5, count)
     n = np.c_[np.zeros(count), np.sin(tilt), side * np.cos(tilt)]
     x = rng.uniform(-0.05, 0.05, count)
-    return np.c_[x, np.zeros(count), np.full(count, 0.15)] + 0.02 * n, Facing(n, WALL)
+    return np.c_[x, np.zeros(count), np.full(count, 0.15)] + 0.02 * n, SkinFacing(n, WALL)
 
 
-def weighted(q: Any, facing: Facing) -> Any:
+def weighted(q: Any, facing: SkinFacing) -> Any:
     return pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
 
 
@@ -53,7 +53,7 @@ def test_gains_are_within_the_limit_and_the_evidence_is_theirs(
     n = facing.normals.copy()
     if hidden:
         n[:1] *= -1.0  # faces into the wall
-    facing = Facing(n, WALL)
+    facing = SkinFacing(n, WALL)
     t = np.random.default_rng(seed).uniform(0.1, 1.0, count) * level
     solution = pc.solve(ARRAY, q, t, solver=solver, facing=facing)
     g = solution.gains.astype(np.complex128)
@@ -86,7 +86,7 @@ def test_what_is_asked_presses_along_the_normals(
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_what_no_sound_reaches_is_said_and_the_rest_is_served(solver: str) -> None:
     q = np.array([[0.0, 0.0, 0.13], [0.0, 0.0, 0.17]])
-    facing = Facing([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], WALL)
+    facing = SkinFacing([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], WALL)
     one = pc.solve(BELOW, q, [20.0, 20.0], solver=solver, facing=facing)
     assert one.status is pc.Status.unreachable
     assert np.isfinite(one.gains).all()
@@ -103,7 +103,7 @@ def test_a_session_keeps_what_has_not_changed() -> None:
     session = pc.Session(ARRAY)
     work = session.propagator.work
     first = session.solve(q, t, facing=facing)
-    session.solve(q, t, facing=Facing(facing.normals, WALL))
+    session.solve(q, t, facing=SkinFacing(facing.normals, WALL))
     assert (work.solutions_kept, work.rows_built) == (1, 6)
     session.solve(q, 0.5 * t, facing=facing)
     assert work.solutions_scaled == 1
@@ -113,7 +113,7 @@ def test_a_session_keeps_what_has_not_changed() -> None:
     again = session.solve(q, t, facing=facing)
     assert work.rows_built == 18
     assert again.error == pytest.approx(first.error, abs=1e-3)
-    turned = Facing(-facing.normals, WALL)
+    turned = SkinFacing(-facing.normals, WALL)
     assert session.solve(q, t, facing=turned).status is pc.Status.unreachable
 
 
@@ -147,11 +147,13 @@ def test_each_side_of_a_hand_between_two_units_is_pressed_as_asked(back: float) 
     side, and the palm is pressed with less than half.
     """
     array = pc.autd() + pc.autd().moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.4)))
-    hand = capsules(Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))))
+    hand = make_capsules(Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))))
     x, y = np.meshgrid([-0.02, 0.02], [-0.02, 0.03])
-    under, over = (closest(hand, np.c_[x.ravel(), y.ravel(), np.full(4, z)]) for z in (0.15, 0.25))
+    under, over = (
+        find_closest(hand, np.c_[x.ravel(), y.ravel(), np.full(4, z)]) for z in (0.15, 0.25)
+    )
     q, n = np.r_[under.points, over.points], np.r_[under.normals, over.normals]
-    facing, P = Facing(n, hand), np.r_[np.full(4, 20.0), np.full(4, back)]
+    facing, P = SkinFacing(n, hand), np.r_[np.full(4, 20.0), np.full(4, back)]
     with_, without = (
         pc.solve(array, q, pc.sound_pressure(P, AIR), facing=given) for given in (facing, None)
     )

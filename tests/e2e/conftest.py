@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.bench.faults.server import Server
+from pacinian_lab.server.faults.server import Server
 
 from ..core.client.patience import wait_long
 from .game import Game

@@ -13,8 +13,8 @@ from ..waiting import PATIENCE
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.bench.faults.server import Server
     from pacinian.wire.state import State
+    from pacinian_lab.server.faults.server import Server
 
 QUIET = 0.3  # [s] of silence, which is not that of one late frame
 LEASE = 0.25  # [s]

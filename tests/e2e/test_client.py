@@ -8,8 +8,8 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.bench.faults.peer import Peer
 from pacinian.wire.connection import Connection
+from pacinian_lab.server.faults.raw_client import Peer
 
 from ..waiting import PATIENCE, eventually
 from .game import POINT, Game

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 import pacinian as pc
-from pacinian.bench.faults.device import BLOCKED, UNPLUGGED
-from pacinian.bench.faults.server import Server
+from pacinian_lab.server.faults.device import BLOCKED, UNPLUGGED
+from pacinian_lab.server.faults.server import Server
 
 from .game import LEASE, Game
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.bench.faults.server import Server
-from pacinian.bench.hostile import run, tables
+from pacinian_lab.server.faults.server import Server
+from pacinian_lab.server.fuzz import run, tables
 
 from ..waiting import PATIENCE
 

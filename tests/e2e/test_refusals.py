@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 import zmq
 
-from pacinian.bench.faults.peer import Peer
-from pacinian.bench.hostile.packets import PLAIN, frame, greeting, throw
-from pacinian.bench.hostile.spoil import encode
 from pacinian.wire.connection import Connection
+from pacinian_lab.server.faults.raw_client import Peer
+from pacinian_lab.server.fuzz.mutations import encode
+from pacinian_lab.server.fuzz.packets import PLAIN, frame, greeting, throw
 
 from ..waiting import PATIENCE, eventually
 
 if TYPE_CHECKING:
-    from pacinian.bench.faults.server import Server
+    from pacinian_lab.server.faults.server import Server
 
 STOP = encode({"type": "stop", "id": 1})
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.bench.faults.device import Probe
-from pacinian.bench.faults.through import Models, Simulated
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.control import Choice
+from pacinian_lab.server.faults.device import Probe
+from pacinian_lab.server.faults.logged_backends import Models, Simulated
 
 from .game import RADIUS
 

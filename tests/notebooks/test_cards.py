@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.notebook import MOST, Card, card
-from pacinian.scene.sampling.samples import nothing
+from pacinian.notebook import MAX_ROWS, Card, card
+from pacinian.scene.sampling.samples import no_samples
 
 ARRAY = pc.autd()
 POINTS = np.array([[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]])
@@ -80,7 +80,7 @@ FULL: dict[str, tuple[Any, list[str], bool]] = {
     "plugins": (pc.Plugins(), ["lagrange", "simulated", "pacinian"], False),
     "no points": (pc.solve(ARRAY, np.empty((0, 3)), []), ["silent"], False),
     "no objects": (pc.Scene(), ["0 objects"], False),
-    "no samples": (nothing(), ["0 samples"], False),
+    "no samples": (no_samples(), ["0 samples"], False),
     "no ticks": (pc.Report(), ["0 ticks"], False),
     "one": (pc.Array([[0.0, 0.0, 0.0]]), ["1 transducers"], True),
 }
@@ -133,9 +133,9 @@ def test_long_tables_are_cut() -> None:
     )
     html = pc.Scene(objects)._repr_html_() or ""
     tree = Tree(html)
-    assert f"p{MOST - 1}" in tree.text
-    assert f"p{MOST}" not in tree.text
-    assert f"and {1000 - MOST} more" in tree.text
+    assert f"p{MAX_ROWS - 1}" in tree.text
+    assert f"p{MAX_ROWS}" not in tree.text
+    assert f"and {1000 - MAX_ROWS} more" in tree.text
     assert len(html) < 100_000
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
 import pacinian as pc
-from pacinian.paper import experiment
+from pacinian_lab.paper import experiment
 
 ARRAY = pc.lattice(0.09, 0.09)  # 100 ideal transducers
 FREE = pc.Limits(gain=None)

@@ -181,7 +181,7 @@ def test_the_gradient_of_lbfgs(seed: int, fixed: bool) -> None:
     q, t, _ = problem(4, 0.5, seed)
     rng = np.random.default_rng(seed)
     propagator = Propagator(ARRAY, pc.Air(), "double")
-    propagator.place(q)
+    propagator.set_points(q)
     phases = rng.uniform(-3, 3, 4) if fixed else np.array([np.nan, 1.0, np.nan, np.nan])
     f = lbfgs.Problem(propagator, t, phases, float(np.linalg.norm(t)))
     x, d = rng.normal(size=200), rng.normal(size=200)

@@ -20,7 +20,7 @@ from pacinian.testing import ManualClock
 from pacinian.viewing import bridge, states
 from pacinian.viewing.hub import Hub
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import Fake, state, usual
 from .watching import LIMIT, Page, viewer

@@ -11,9 +11,9 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.control.status import sound
+from pacinian.serving.control.status import describe_sound
 from pacinian.viewing.model import EDGES, Model, histogram
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities
 from pacinian.wire.state import FrameState
 
@@ -27,7 +27,7 @@ def abilities(array: pc.Array, medium: pc.Air, **fields: Any) -> Abilities:
     made = Abilities(
         solvers=(), backends=(), techniques=(), presets=(), positions=pack(array.positions),
         normals=pack(array.normals), frequency=array.transducer.frequency, wavelength=0.0085, phases=256,
-        amplitudes=256, device_rate=1e3, rate=1e3, limits={}, sound=sound(array, medium),
+        amplitudes=256, device_rate=1e3, rate=1e3, limits={}, sound=describe_sound(array, medium),
     )  # fmt: skip
     return msgspec.msgpack.decode(msgspec.msgpack.encode(replace(made, **fields)), type=Abilities)
 
@@ -59,7 +59,7 @@ def test_a_server_that_does_not_tell_has_no_field() -> None:
     assert told.sound is not None
     assert Model.of(replace(told, sound=replace(told.sound, directivity="horn"))) is None
     piston = pc.Transducer(directivity=pc.Piston(0.004, 740.0))
-    assert sound(UNIT.driven_by(piston), pc.Air()).directivity == ""
+    assert describe_sound(UNIT.driven_by(piston), pc.Air()).directivity == ""
 
 
 @pytest.mark.parametrize("sizes", [(), (0.0, 0.25, 0.75, 1.0)])

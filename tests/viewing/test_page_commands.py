@@ -185,7 +185,7 @@ def test_arm_stop_and_reset_by_keys_alone(browser: Browser, url: str, server: Ru
     now = functools.partial(status, server.connection)
     with seen(browser, url) as shown:
         page = shown.page
-        shown.until(lambda: page.is_enabled("#arm"))
+        shown.until(lambda: page.is_enabled("#arm") and page.is_enabled("#solver"))
         reached = _tab(shown)
         assert reached.keys() >= REACHED, REACHED - reached.keys()
         reached.pop("body", None)

@@ -271,7 +271,7 @@ def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path)
     renderer = rendered(tmp_path / "r.pac", 0.49)
     with opened(tmp_path / "r.pac", samples=True) as recorded:
         states = [msgpack.unpackb(recorded.data(e)) for e in recorded.entries if e.kind == "state"]
-    wanted = status.state(renderer, 0.48)  # as the last tick left it
+    wanted = status.make_status(renderer, 0.48)  # as the last tick left it
     assert states[-1]["ticks"] == wanted["ticks"] == 49
     for name in ("points", "normals", "asked", "achieved", "index", "error", "status", "hands"):
         assert states[-1][name] == wanted[name], name

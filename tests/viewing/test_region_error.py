@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
-from pacinian.scene.hands.capsules import capsules
-from pacinian.solving.felt import Felt
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.scene.hands.capsules import make_capsules
+from pacinian.solving.felt_regions import FeltRegion
 from pacinian.viewing.region_error import Regions, error, felt_and_asked, nearest_places
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import state
 
@@ -127,7 +127,9 @@ def test_on_skin_sound_counts_along_the_normal_less_what_the_hand_hides() -> Non
     at = GRID + np.array([0.001, 0.001, 0.0])
     places = nearest_places(at, UP, told)
     assert len(places.rows) > 10
-    weights = Facing(places.normals, capsules(hand)).weights(places.points, ARRAY.positions)
+    weights = SkinFacing(places.normals, make_capsules(hand)).weights(
+        places.points, ARRAY.positions
+    )
     each = np.array([pc.field(ARRAY, g, places.points, AIR, "double") for g in np.eye(249)]).T
     p = ((weights * each)[None] * TWO[:, None].astype(complex)).sum(axis=2)
     wanted = pc.radiation_pressure(p, AIR).mean(axis=0) - places.asked
@@ -149,7 +151,7 @@ def test_a_slice_through_a_region_has_the_figures_that_are_felt() -> None:
     found = error(array, AIR, solution.gains[None], at, UP, told)
     inside = np.abs(at).max(axis=1, initial=0.0, where=[True, True, False]) < 0.015
     e, beside = found[inside], found[~inside]
-    felt = Felt(
+    felt = FeltRegion(
         1.0 + e.mean() / asked, np.sqrt((e * e).mean()) / asked, 0.0, np.nanmax(beside) / asked
     )
     wanted = solution.felt[0]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from pacinian.acoustics.grid import Grid
+    from pacinian.acoustics.interpolated_field import InterpolatedField
 
 UNIT = pc.autd()
 RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5, len(UNIT))
@@ -130,7 +130,7 @@ def test_the_mean_of_all_frames_is_shown() -> None:
         assert np.abs(found - highest).max() < tolerance * highest.max()
 
 
-def at_once(model: bytes, gains: bytes, where: Grid, *, peak: bool) -> bytes:
+def at_once(model: bytes, gains: bytes, where: InterpolatedField, *, peak: bool) -> bytes:
     return pressure(model, gains, where, 0, 1 << 20, peak)
 
 

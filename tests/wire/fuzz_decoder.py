@@ -25,7 +25,7 @@ with atheris.instrument_imports(include=["pacinian.wire", "pacinian.scene"]):
     from pacinian.wire import commands, control
     from pacinian.wire.codec import encode, id_of
     from pacinian.wire.convert import envelope_to_scene, technique_to_scene, to_scene
-    from pacinian.wire.vectors import DECODE, vectors
+    from pacinian_lab.vectors.vectors import DECODE, make_vectors
 
 JUNK = None, -1, 0, 0.5, math.nan, "", "sphere", b"", bytes(12), bytes(36), [], [0.0, 0.0, 0.0], {}
 SOCKETS = sorted(DECODE)
@@ -88,7 +88,7 @@ def _held(place: tuple[Any, Any]) -> Any:
 def main() -> None:
     """Begin with the vectors."""
     with tempfile.TemporaryDirectory() as folder:
-        for i, vector in enumerate(v for made in vectors().values() for v in made):
+        for i, vector in enumerate(v for made in make_vectors().values() for v in made):
             first = bytes([SOCKETS.index(vector["socket"])])
             (Path(folder) / str(i)).write_bytes(first + bytes.fromhex(vector["hex"]))
         atheris.Setup([*sys.argv, folder], one, custom_mutator=mutate)

@@ -64,7 +64,7 @@ void written() {
     move.sequence = 1 + frame * 1000;
     numbers(move.poses, 21, frame);
     numbers(move.velocities, 18, frame);
-    encode(move, out, LONGEST_COMMAND);
+    encode(move, out, MAX_COMMAND_BYTES);
   });
   Hands hands;
   hands.session.assign(16, 1);
@@ -76,13 +76,13 @@ void written() {
       numbers(hand.radii, 26, frame);
       numbers(hand.velocities, 3, frame);
     }
-    encode(hands, out, LONGEST_COMMAND);
+    encode(hands, out, MAX_COMMAND_BYTES);
   });
   Renew renew;
   renew.session.assign(16, 1);
   steady("allocations of renew", [&](int frame) {
     renew.id = renew.sequence = 1 + frame;
-    encode(renew, out, LONGEST_CONTROL);
+    encode(renew, out, MAX_CONTROL_BYTES);
   });
 }
 

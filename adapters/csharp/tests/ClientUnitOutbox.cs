@@ -106,7 +106,7 @@ namespace Pacinian.Tests
             while (_outbox.Take(_batch, 0.0))
             {
                 seen += _batch.Names.Count;
-                ClientUnit.Holds(_batch.Names.Count <= Protocol.MostObjects);
+                ClientUnit.Holds(_batch.Names.Count <= Protocol.MaxObjects);
             }
             ClientUnit.Equal(600, seen);
             for (int i = 0; i < 5; i++)

@@ -31,9 +31,9 @@ namespace Pacinian.Haptics
             }
             int group = Math.Max(1, (int)(rate / Fast)), step = group * channels;
             int count = Math.Max(1, data.Length / step);
-            if (count > Protocol.MostValues)
+            if (count > Protocol.MaxValues)
             {
-                count = Protocol.MostValues;
+                count = Protocol.MaxValues;
                 problem = "its wave is cut after " + (int)(count * group / rate) + " s";
             }
             Wave made = new Wave { Rate = (double)rate / group };

@@ -10,9 +10,9 @@ namespace Pacinian.Haptics
         {
             Writer writer = new Writer(4096);
             felt.Write(writer);
-            if (writer.Count > Protocol.LongestCommand - 1024)
+            if (writer.Count > Protocol.MaxCommandBytes - 1024)
             {
-                return "is too large: keep to " + Protocol.MostVertices / 2 + " vertices";
+                return "is too large: keep to " + Protocol.MaxVertices / 2 + " vertices";
             }
             Reader reader = new Reader();
             reader.Start(writer.Data, 0, writer.Count);

@@ -26,7 +26,7 @@ namespace Pacinian.Haptics
                 }
             }
             problem = all.Parts.Count == 0 ? "has no collider that is enabled: add a box, sphere, capsule or mesh"
-                : all.Parts.Count > Protocol.MostParts ? "has more than " + Protocol.MostParts + " colliders"
+                : all.Parts.Count > Protocol.MaxParts ? "has more than " + Protocol.MaxParts + " colliders"
                 : "";
             return problem.Length > 0 ? null : all.Parts.Count > 1 ? all : (ISolid)all.Parts[0];
         }

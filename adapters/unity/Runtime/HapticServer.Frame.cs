@@ -56,7 +56,7 @@ namespace Pacinian.Haptics
         private void SendHands(Rigid toArray, double now)
         {
             _hands.Clear();
-            for (int i = 0; i < HapticHand.All.Count && _hands.Count < Wire.Protocol.MostHands; i++)
+            for (int i = 0; i < HapticHand.All.Count && _hands.Count < Wire.Protocol.MaxHands; i++)
             {
                 _hands.Add(HapticHand.All[i].Frame(toArray, now));
             }
@@ -74,7 +74,7 @@ namespace Pacinian.Haptics
         {
             bool changed = _zones.Count > 0 && _zonesSession != _session;
             int count = 0;
-            for (int i = 0; i < QuietZone.All.Count && count < Wire.Protocol.MostZones; i++)
+            for (int i = 0; i < QuietZone.All.Count && count < Wire.Protocol.MaxZones; i++)
             {
                 if (count == _zones.Count)
                 {

@@ -24,7 +24,7 @@ namespace Pacinian.Haptics
             bool mirrored = scale.x * scale.y * scale.z < 0f;
             int faces = Faces(mesh.triangles, index, mirrored, made);
             problem = faces == 0 ? "its mesh has no triangles"
-                : faces > Wire.Protocol.MostFaces ? "its mesh has " + faces + " triangles: keep to " + Wire.Protocol.MostFaces
+                : faces > Wire.Protocol.MaxFaces ? "its mesh has " + faces + " triangles: keep to " + Wire.Protocol.MaxFaces
                 : "";
             return problem.Length > 0 ? null : made;
         }

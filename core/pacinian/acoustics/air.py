@@ -6,7 +6,7 @@ import functools
 import math
 from dataclasses import dataclass, field
 
-from pacinian.checks import number
+from pacinian.checks import check_number
 from pacinian.errors import ArgumentError
 
 GAS = 8.314462618  # [J/(mol K)]
@@ -43,23 +43,26 @@ class Air:
 
     def __post_init__(self) -> None:
         set_ = functools.partial(object.__setattr__, self)
-        set_("humidity", number("humidity", self.humidity, low=0.0, high=1.0))
+        set_("humidity", check_number("humidity", self.humidity, low=0.0, high=1.0))
         set_(
-            "ambient_pressure", number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7)
+            "ambient_pressure",
+            check_number("ambient_pressure", self.ambient_pressure, low=1e3, high=1e7),
         )
         if self.temperature is not None:
-            set_("temperature", number("temperature", self.temperature, low=-80.0, high=100.0))
+            set_(
+                "temperature", check_number("temperature", self.temperature, low=-80.0, high=100.0)
+            )
         elif not self.speed_of_sound:
             set_("temperature", ROOM)
         c, rho = _ideal_gas(self._celsius, self.humidity, self.ambient_pressure)
         if self.speed_of_sound:
-            c = number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
+            c = check_number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
         set_("speed_of_sound", c)
-        set_("density", number("density", self.density, low=0.0) or rho)
+        set_("density", check_number("density", self.density, low=0.0) or rho)
         if self.absorption is not None:
-            set_("absorption", number("absorption", self.absorption, low=0.0, high=1e3))
+            set_("absorption", check_number("absorption", self.absorption, low=0.0, high=1e3))
         if not isinstance(self.attenuation, str):
-            power = number("attenuation", self.attenuation, low=0.0, high=2.0)
+            power = check_number("attenuation", self.attenuation, low=0.0, high=2.0)
         elif self.attenuation in POWERS:
             power = POWERS[self.attenuation]
         else:

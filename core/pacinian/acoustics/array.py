@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
-from pacinian.checks import integer, length, near, number, numbers
+from pacinian.checks import check_integer, check_length, check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 PITCH = 0.01016  # [m], AUTD unit
 UNIT = (0.1920, 0.1514)  # [m], an AUTD unit's board
 HINGE = 1e-9  # [m]; a transducer this near is on the hinge
-FAINTEST = 1e-3  # of its kind's strength; below, a transducer is dead
+MIN_STRENGTH = 1e-3  # of its kind's strength; below, a transducer is dead
 WORLD = 1e7  # [m]; positions farther from the origin are rounded to more than 2 nm
 DOTS = 5000  # at most, in a notebook's small picture
 MISSING = ((1, 1), (2, 1), (16, 1))  # (column, row) of the 18 x 14 grid without a transducer
@@ -53,7 +53,7 @@ class Array:
         transducer: Transducer = IDEAL,
         response: ArrayLike | None = None,
     ) -> None:
-        r = numbers("positions", positions, (None, 3)).copy()
+        r = check_numbers("positions", positions, (None, 3)).copy()
         if not len(r):
             raise ArgumentError("positions", "must hold at least one transducer")
         if (farthest := np.abs(r).max()) > WORLD:
@@ -62,9 +62,9 @@ class Array:
                 f"reach {farthest:.4g} m from the origin, more than {WORLD:g} m, where rounding would "
                 "make phases wrong: put the origin nearer",
             )
-        near("positions", r, r.mean(axis=0))
+        check_near("positions", r, r.mean(axis=0))
         try:
-            n = numbers(
+            n = check_numbers(
                 "normals", np.broadcast_to(np.asarray(normals, dtype=np.float64), r.shape), r.shape
             )
         except (TypeError, ValueError):
@@ -171,7 +171,7 @@ class Array:
         if hinge not in ("x", "y"):
             raise ArgumentError("hinge", f'must be "x" or "y", not {hinge!r}')
         bent = 1 if hinge == "x" else 0  # the coordinate that is bent
-        radians = np.radians(number("angle", angle, low=-180.0, high=180.0))
+        radians = np.radians(check_number("angle", angle, low=-180.0, high=180.0))
         r, n = self.positions.copy(), self.normals.copy()
         low, high = r.min(axis=0), r.max(axis=0)
         line = (low + high) / 2.0
@@ -198,11 +198,11 @@ def _response(given: ArrayLike | None, count: int) -> Complexes | None:
     if made.shape != (count,):
         raise ArgumentError("response", f"must have shape ({count},), not {made.shape}")
     size = np.abs(made)
-    if not ((size >= FAINTEST) & (size <= 1.0 / FAINTEST)).all():
-        worst = int(np.argmax(~((size >= FAINTEST) & (size <= 1.0 / FAINTEST))))
+    if not ((size >= MIN_STRENGTH) & (size <= 1.0 / MIN_STRENGTH)).all():
+        worst = int(np.argmax(~((size >= MIN_STRENGTH) & (size <= 1.0 / MIN_STRENGTH))))
         raise ArgumentError(
             "response",
-            f"must be {FAINTEST:g} to {1.0 / FAINTEST:g} in size: [{worst}] is {size[worst]:g}; "
+            f"must be {MIN_STRENGTH:g} to {1.0 / MIN_STRENGTH:g} in size: [{worst}] is {size[worst]:g}; "
             "leave out what is dead (`without`)",
         )
     made.flags.writeable = False
@@ -218,13 +218,13 @@ def lattice(
     transducer: their kind, ideal unless given.
     `lattice(0.2, 0.4)` has 21 x 41 transducers. Raises ArgumentError.
     """
-    pitch = length("pitch", pitch)
+    pitch = check_length("pitch", pitch)
     if pitch < 1e-4:
         raise ArgumentError(
             "pitch", f"is {pitch:g} m: lengths are in metres, and transducers are larger"
         )
     counts = [
-        1 + round(length(name, extent) / pitch)
+        1 + round(check_length(name, extent) / pitch)
         for name, extent in (("width", width), ("height", height))
     ]
     if counts[0] * counts[1] > 1_000_000:
@@ -243,7 +243,7 @@ def autd(columns: int = 1, rows: int = 1, transducer: Transducer = T4010A1) -> A
     transducer: their kind. Positions [m] are those of the AUTD3 board, 10.16 mm apart.
     Order: unit by unit along x, then y; in a unit row by row. Raises ArgumentError.
     """
-    columns, rows = integer("columns", columns, low=1), integer("rows", rows, low=1)
+    columns, rows = check_integer("columns", columns, low=1), check_integer("rows", rows, low=1)
     if columns * rows > 1000:
         raise ArgumentError("columns", f"x rows is {columns * rows} units: more than 1000")
     grid = [(i, j) for j in range(14) for i in range(18) if (i, j) not in MISSING]

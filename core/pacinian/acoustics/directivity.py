@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import length, number
+from pacinian.checks import check_length, check_number
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -54,8 +54,8 @@ class Piston:
     wavenumber: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", length("radius", self.radius))
-        object.__setattr__(self, "wavenumber", number("wavenumber", self.wavenumber, low=0.0))
+        object.__setattr__(self, "radius", check_length("radius", self.radius))
+        object.__setattr__(self, "wavenumber", check_number("wavenumber", self.wavenumber, low=0.0))
 
     def __call__(self, cos_theta: Floats) -> Floats:
         """D, same shape as `cos_theta`."""

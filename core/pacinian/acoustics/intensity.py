@@ -14,10 +14,10 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
-from pacinian.checks import kind, numbers
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def intensity(
     gains: ArrayLike,
     points: ArrayLike,
     medium: Air | None = None,
-    facing: Facing | None = None,
+    facing: SkinFacing | None = None,
 ) -> Floats:
     """Active intensity I [W/m^2] at M points, (M, 3): where energy flows to, and how much.
 
@@ -62,7 +62,7 @@ def normal_pressure(
     array: Array,
     gains: ArrayLike,
     points: ArrayLike,
-    facing: Facing,
+    facing: SkinFacing,
     medium: Air | None = None,
 ) -> Floats:
     """Radiation pressure along the normals of skin [Pa], (M,); 2 E cos^2(theta) for a plane wave.
@@ -80,13 +80,13 @@ def normal_pressure(
 
 
 def _checked(
-    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, facing: Facing | None
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, facing: SkinFacing | None
 ) -> tuple[Complexes, Floats]:
     """Gains (N,) and points (M, 3) that fit."""
-    q = numbers("points", points, (None, 3))
+    q = check_numbers("points", points, (None, 3))
     field(array, gains, q, medium)  # refuses what it cannot evaluate
     if facing is not None:
-        kind("facing", facing, Facing)
+        check_kind("facing", facing, SkinFacing)
         if len(facing) != len(q):
             raise ArgumentError("facing", f"must have {len(q)} normals, as many as points")
     return np.asarray(gains, dtype=np.complex128), q

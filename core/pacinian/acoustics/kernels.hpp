@@ -12,7 +12,7 @@
 #include <algorithm>
 
 #include "pacinian/acoustics/directions.hpp"
-#include "pacinian/acoustics/facing.hpp"
+#include "pacinian/acoustics/skin_facing.hpp"
 #include "pacinian/native/math.hpp"
 
 namespace pacinian::acoustics {

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import number, numbers
+from pacinian.checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -26,11 +26,11 @@ def vector(name: str, value: ArrayLike) -> Vector:
         x, y, z = cast("Vector", value)
         if all(type(v) is float and isfinite(v) for v in (x, y, z)):
             return x, y, z
-    x, y, z = numbers(name, value, (3,)).tolist()
+    x, y, z = check_numbers(name, value, (3,)).tolist()
     return x, y, z
 
 
-def product(a: Quaternion, b: Quaternion) -> Quaternion:
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     """The rotation b, then the rotation a."""
     x, y, z, w = a
     p, q, r, s = b
@@ -42,14 +42,14 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
     )
 
 
-def turned(rotation: Quaternion, angular_velocity: Vector, seconds: float) -> Quaternion:
+def rotate(rotation: Quaternion, angular_velocity: Vector, seconds: float) -> Quaternion:
     """`rotation`, turned on at `angular_velocity` [rad/s], about the world's axes, for `seconds` [s]."""
     rate = hypot(*angular_velocity)
     if not rate:
         return rotation
     half = rate * seconds / 2.0
     x, y, z = (sin(half) * v / rate for v in angular_velocity)
-    return product((x, y, z, cos(half)), rotation)
+    return multiply((x, y, z, cos(half)), rotation)
 
 
 class Pose(Struct, frozen=True, forbid_unknown_fields=True):
@@ -66,7 +66,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         force_setattr(self, "position", vector("position", self.position))
         if self.rotation is UPRIGHT or (type(self.rotation) is tuple and self.rotation == UPRIGHT):
             return
-        q = numbers("rotation", self.rotation, (4,))
+        q = check_numbers("rotation", self.rotation, (4,))
         size = hypot(*q.tolist())
         if abs(size - 1.0) > 0.01:
             raise ArgumentError(
@@ -99,6 +99,6 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         """A pose turned about "x", "y" or "z" by `angle` [deg], then placed at `position` [m]."""
         if axis not in ("x", "y", "z"):
             raise ArgumentError("axis", f'must be "x", "y" or "z", not {axis!r}')
-        half = np.radians(number("angle", angle)) / 2.0
+        half = np.radians(check_number("angle", angle)) / 2.0
         xyz = [float(np.sin(half)) if name == axis else 0.0 for name in "xyz"]
         return cls(vector("position", position), (xyz[0], xyz[1], xyz[2], float(np.cos(half))))

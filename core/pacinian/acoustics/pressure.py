@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.checks import kind, number
+from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
     medium: gives rho and c. alpha: about 2 on skin. Returns the shape of `p`.
     Raises ArgumentError.
     """
-    kind("medium", medium, Air)
-    alpha = number("alpha", alpha, low=0.0, above=True)
+    check_kind("medium", medium, Air)
+    alpha = check_number("alpha", alpha, low=0.0, above=True)
     rms2 = _amplitude(p) ** 2 / 2.0  # [Pa^2]
     return np.asarray(alpha * rms2 / (medium.density * medium.speed_of_sound**2))
 
@@ -36,8 +36,8 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
     radiation_pressure: [Pa], not negative, any shape. medium: gives rho and c. alpha: about 2 on skin.
     Returns the shape of `radiation_pressure`. Raises ArgumentError.
     """
-    kind("medium", medium, Air)
-    alpha = number("alpha", alpha, low=0.0, above=True)
+    check_kind("medium", medium, Air)
+    alpha = check_number("alpha", alpha, low=0.0, above=True)
     try:
         P = np.asarray(radiation_pressure, dtype=np.float64)
     except (TypeError, ValueError):

@@ -18,7 +18,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.checks import FAR, numbers
+from pacinian.checks import FAR, check_numbers
 from pacinian.errors import ArgumentError, PointOnTransducer
 
 if TYPE_CHECKING:
@@ -32,13 +32,13 @@ Precision = Literal["single", "double"]
 STEPS = (
     1 << 16
 )  # of cos(theta) in the kernels' directivity table, constant on each; T4010A1: 1.5e-5 off at most
-LOUDEST = 1e30  # gain; single precision ends at 3e38
+MAX_GAIN = 1e30  # gain; single precision ends at 3e38
 TOUCHING = 1e-6  # [m]; a point this near is on the transducer
 CHUNK = 1 << 18  # elements of B that one step of the double-precision field holds
 
 
 @dataclass(frozen=True, eq=False)
-class Wave:
+class KernelData:
     """What the kernels need of an array and a medium, prepared once.
 
     origin: the array's centre [m], subtracted in double precision, so that an array a kilometre from
@@ -56,7 +56,7 @@ class Wave:
 
     @classmethod
     @functools.lru_cache(maxsize=16)
-    def prepare(cls, array: Array, medium: Air) -> Wave:
+    def prepare(cls, array: Array, medium: Air) -> KernelData:
         """Prepare for `array` in `medium`; kept for a few of them."""
         kind = array.transducer
         origin = array.centre
@@ -118,7 +118,7 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
     Raises ArgumentError; PointOnTransducer where the attenuation is singular.
     """
     medium = medium or Air()
-    q = numbers("points", points, (None, 3))
+    q = check_numbers("points", points, (None, 3))
     kind = array.transducer
     d = q[:, None, :] - array.positions  # (M, N, 3) [m]
     distance = np.sqrt((d * d).sum(axis=2))  # (M, N) [m]
@@ -164,8 +164,8 @@ def field(
         raise ArgumentError("gains", f"must be numbers: {error}") from None
     if g.shape != (len(array),):
         raise ArgumentError("gains", f"must have shape ({len(array)},), not {g.shape}")
-    if not np.abs(g).max() < LOUDEST:
-        raise ArgumentError("gains", f"must be finite, and below {LOUDEST:g}")
+    if not np.abs(g).max() < MAX_GAIN:
+        raise ArgumentError("gains", f"must be finite, and below {MAX_GAIN:g}")
     try:
         given = np.asarray(points, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -175,14 +175,14 @@ def field(
     shape = given.shape
     if not shape or shape[-1] != 3:
         raise ArgumentError("points", f"must have shape (..., 3), not {shape}")
-    q = numbers("points", given.reshape(-1, 3), (None, 3))
-    wave = Wave.prepare(array, medium)
+    q = check_numbers("points", given.reshape(-1, 3), (None, 3))
+    wave = KernelData.prepare(array, medium)
     far = len(q) and np.abs(q - wave.origin).max() > FAR
     evaluate = _double if precision == "double" or far else _single
     return evaluate(wave, g, q).reshape(shape[:-1])
 
 
-def _single(wave: Wave, g: Complexes, points: Floats) -> Gains:
+def _single(wave: KernelData, g: Complexes, points: Floats) -> Gains:
     from pacinian.native import acoustics as kernels
 
     q = np.ascontiguousarray(points - wave.origin, dtype=np.float32)
@@ -205,7 +205,7 @@ def _single(wave: Wave, g: Complexes, points: Floats) -> Gains:
     return p
 
 
-def _double(wave: Wave, g: Complexes, points: Floats) -> Complexes:
+def _double(wave: KernelData, g: Complexes, points: Floats) -> Complexes:
     rows = max(1, CHUNK // len(g))
     p = np.empty(len(points), dtype=np.complex128)
     touching: list[int] = []

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.acoustics.propagation import Wave
-from pacinian.checks import numbers
+from pacinian.acoustics.propagation import KernelData
+from pacinian.checks import check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def resolution(array: Array, points: ArrayLike, medium: Air | None = None) -> Fl
     array: N transducers. points: [m], (M, 3). medium: `Air()` unless given. Raises ArgumentError; PointOnTransducer.
     """
     medium = medium or Air()
-    q = numbers("points", points, (None, 3))
+    q = check_numbers("points", points, (None, 3))
     _, C = _spread(array, q, np.zeros_like(q), medium)
     sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(C)[:, -1], 0.0))
     wavelength = medium.wavelength(array.transducer.frequency)
@@ -62,13 +62,13 @@ def focal_area(
 
     array: N transducers. points: [m], (M, 3). normals: of the skin, outward, (M, 3); zero, or not given, for a plane
     across the way on which the sound comes. Where there is a normal, sound counts with the cosine of its incidence
-    (`Facing`). medium: `Air()` unless given. even: whether all transducers are driven alike, as `single-focus` does (w
-    = |B|); else in proportion to how well each is heard, which takes the least power (w = |B|^2), as `lagrange` does.
+    (`SkinFacing`). medium: `Air()` unless given. even: whether all transducers are driven alike, as by `single-focus`
+    (w = |B|); else in proportion to how well each is heard, which takes the least power (w = |B|^2), as by `lagrange`.
     Raises ArgumentError; PointOnTransducer.
     """
     medium = medium or Air()
-    q = numbers("points", points, (None, 3))
-    n = np.zeros_like(q) if normals is None else numbers("normals", normals, (None, 3))
+    q = check_numbers("points", points, (None, 3))
+    n = np.zeros_like(q) if normals is None else check_numbers("normals", normals, (None, 3))
     if len(n) != len(q):
         raise ArgumentError("normals", f"must be one for each of {len(q)} points, not {len(n)}")
     mean, C = _spread(array, q, n, medium, even=even)
@@ -88,7 +88,7 @@ def _spread(
     from pacinian.native.acoustics import spread
 
     B = np.empty((len(q), len(array)), dtype=np.complex64)
-    Wave.prepare(array, medium).matrix(q, B)
+    KernelData.prepare(array, medium).matrix(q, B)
     mean, C = np.empty((len(q), 3)), np.empty((len(q), 3, 3))
     spread(np.ascontiguousarray(q), np.ascontiguousarray(n), array.positions, B, even, mean, C)
     return mean, C

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pacinian.acoustics.directivity import omni, t4010a1
-from pacinian.checks import number
+from pacinian.checks import check_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,9 +30,11 @@ class Transducer:
     directivity: Callable[[Floats], Floats] = omni
 
     def __post_init__(self) -> None:
-        frequency = number("frequency", self.frequency, low=1.0, high=1e9)
+        frequency = check_number("frequency", self.frequency, low=1.0, high=1e9)
         object.__setattr__(self, "frequency", frequency)
-        object.__setattr__(self, "pressure", number("pressure", self.pressure, low=1e-6, high=1e6))
+        object.__setattr__(
+            self, "pressure", check_number("pressure", self.pressure, low=1e-6, high=1e6)
+        )
 
 
 IDEAL = Transducer()

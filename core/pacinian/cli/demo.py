@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.running import drawable
+from pacinian.cli.run_output import drawable
 
 
 @click.command()
@@ -48,7 +48,7 @@ def demo(
     and draws the field of the last tick.
     """
     from pacinian.acoustics.array import autd
-    from pacinian.cli.running import picture, progress, summary, tell
+    from pacinian.cli.run_output import picture, progress, summary, tell
     from pacinian.demo import alternate, circling
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from pacinian.cli.findings import Finding
+from pacinian.cli.doctor_rules import Finding
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
@@ -53,7 +53,7 @@ def calibrate(
     """
     from pacinian.acoustics.air import Air
     from pacinian.cli.doctor import tell
-    from pacinian.devices.calibration import write
+    from pacinian.devices.calibration import write_calibration
     from pacinian.devices.scan import read_scan, undo_calibration
     from pacinian.devices.scan_fit import fit_scan
 
@@ -81,7 +81,7 @@ def calibrate(
         for key, n in zip(keys, order, strict=True)
         if not fit.unseen[n]
     }
-    write(out, measured)
+    write_calibration(out, measured)
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
     findings = _findings(fit, scan, names, device.transducer.pressure)
     if as_json:

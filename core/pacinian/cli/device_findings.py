@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.cli.findings import Finding
+from pacinian.cli.doctor_rules import Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.device_calibrate import calibrate
-from pacinian.cli.findings import RIGHTS
-from pacinian.cli.running import drawable
+from pacinian.cli.doctor_rules import RIGHTS
+from pacinian.cli.run_output import drawable
 
 if TYPE_CHECKING:
-    from pacinian.cli.findings import Finding
+    from pacinian.cli.doctor_rules import Finding
     from pacinian.devices.description import DeviceDescription
     from pacinian.plugins.backend import Found
 
@@ -41,10 +41,10 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
     """
     if context.invoked_subcommand:
         return
-    from pacinian.plugins.discovery import connected
+    from pacinian.plugins.discovery import list_connected
     from pacinian.plugins.registry import installed
 
-    found = connected(installed(), backend)
+    found = list_connected(installed(), backend)
     if as_json:
         click.echo(json.dumps({"devices": [asdict(f) for f in found]}))
     else:
@@ -92,13 +92,13 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
     """
     from pacinian.cli.device_findings import calibration, described
     from pacinian.cli.doctor import tell
-    from pacinian.devices.calibration import read
+    from pacinian.devices.calibration import read_calibration
     from pacinian.devices.description import DeviceDescription
 
     device = DeviceDescription.load(file)
     findings = described(device)
     if device.calibration:
-        findings.append(calibration(device, read(file.parent / device.calibration)))
+        findings.append(calibration(device, read_calibration(file.parent / device.calibration)))
     if not offline:
         findings += _looked(device)
     if as_json:
@@ -114,7 +114,7 @@ def _looked(device: DeviceDescription) -> list[Finding]:
     from pacinian.cli.device_findings import connected, levels
     from pacinian.plugins import discovery, registry
 
-    found = connected(device, discovery.connected(registry.installed(), device.backend))
+    found = connected(device, discovery.list_connected(registry.installed(), device.backend))
     if device.backend:
         found.insert(0, levels(device, registry.backend(device.backend).capability))
     return found
@@ -139,10 +139,10 @@ def udev() -> None:
 
     Its file must sort below 73: 72-pacinian.rules.
     """
-    from pacinian.cli.udev import rules
+    from pacinian.cli.udev import make_rules
     from pacinian.plugins.registry import installed
 
-    click.echo(rules(installed()), nl=False)
+    click.echo(make_rules(installed()), nl=False)
 
 
 @devices.command()

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 
 if TYPE_CHECKING:
-    from pacinian.cli.findings import Finding
+    from pacinian.cli.doctor_rules import Finding
 
 COLOURS = {"ok": "green", "warning": "yellow", "problem": "bold red"}
 
@@ -24,7 +24,7 @@ def doctor(connection: str | None, as_json: bool) -> None:
 
     Changes nothing. Exit code 1 if anything is a problem; warnings are none.
     """
-    from pacinian.cli.examining import examine
+    from pacinian.cli.doctor_probes import examine
 
     findings = examine(connection)
     if as_json:

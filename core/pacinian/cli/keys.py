@@ -18,9 +18,9 @@ def keys() -> None:
 @FOLDER
 def server(folder: str) -> None:
     """Make the server's own pair of keys."""
-    from pacinian.serving.ipc.auth import make
+    from pacinian.serving.ipc.auth import make_key_pair
 
-    public, secret = make(folder, "server", server=True)
+    public, secret = make_key_pair(folder, "server", server=True)
     click.echo(f"public, for clients:     {public}")
     click.echo(f"secret, for the server:  {secret}")
 
@@ -36,12 +36,12 @@ def client(name: str, folder: str, host: str, ports: tuple[int, int, int] | None
     With --host and --ports a connection file is written that holds all that the client needs: carry it there
     by a way that nobody else can read, and delete it here.
     """
-    from pacinian.serving.ipc.auth import make, remote
+    from pacinian.serving.ipc.auth import make_key_pair, write_remote_connection
 
     if bool(host) != bool(ports):
         raise click.UsageError("--host and --ports go together")
-    public, secret = make(folder, name)
+    public, secret = make_key_pair(folder, name)
     click.echo(f"public, let in:          {public}")
     click.echo(f"secret, for the client:  {secret}")
     if host and ports:
-        click.echo(f"connection file:         {remote(folder, name, host, ports)}")
+        click.echo(f"connection file:         {write_remote_connection(folder, name, host, ports)}")

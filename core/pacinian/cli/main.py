@@ -9,22 +9,17 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from pacinian.cli.bench import bench
 from pacinian.cli.demo import demo
 from pacinian.cli.devices import devices
 from pacinian.cli.doctor import doctor
 from pacinian.cli.keys import keys
-from pacinian.cli.paper import paper
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
 from pacinian.cli.replay import replay
 from pacinian.cli.schema import schema
 from pacinian.cli.serve import serve
-from pacinian.cli.soak import soak
 from pacinian.cli.status import status
 from pacinian.cli.stop import stop
-from pacinian.cli.stress import stress
-from pacinian.cli.study import study
 from pacinian.cli.view import view
 from pacinian.cli.watch import watch
 from pacinian.cli.wire import wire
@@ -40,7 +35,36 @@ Exit codes: 0 done; 1 the run met a fault; 2 a bad argument, file or plug-in; 13
 """
 
 
-@click.group(epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+class Commands(click.Group):
+    """The core's commands, and those of plug-ins.
+
+    Plug-ins are imported only for help and for a name that the core does not have. A plug-in cannot replace a command
+    of the core.
+    """
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The core's commands, then those of plug-ins by name."""
+        from pacinian.plugins.registry import installed
+
+        installed().load(kind="command")
+        return [*self.commands, *sorted(set(installed().commands) - set(self.commands))]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of that name. Raises UsageError if there is none and a plug-in did not load."""
+        if command := self.commands.get(cmd_name):
+            return command
+        from pacinian.plugins.registry import installed
+
+        installed().load(kind="command")
+        if offer := installed().commands.get(cmd_name):
+            return offer.command
+        if failed := installed().failed:
+            problems = "; ".join(map(str, failed.values()))
+            raise click.UsageError(f"No such command {cmd_name!r}. {problems}")
+        return None
+
+
+@click.group(cls=Commands, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="pacinian")
 def cli() -> None:
     """Mid-air haptics: a scene goes in, gains for an ultrasound transducer array come out."""
@@ -49,7 +73,7 @@ def cli() -> None:
 COMMANDS = (
     *(demo, render, replay, schema),
     *(serve, status, watch, view, stop, keys, doctor),
-    *(devices, plugins, wire, bench, soak, stress, study, paper),
+    *(devices, plugins, wire),
 )
 for command in COMMANDS:
     cli.add_command(command)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from pacinian.plugins.registry import Offer
+    from pacinian.plugins.registry import CommandOffer, Offer, Plugins
 
 
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def plugins(as_json: bool) -> None:
-    """List solvers and backends: their settings and where they come from.
+    """List solvers, backends and commands: their settings and where they come from.
 
     A plug-in that does not load is named with the reason; the exit code is then 1.
     """
@@ -24,9 +24,14 @@ def plugins(as_json: bool) -> None:
     offers = found.list()
     if as_json:
         failed = {name: str(error) for name, error in found.failed.items()}
-        click.echo(json.dumps({"plugins": [_plain(o) for o in offers], "failed": failed}))
+        commands = [_describe_command(c) for c in _sort_commands(found)]
+        listed = {"plugins": [_plain(o) for o in offers], "commands": commands, "failed": failed}
+        click.echo(json.dumps(listed))
     else:
         _tell(offers)
+        for command in _sort_commands(found):
+            click.echo(f"{command.name}  command, from {command.distribution}")
+            click.echo(f"    {command.command.get_short_help_str(limit=100)}")
         for error in found.failed.values():
             click.echo(str(error), err=True)
     if found.failed:
@@ -44,6 +49,15 @@ def _plain(offer: Offer) -> dict[str, Any]:
         "summary": _summary(offer),
         "from": offer.distribution,
     }
+
+
+def _sort_commands(plugins: Plugins) -> list[CommandOffer]:
+    return [plugins.commands[name] for name in sorted(plugins.commands)]
+
+
+def _describe_command(offer: CommandOffer) -> dict[str, str]:
+    summary = offer.command.get_short_help_str(limit=100)
+    return {"name": offer.name, "summary": summary, "from": offer.distribution}
 
 
 def _tell(offers: list[Offer]) -> None:

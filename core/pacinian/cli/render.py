@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.running import drawable
+from pacinian.cli.run_output import drawable
 
 
 @click.command()
@@ -40,17 +40,17 @@ def render(
     """Render a scene file (TOML or JSON; `pacinian schema` prints its schema)."""
     from msgspec.structs import replace
 
-    from pacinian.cli.running import picture, progress, summary, tell
+    from pacinian.cli.run_output import picture, progress, summary, tell
     from pacinian.rendering.recording import Recorder
-    from pacinian.rendering.starting import renderer_of
-    from pacinian.scene.file import load
+    from pacinian.rendering.scene_renderer import make_renderer
+    from pacinian.scene.file import load_scene_file
 
-    file = load(scene)
+    file = load_scene_file(scene)
     if solver:
         file = replace(file, solver=solver)
     if backend:
         file = replace(file, backend=backend)
-    renderer = renderer_of(file, scene)
+    renderer = make_renderer(file, scene)
     if record:
         renderer.recorder = Recorder(record)
     extra: dict[str, Any] = {"seconds": seconds, "scene": str(scene), "record": record}

@@ -10,6 +10,6 @@ import click
 @click.command()
 def schema() -> None:
     """Print the JSON Schema of scene files."""
-    from pacinian.scene.file import schema as made
+    from pacinian.scene.file import make_schema as made
 
     click.echo(json.dumps(made(), indent=2))

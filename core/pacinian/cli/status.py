@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -120,12 +120,14 @@ def _felt(state: State) -> dict[str, str]:
     import numpy as np
     from rich.markup import escape
 
-    from pacinian.solving.felt import Felt
+    from pacinian.solving.felt_regions import FeltRegion
 
     figures = np.frombuffer(state.felt, "<f4").reshape(-1, 4).tolist()
     told = zip(state.objects, figures, strict=False)
     return {
-        escape(f"felt of {name}"): str(Felt(*four)) for name, four in told if four[0] == four[0]
+        escape(f"felt of {name}"): str(FeltRegion(*four))
+        for name, four in told
+        if four[0] == four[0]
     }
 
 

@@ -6,7 +6,7 @@ import json
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 
 STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Client().reset()`"
 

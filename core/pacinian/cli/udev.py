@@ -19,7 +19,7 @@ RULE = (
 )
 
 
-def rules(plugins: Plugins) -> str:
+def make_rules(plugins: Plugins) -> str:
     """The text of the rule, with a line for each kind of USB device."""
     plugins.load(kind="backend")
     text = HEAD

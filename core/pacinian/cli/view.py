@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 
 if TYPE_CHECKING:
     import asyncio

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connecting import CONNECTION
+from pacinian.cli.connection_option import CONNECTION
 from pacinian.cli.status import plain, table
 
 if TYPE_CHECKING:

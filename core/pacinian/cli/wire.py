@@ -11,7 +11,7 @@ import click
 @click.option("--schema", is_flag=True, help="As an AsyncAPI document with JSON Schemas instead.")
 def wire(schema: bool) -> None:
     """Print how a program in any language talks to `pacinian serve`."""
-    from pacinian.wire.document import document
-    from pacinian.wire.page import page
+    from pacinian.wire.asyncapi import make_asyncapi
+    from pacinian.wire.markdown import make_page
 
-    click.echo(json.dumps(document(), indent=2) if schema else page().rstrip())
+    click.echo(json.dumps(make_asyncapi(), indent=2) if schema else make_page().rstrip())

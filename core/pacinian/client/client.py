@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import number
+from pacinian.checks import check_number
 from pacinian.client import messages
-from pacinian.client.connected import Connected
+from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ServerError, WireError
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
-from pacinian.wire.protocol import LATEST
+from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 from pacinian.wire.state import State
 
 if TYPE_CHECKING:
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.pose import Pose
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.modulation.envelope import Envelope
+    from pacinian.scene.modulation.technique import Technique
     from pacinian.scene.motion import Motion
     from pacinian.scene.objects import Object
-    from pacinian.scene.time.envelope import Envelope
-    from pacinian.scene.time.technique import Technique
-    from pacinian.solving.felt import Felt
-    from pacinian.solving.zone import Zone
+    from pacinian.solving.felt_regions import FeltRegion
+    from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
 
 CHANGE = 12.0  # [s] that another solver or backend may take to be ready
 
 
-class Client(Connected):
+class Client(BaseClient):
     """A session with `pacinian serve`; a context manager. Belongs to the thread that makes it, but for `stop`.
 
     connection: its file, by default where the server writes it, or what is in there. name: for people. scene:
@@ -62,7 +62,7 @@ class Client(Connected):
 
         duration: after which they are removed by themselves [s].
         """
-        for batch in messages.put(objects, duration):
+        for batch in messages.make_put(objects, duration):
             self._command(commands.Put, ttl, wait, objects=batch)
 
     def move(
@@ -86,12 +86,12 @@ class Client(Connected):
         wait: bool = True,
     ) -> None:
         """New poses by name, in one message; those without a motion stand still."""
-        for batch in messages.moves(poses, motions or {}):
+        for batch in messages.make_moves(poses, motions or {}):
             self._command(commands.Move, ttl, wait, **batch)
 
     def remove(self, *names: str, ttl: float = 1.0, wait: bool = True) -> None:
         """Take objects away; names that nothing has are no error."""
-        for batch in messages.batches(names):
+        for batch in messages.split_batches(names):
             self._command(commands.Remove, ttl, wait, names=batch)
 
     def clear(self, *, ttl: float = 1.0, wait: bool = True) -> None:
@@ -108,7 +108,7 @@ class Client(Connected):
     ) -> None:
         """How strong objects that are there are over time, from now on."""
         wire = envelope_to_wire(envelope)
-        for batch in messages.batches((names,) if isinstance(names, str) else names):
+        for batch in messages.split_batches((names,) if isinstance(names, str) else names):
             self._command(commands.Envelopes, ttl, wait, names=batch, envelope=wire)
 
     def hands(self, *hands: Hand, ttl: float = 1.0, wait: bool = True) -> None:
@@ -117,19 +117,19 @@ class Client(Connected):
         None: nothing is felt, as with lost ones only, which have no joints; the scene stays. Their `time` is of this
         client's clock; now unless given. Hands that are not lost must have joints.
         """
-        frames, times = messages.hands(hands), [h.time for h in hands if h.time is not None]
+        frames, times = messages.make_hands(hands), [h.time for h in hands if h.time is not None]
         now = self._clock()
         seen = min(max(times, default=now), now)
         self._command(commands.Hands, ttl, wait, seen, hands=frames)
 
     def quiet(self, *zones: Zone, ttl: float = 1.0, wait: bool = True) -> None:
         """All quiet zones of this client, in place of those before. The array is silent until they are prepared."""
-        self._command(commands.Quiet, ttl, wait, zones=messages.zones(zones))
+        self._command(commands.Quiet, ttl, wait, zones=messages.make_zones(zones))
 
     def field(self, points: ArrayLike) -> Complexes:
         """Complex sound pressure at points (K, 3) [m] of what is emitted now, (K,) [Pa]."""
-        command = self._made(commands.Field, 1.0, points=messages.points(points))
-        answer = self._live().tell(command, replies.Pressures)
+        command = self._make_object(commands.Field, 1.0, points=messages.make_points(points))
+        answer = self._live().send_command(command, replies.Pressures)
         pairs = unpack(answer.pressures, 2).astype(np.float64)
         return np.asarray(pairs[:, 0] + 1j * pairs[:, 1])
 
@@ -138,8 +138,8 @@ class Client(Connected):
 
         scene, since: `scene` and `version` of the last answer: what was told then is not told again.
         """
-        command = self._made(commands.Show, 1.0, scene=scene, since=since)
-        return self._live().tell(command, replies.Shown)
+        command = self._make_object(commands.Show, 1.0, scene=scene, since=since)
+        return self._live().send_command(command, replies.Shown)
 
     def arm(self, take: bool = False) -> None:
         """This client's scene is to be felt, for as long as `renew` is called. take: from its owner, if need be."""
@@ -179,9 +179,9 @@ class Client(Connected):
 
         Ctrl-C, or a notebook's stop button, disarms. Raises as `renew`.
         """
-        end = self._clock() + number("seconds", seconds, low=0.0)
+        end = self._clock() + check_number("seconds", seconds, low=0.0)
         live = self._live(again=False)
-        every = number("every", live.every if every is None else every, low=0.0, above=True)
+        every = check_number("every", live.every if every is None else every, low=0.0, above=True)
         due = self._clock()
         try:
             while (now := self._clock()) < end:
@@ -217,9 +217,9 @@ class Client(Connected):
         }
         live = self._live()
         if wait:
-            live.change(control.Select, CHANGE, **fields)
+            live.request_slow(control.Select, CHANGE, **fields)
             return 0
-        return live.start(control.Select, **fields)
+        return live.request_nowait(control.Select, **fields)
 
     def capabilities(self) -> replies.Abilities:
         """What there is: the array, solvers, backends, limits."""
@@ -244,25 +244,27 @@ class Client(Connected):
             yield state
 
     @staticmethod
-    def felt(state: State) -> dict[str, Felt]:
+    def felt(state: State) -> dict[str, FeltRegion]:
         """What is felt of each surface and volume in a state, by name: between its samples, against what was asked.
 
         Points and paths are left out, and all objects in silence.
         """
-        from pacinian.solving.felt import Felt
+        from pacinian.solving.felt_regions import FeltRegion
 
         if state.output != "sounding":
             return {}
         figures = unpack(state.felt, 4).tolist()
-        told = {name: Felt(*four) for name, four in zip(state.objects, figures, strict=False)}
+        told = {name: FeltRegion(*four) for name, four in zip(state.objects, figures, strict=False)}
         return {name: felt for name, felt in told.items() if not math.isnan(felt.force)}
 
     def age(self, state: State) -> float:
         """How long ago a state was published [s]; right to half of the shortest round trip."""
         return self._live(again=False).timing.age(state.time, self._clock())
 
-    def _made(self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any) -> Any:
-        number("ttl", ttl, low=0.0, high=LATEST)
+    def _make_object(
+        self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any
+    ) -> Any:
+        check_number("ttl", ttl, low=0.0, high=MAX_TIME_TO_LIVE)
         session = self._live().welcome.session
         now = self._clock() if time is None else time
         try:
@@ -273,8 +275,8 @@ class Client(Connected):
     def _command(
         self, kind: type[Any], ttl: float, wait: bool, time: float | None = None, **fields: Any
     ) -> None:
-        command = self._made(kind, ttl, time, **fields)
+        command = self._make_object(kind, ttl, time, **fields)
         if wait:
-            self._dialogue.tell(command, replies.Ok)
+            self._dialogue.send_command(command, replies.Ok)
         else:
-            self._dialogue.cast(command)
+            self._dialogue.send_nowait(command)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import zmq
 
-from pacinian.client.keys import found
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.link import Link, milliseconds
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.codec import encode
@@ -34,18 +34,18 @@ def emergency_stop(
     connection, keys: as of `Client`. timeout: within which it must say so [s], or ConnectionLost is raised. Raises
     Refused, too.
     """
-    given, deadline = found(connection, keys), time.perf_counter() + timeout
+    given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
     if given.stop and request_stop(given.stop, given.secret, timeout):
         return
     with zmq.Context() as context:
         link = Link(context, given, given.control)
         try:
-            _told(link, deadline, timeout)
+            _ask(link, deadline, timeout)
         finally:
             link.close()
 
 
-def _told(link: Link, deadline: float, timeout: float) -> None:
+def _ask(link: Link, deadline: float, timeout: float) -> None:
     poller = zmq.Poller()
     poller.register(link.socket, zmq.POLLIN)
     poller.register(link.monitor, zmq.POLLIN)

@@ -14,7 +14,7 @@ from zmq.utils.monitor import recv_monitor_message
 
 from pacinian.errors import ConnectionLost, WireError
 from pacinian.wire.codec import decode_reply, id_of
-from pacinian.wire.protocol import LONGEST_REPLY
+from pacinian.wire.protocol import MAX_REPLY_BYTES
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:
@@ -26,12 +26,12 @@ USER = b"pacinian"
 DENIED = zmq.EVENT_HANDSHAKE_FAILED_AUTH
 FOREIGN = zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
 ENDS = zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED | DENIED | FOREIGN
-MOST = 1000  # messages that are read at once
+MAX_MESSAGES_AT_ONCE = 1000  # messages that are read at once
 OPTIONS = {
     zmq.LINGER: 0,
     zmq.SNDHWM: 16,
-    zmq.RCVHWM: MOST,
-    zmq.MAXMSGSIZE: LONGEST_REPLY,
+    zmq.RCVHWM: MAX_MESSAGES_AT_ONCE,
+    zmq.MAXMSGSIZE: MAX_REPLY_BYTES,
     zmq.HANDSHAKE_IVL: 2000,  # [ms], as all below
     zmq.CONNECT_TIMEOUT: 2000,
 }
@@ -46,7 +46,7 @@ HEARTBEAT = {
 }
 
 
-def made(
+def make_socket(
     context: zmq.Context[zmq.Socket[bytes]], kind: int, connection: Connection
 ) -> zmq.Socket[bytes]:
     """A socket of that kind, with the connection's token or keys. Raises ConnectionLost."""
@@ -92,7 +92,7 @@ class Link:
         self.at = at
         self.known = False
         """Whether its server has answered, on this connection or another: what ends after that has gone."""
-        self.socket = made(context, zmq.DEALER, connection)
+        self.socket = make_socket(context, zmq.DEALER, connection)
         for option, value in {**ONCE, **(HEARTBEAT if heartbeat else {})}.items():
             self.socket.setsockopt(option, value)
         self.monitor = self.socket.get_monitor_socket(ENDS)
@@ -118,7 +118,7 @@ class Link:
     def receive(self) -> list[AnyReply | State]:
         """All that has come. What cannot be read is an `Error` with its id."""
         replies: list[AnyReply | State] = []
-        while len(replies) < MOST:
+        while len(replies) < MAX_MESSAGES_AT_ONCE:
             try:
                 data = self.socket.recv_multipart(zmq.NOBLOCK)[-1]
             except zmq.Again:

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import kind, numbers
+from pacinian.checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import RADII, Hand
 from pacinian.scene.motion import STILL, Motion
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 from pacinian.wire import commands
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.commands import HandFrame
 from pacinian.wire.convert import to_wire
-from pacinian.wire.protocol import LONGEST_COMMAND, MOST_OBJECTS, MOST_POINTS
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_OBJECTS, MAX_POINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -29,18 +29,20 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FULL = 900_000  # [bytes] of objects in one message
-LARGEST = (
-    LONGEST_COMMAND - 1024
+MAX_OBJECT_BYTES = (
+    MAX_COMMAND_BYTES - 1024
 )  # [bytes] of one object: the rest is for the command's other fields
 
 
-def batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
+def split_batches(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
     """Parts of a sequence, as many as fit into one message each."""
-    for i in range(0, len(items), MOST_OBJECTS):
-        yield tuple(items[i : i + MOST_OBJECTS])
+    for i in range(0, len(items), MAX_OBJECTS):
+        yield tuple(items[i : i + MAX_OBJECTS])
 
 
-def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, objects.Object]]:
+def make_put(
+    items: Sequence[Object], duration: float | None
+) -> Iterator[dict[str, objects.Object]]:
     """Objects by name, so many that a message has room. Raises ArgumentError, WireError before the first."""
     made: dict[str, objects.Object] = {}
     sizes: dict[str, int] = {}
@@ -59,7 +61,7 @@ def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, o
     batch: dict[str, objects.Object] = {}
     filled = 0
     for name, size in sizes.items():
-        if len(batch) == MOST_OBJECTS or (batch and filled + size > FULL):
+        if len(batch) == MAX_OBJECTS or (batch and filled + size > FULL):
             yield batch
             batch, filled = {}, 0
         batch[name] = made[name]
@@ -68,15 +70,17 @@ def put(items: Sequence[Object], duration: float | None) -> Iterator[dict[str, o
         yield batch
 
 
-def moves(poses: Mapping[str, Pose], motions: Mapping[str, Motion]) -> Iterator[dict[str, Any]]:
+def make_moves(
+    poses: Mapping[str, Pose], motions: Mapping[str, Motion]
+) -> Iterator[dict[str, Any]]:
     """Names, poses and velocities. Raises ArgumentError."""
     for name, pose in poses.items():
-        kind(f"poses[{name!r}]", pose, Pose)
+        check_kind(f"poses[{name!r}]", pose, Pose)
     for name, motion in motions.items():
-        kind(f"motions[{name!r}]", motion, Motion)
+        check_kind(f"motions[{name!r}]", motion, Motion)
         if name not in poses:
             raise ArgumentError("motions", f"must be of what is moved: {name!r} is not in `poses`")
-    for names in batches(list(poses)):
+    for names in split_batches(list(poses)):
         at = [(*poses[name].position, *poses[name].rotation) for name in names]
         fields = {"names": names, "poses": pack(at)}
         if any(name in motions for name in names):
@@ -84,34 +88,34 @@ def moves(poses: Mapping[str, Pose], motions: Mapping[str, Motion]) -> Iterator[
         yield fields
 
 
-def hands(given: Sequence[Hand]) -> tuple[HandFrame, ...]:
+def make_hands(given: Sequence[Hand]) -> tuple[HandFrame, ...]:
     """Hands as they are tracked. Raises ArgumentError."""
     return tuple(_hand(f"hands[{i}]", hand) for i, hand in enumerate(given))
 
 
-def zones(given: Sequence[Zone]) -> tuple[commands.Zone, ...]:
+def make_zones(given: Sequence[Zone]) -> tuple[commands.Zone, ...]:
     """Balls that are to stay quiet. Raises ArgumentError."""
     for zone in given:
-        kind("zones", zone, Zone)
+        check_kind("zones", zone, Zone)
     return tuple(
         commands.Zone(position=zone.position, pressure=zone.pressure, radius=zone.radius)
         for zone in given
     )
 
 
-def points(given: ArrayLike) -> bytes:
+def make_points(given: ArrayLike) -> bytes:
     """Points (K, 3) [m]. Raises ArgumentError."""
-    array = numbers("points", given, (None, 3))
-    if len(array) > MOST_POINTS:
-        raise ArgumentError("points", f"must be at most {MOST_POINTS}, not {len(array)}")
+    array = check_numbers("points", given, (None, 3))
+    if len(array) > MAX_POINTS:
+        raise ArgumentError("points", f"must be at most {MAX_POINTS}, not {len(array)}")
     return pack(array)
 
 
 def _size(item: objects.Object) -> int:
     """Of an object in a message, without its name [bytes]. Raises WireError if it is too large for any."""
     size = len(encode(item))
-    if size > LARGEST:
-        raise WireError(f"is {size:,} bytes: keep to {LARGEST:,}", "$")
+    if size > MAX_OBJECT_BYTES:
+        raise WireError(f"is {size:,} bytes: keep to {MAX_OBJECT_BYTES:,}", "$")
     return size
 
 
@@ -120,7 +124,7 @@ def _velocity(motion: Motion | None) -> tuple[float, ...]:
 
 
 def _hand(name: str, hand: Hand) -> HandFrame:
-    kind(name, hand, Hand)
+    check_kind(name, hand, Hand)
     if hand.lost:
         return HandFrame(side=hand.side, name=hand.name)
     if hand.joints is None:

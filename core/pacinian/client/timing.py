@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-KEPT = 1000  # round trips
+MAX_TRIPS = 1000  # round trips
 MARKS = 64  # looks at the server's clock
 
 
@@ -21,7 +21,7 @@ class Timing:
     """The last round trips and looks at the server's clock."""
 
     def __init__(self) -> None:
-        self._trips = deque[float](maxlen=KEPT)
+        self._trips = deque[float](maxlen=MAX_TRIPS)
         self._marks = deque[tuple[float, float]](maxlen=MARKS)
 
     def answered(self, sent: float, received: float) -> None:

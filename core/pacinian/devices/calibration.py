@@ -11,7 +11,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian import documents
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError, SceneFileError
 
 if TYPE_CHECKING:
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
     from pacinian.devices.description import Board
 
-LARGEST = 4 << 20  # [bytes]: some 100,000 channels
+MAX_BYTES = 4 << 20  # [bytes]: some 100,000 channels
 COLUMNS = ("serial", "channel", "gain", "phase")
 Measured = dict[tuple[str, int], tuple[float, float]]
 
 
-def read(path: Path) -> Measured:
+def read_calibration(path: Path) -> Measured:
     """Gain and phase [rad] by serial and channel, from a CSV file with these four columns.
 
     Raises SceneFileError, which names the file, the line and the fix.
     """
     found: Measured = {}
     try:
-        text = io.StringIO(documents.read_bytes(path, largest=LARGEST).decode(), newline="")
+        text = io.StringIO(documents.read_bytes(path, largest=MAX_BYTES).decode(), newline="")
         rows = csv.reader(text, skipinitialspace=True)
         head = tuple(name.strip() for name in next(rows, []))
         if head != COLUMNS:
@@ -54,8 +54,8 @@ def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple
         raise SceneFileError(path, where, f"must have {len(COLUMNS)} values, not {len(row)}")
     serial, channel, gain, phase = (value.strip() for value in row)
     try:
-        key = serial, integer("channel", number("channel", float(channel)), low=0)
-        values = number("gain", float(gain), low=0.0), number("phase", float(phase))
+        key = serial, check_integer("channel", check_number("channel", float(channel)), low=0)
+        values = check_number("gain", float(gain), low=0.0), check_number("phase", float(phase))
     except ArgumentError as error:
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
@@ -63,7 +63,7 @@ def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple
     return key, values
 
 
-def write(path: Path, measured: Measured) -> None:
+def write_calibration(path: Path, measured: Measured) -> None:
     """Write such a file; a file that is there is replaced as a whole. Raises OSError."""
     beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
@@ -77,9 +77,9 @@ def write(path: Path, measured: Measured) -> None:
         beside.unlink(missing_ok=True)
 
 
-def apply(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:
+def apply_calibration(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:
     """The boards with what was measured in place of what was written. Raises SceneFileError."""
-    found = read(path)
+    found = read_calibration(path)
     sizes = {board.serial: board.layout.count for board in boards}
     for serial, channel in found:
         if serial not in sizes:

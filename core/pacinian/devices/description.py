@@ -10,21 +10,21 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr, replace
 
-from pacinian.acoustics.array import FAINTEST, Array
+from pacinian.acoustics.array import MIN_STRENGTH, Array
 from pacinian.acoustics.directivity import omni, t4010a1
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.transducer import Transducer
-from pacinian.checks import integer, number
-from pacinian.devices.calibration import apply
+from pacinian.checks import check_integer, check_number
+from pacinian.devices.calibration import apply_calibration
 from pacinian.devices.layouts import Grid, Places, Unit
-from pacinian.documents import decoded, json_schema
+from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
 DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
-STRONGEST = 100.0  # of its kind's strength
+MAX_STRENGTH = 100.0  # of its kind's strength
 
 
 class Element(Struct, frozen=True, forbid_unknown_fields=True):
@@ -53,8 +53,8 @@ class Steps(Struct, frozen=True, forbid_unknown_fields=True):
     amplitudes: int = 256
 
     def __post_init__(self) -> None:
-        integer("phases", self.phases, low=2)
-        integer("amplitudes", self.amplitudes, low=2)
+        check_integer("phases", self.phases, low=2)
+        check_integer("amplitudes", self.amplitudes, low=2)
 
 
 class Board(Struct, frozen=True, forbid_unknown_fields=True):
@@ -82,15 +82,15 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
         wrong = [c for c in self.dead if not 0 <= c < L]
         if wrong or len(set(self.dead)) < len(self.dead):
             raise ArgumentError("dead", f"must be different channels of 0 to {L - 1}: {wrong}")
-        for name, low, high in (("gain", 0.0, STRONGEST), ("phase", -1e3, 1e3)):
+        for name, low, high in (("gain", 0.0, MAX_STRENGTH), ("phase", -1e3, 1e3)):
             value: float | tuple[float, ...] = getattr(self, name)
             if isinstance(value, tuple):
                 if len(value) != L:
                     raise ArgumentError(name, f"must be one, or {L} of them, not {len(value)}")
                 for c, one in enumerate(value):
-                    number(f"{name}[{c}]", one, low=low, high=high)
+                    check_number(f"{name}[{c}]", one, low=low, high=high)
             else:
-                number(name, value, low=low, high=high)
+                check_number(name, value, low=low, high=high)
         force_setattr(self, "dead", tuple(sorted(self.dead)))
 
     @property
@@ -110,7 +110,7 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def alive(self) -> Indices:
         """The channels that sound, in their order."""
-        return np.flatnonzero(np.abs(self.responses) >= FAINTEST)
+        return np.flatnonzero(np.abs(self.responses) >= MIN_STRENGTH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,9 +166,9 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
         All numbers in SI units. Raises SceneFileError, which names the file, the key and the fix.
         """
         path = Path(path)
-        read = decoded(path, cls)
+        read = decode_document(path, cls)
         if read.calibration:
-            boards = apply(path.parent / read.calibration, read.boards)
+            boards = apply_calibration(path.parent / read.calibration, read.boards)
             read = replace(read, boards=boards)
         try:
             read.array()

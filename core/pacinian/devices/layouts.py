@@ -9,13 +9,13 @@ from msgspec import Struct
 
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import integer, length, numbers
+from pacinian.checks import check_integer, check_length, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MOST = 4096  # transducers of one board
+MAX_TRANSDUCERS = 4096  # transducers of one board
 AUTD = 249
 
 
@@ -40,11 +40,13 @@ class Grid(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     pitch: float = 0.0105
 
     def __post_init__(self) -> None:
-        integer("columns", self.columns, low=1)
-        integer("rows", self.rows, low=1)
-        if self.count > MOST:
-            raise ArgumentError("columns", f"x rows must be at most {MOST}, not {self.count}")
-        length("pitch", self.pitch)
+        check_integer("columns", self.columns, low=1)
+        check_integer("rows", self.rows, low=1)
+        if self.count > MAX_TRANSDUCERS:
+            raise ArgumentError(
+                "columns", f"x rows must be at most {MAX_TRANSDUCERS}, not {self.count}"
+            )
+        check_length("pitch", self.pitch)
 
     @property
     def count(self) -> int:
@@ -65,9 +67,9 @@ class Places(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     places: tuple[Vector, ...]
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.places) <= MOST:
-            raise ArgumentError("places", f"must be 1 to {MOST}, not {len(self.places)}")
-        numbers("places", self.places, (None, 3))
+        if not 1 <= len(self.places) <= MAX_TRANSDUCERS:
+            raise ArgumentError("places", f"must be 1 to {MAX_TRANSDUCERS}, not {len(self.places)}")
+        check_numbers("places", self.places, (None, 3))
 
     @property
     def count(self) -> int:

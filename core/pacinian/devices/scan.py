@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.checks import integer, number, numbers
+from pacinian.checks import check_integer, check_number, check_numbers
 from pacinian.devices.scan_fit import MAX_POSITIONS
-from pacinian.documents import LARGEST, decoded
+from pacinian.documents import MAX_BYTES, decode_document
 from pacinian.errors import ArgumentError, SceneFileError
 
 if TYPE_CHECKING:
@@ -87,14 +87,14 @@ def undo_calibration(path: Path) -> DeviceDescription:
     """
     from pacinian.devices.description import DeviceDescription
 
-    read = decoded(path, DeviceDescription)
+    read = decode_document(path, DeviceDescription)
     boards = tuple(replace(board, gain=1.0, phase=0.0, dead=()) for board in read.boards)
     return replace(read, boards=boards, calibration="")
 
 
 def _read_csv(path: Path, device: DeviceDescription) -> Scan:
-    if path.stat().st_size > LARGEST:
-        raise SceneFileError(path, "", f"is larger than {LARGEST >> 20} MiB")
+    if path.stat().st_size > MAX_BYTES:
+        raise SceneFileError(path, "", f"is larger than {MAX_BYTES >> 20} MiB")
     starts: dict[str, tuple[int, int]] = {}
     count = 0
     for board in device.boards:
@@ -138,10 +138,10 @@ def _read_row(
     x, y, z, serial, channel, amplitude, phase = (value.strip() for value in line)
     turn = 2.0 * math.pi + 1e-6
     try:
-        place = tuple(number(n, float(v)) for n, v in (("x", x), ("y", y), ("z", z)))
-        index = integer("channel", number("channel", float(channel)), low=0)
-        size = number("amplitude", float(amplitude), low=0.0, high=MAX_AMPLITUDE)
-        angle = number("phase", float(phase))
+        place = tuple(check_number(n, float(v)) for n, v in (("x", x), ("y", y), ("z", z)))
+        index = check_integer("channel", check_number("channel", float(channel)), low=0)
+        size = check_number("amplitude", float(amplitude), low=0.0, high=MAX_AMPLITUDE)
+        angle = check_number("phase", float(phase))
     except ArgumentError as error:
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
@@ -169,7 +169,7 @@ def _read_npz(path: Path, device: DeviceDescription) -> Scan:
         raise SceneFileError(path, "", f"is not NPZ: {error}") from error
     if not np.iscomplexobj(readings):
         raise SceneFileError(path, "readings", PHASELESS)
-    q = numbers("positions", q, (None, 3))
+    q = check_numbers("positions", q, (None, 3))
     C = sum(board.layout.count for board in device.boards)
     Y = _check_complex("readings", readings, len(q), "positions")
     G = _check_complex("drives", drives, C, "channels of the device")

@@ -20,7 +20,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import near, number, numbers
+from pacinian.checks import check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -89,12 +89,12 @@ def fit_scan(
     coordinate [m]; above 1 mm the fit may settle on a wrong wavelength. speed_of_sound: [m/s], fitted unless given.
     Raises ArgumentError, also where the scan does not fit the array.
     """
-    q0 = numbers("positions", positions, (None, 3))
-    near("positions", q0, array.centre)
+    q0 = check_numbers("positions", positions, (None, 3))
+    check_near("positions", q0, array.centre)
     if not MIN_POSITIONS <= len(q0) <= MAX_POSITIONS:
         wanted = f"{MIN_POSITIONS} to {MAX_POSITIONS}; 8 or more are good"
         raise ArgumentError("positions", f"must be {wanted}, not {len(q0)}")
-    number("position_error", position_error, low=1e-6, high=0.01)
+    check_number("position_error", position_error, low=1e-6, high=0.01)
     X = np.asarray(readings, np.complex128)
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Seen:
+class ListedDevice:
     """A device that is listed.
 
     device: of pyusb. serial: its number; empty where it has none, or it cannot be read. problem: why it cannot be
@@ -51,7 +51,7 @@ class UsbKind:
     hangs: str = HANGS
     anonymous: str = "it has no serial number, by which it could be chosen"
 
-    def seen(self, library: Any = None) -> list[Seen]:
+    def list_devices(self, library: Any = None) -> list[ListedDevice]:
         """Those that are plugged in, by serial, less those that have just gone; none of them stays open.
 
         library: a backend of pyusb; that of libusb unless given. Raises BackendError.
@@ -66,23 +66,24 @@ class UsbKind:
             raise BackendError(f"{self.name}: {LIBRARY}") from error
         except usb.core.USBError as error:
             raise self.explained(error, "looking for devices") from error
-        found: list[Seen] = []
+        found: list[ListedDevice] = []
         for device in listed:
             if (one := self._read(device)) is not None:
                 found.append(one)
             usb.util.dispose_resources(device)
         return sorted(found, key=lambda one: one.serial)
 
-    def told(self, title: str, library: Any = None) -> list[tuple[str, str, str]]:
+    def describe(self, title: str, library: Any = None) -> list[tuple[str, str, str]]:
         """Serial, title and problem of each, for `Found`; a problem alone, where they cannot be looked for."""
         try:
             return [
-                (one.serial, f"{title}, {one.place}", one.problem) for one in self.seen(library)
+                (one.serial, f"{title}, {one.place}", one.problem)
+                for one in self.list_devices(library)
             ]
         except BackendError as error:
             return [("", "", str(error).removeprefix(f"{self.name}: "))]
 
-    def picked(self, listed: Sequence[Seen], serial: str = "") -> Seen:
+    def select(self, listed: Sequence[ListedDevice], serial: str = "") -> ListedDevice:
         """The one of that serial number; the only one, if it is empty.
 
         Raises BackendError, which says which there are and why others cannot be picked.
@@ -131,15 +132,19 @@ class UsbKind:
             return whole or self.interface(device) is not None
         return False
 
-    def _read(self, device: Any) -> Seen | None:
+    def _read(self, device: Any) -> ListedDevice | None:
         """None if it has gone."""
         import usb.core
 
         try:
             configured(device)  # tells why it cannot be read, which the next line does not
             serial = str(device.serial_number or "")
-            return Seen(device, serial, "" if serial else self.anonymous)
+            return ListedDevice(device, serial, "" if serial else self.anonymous)
         except (usb.core.USBError, NotImplementedError) as error:
-            return None if has_gone(error) else Seen(device, "", advice(error, hangs=self.hangs))
+            return (
+                None
+                if has_gone(error)
+                else ListedDevice(device, "", advice(error, hangs=self.hangs))
+            )
         except ValueError:  # it had strings when it was plugged in
-            return Seen(device, "", UNREADABLE)
+            return ListedDevice(device, "", UNREADABLE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 from typing import Any
 
-from pacinian.devices.holders import holders
+from pacinian.devices.device_users import find_users
 
 PERMISSION = (
     "this user may not open it: install the udev rule that `pacinian devices udev` prints, "
@@ -34,7 +34,7 @@ def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS
         return DRIVER
     if number == errno.EBUSY:
         node = "/dev/bus/usb/{:03d}/{:03d}".format(*place)
-        return f"it is in use by {holders(node) or 'another program'}: end that first"
+        return f"it is in use by {find_users(node) or 'another program'}: end that first"
     if number == errno.EPIPE:
         return "it refuses (stall)"
     if number == errno.ETIMEDOUT:

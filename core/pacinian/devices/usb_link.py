@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from array import array
     from collections.abc import Callable
 
-    from pacinian.devices.usb import Seen, UsbKind
+    from pacinian.devices.usb import ListedDevice, UsbKind
 
 INTO = 0x80  # the bit of an endpoint or request towards the host
 BULK = 2
@@ -25,7 +25,7 @@ class UsbLink:
     is ever sent again by itself.
     """
 
-    def __init__(self, kind: UsbKind, one: Seen) -> None:
+    def __init__(self, kind: UsbKind, one: ListedDevice) -> None:
         import usb.core
         import usb.util
 

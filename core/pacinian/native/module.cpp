@@ -1,13 +1,13 @@
 // The core's kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
 #include "pacinian/acoustics/kernels.hpp"
 #include "pacinian/native/processor.hpp"
-#include "pacinian/scene/hands/levels.hpp"
+#include "pacinian/scene/hands/skin_lod.hpp"
 #include "pacinian/scene/hands/skin.hpp"
-#include "pacinian/scene/sampling/broad.hpp"
+#include "pacinian/scene/sampling/broad_phase.hpp"
 #include "pacinian/scene/sampling/contact.hpp"
-#include "pacinian/scene/time/tour.hpp"
+#include "pacinian/scene/modulation/visit_order.hpp"
 #include "pacinian/solving/kernels.hpp"
-#include "pacinian/solving/passes.hpp"
+#include "pacinian/solving/matvec.hpp"
 #include "pacinian/solving/regions.hpp"
 
 namespace pacinian {

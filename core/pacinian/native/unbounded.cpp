@@ -1,7 +1,7 @@
 // Kernels compiled without the assumption that all numbers are finite.
 #define NO_IMPORT_ARRAY
-#include "pacinian/rendering/levels.hpp"
-#include "pacinian/rendering/smooth.hpp"
+#include "pacinian/rendering/quantiser.hpp"
+#include "pacinian/rendering/slew_limiter.hpp"
 #include "pacinian/scene/unbounded.hpp"
 #include "pacinian/solving/unbounded.hpp"
 

@@ -6,6 +6,6 @@ cards.py   `_repr_html_` of the classes, in one form        bars.py   `progress`
 from __future__ import annotations
 
 from pacinian.notebook.bars import progress
-from pacinian.notebook.cards import MOST, Card, card
+from pacinian.notebook.cards import MAX_ROWS, Card, card
 
-__all__ = ["MOST", "Card", "card", "progress"]
+__all__ = ["MAX_ROWS", "Card", "card", "progress"]

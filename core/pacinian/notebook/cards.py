@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-MOST = 20  # rows of a table
+MAX_ROWS = 20  # rows of a table
 WIDTH, HEIGHT, DPI = 2.6, 1.9, 160  # [inch], [1/inch]
 SHOWN = 100  # [1/inch] at which a notebook shows the picture
 LEFT = 'style="text-align:left"'
@@ -24,7 +24,7 @@ LEFT = 'style="text-align:left"'
 class Card:
     """A title; rows of names and values; a table, and what draws a small picture into axes.
 
-    table: its header, and the first `MOST` of its rows. count: how many it has in all.
+    table: its header, and the first `MAX_ROWS` of its rows. count: how many it has in all.
     """
 
     title: str
@@ -46,9 +46,9 @@ class Card:
         if not self.count:
             return ""
         head, *rows = self.table
-        more = self.count - MOST
+        more = self.count - MAX_ROWS
         rest = f"<p>and {more} more</p>" if more > 0 else ""
-        body = "".join(_row("td", row) for row in rows[:MOST])
+        body = "".join(_row("td", row) for row in rows[:MAX_ROWS])
         return f"<table><thead>{_row('th', head)}</thead><tbody>{body}</tbody></table>{rest}"
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 ANGLE = 35.0, -60.0  # [deg] elevation and azimuth
 MAP, DEAD = "viridis", "#d62728"
-MOST = 16  # boards that are drawn one by one
+MAX_BOARDS = 16  # boards that are drawn one by one
 DOTS = 210.0  # [pt]
 ARROW = 0.06  # [m]
 LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
@@ -29,7 +29,7 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    shown = device.boards[:MOST]
+    shown = device.boards[:MAX_BOARDS]
     columns = int(np.ceil(np.sqrt(len(shown))))
     rows = -(-len(shown) // columns)
     page = figure(14.0, 6.4)

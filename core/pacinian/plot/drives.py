@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from pacinian.acoustics.array import Array
-from pacinian.checks import kind
+from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.plot.page import panels
 from pacinian.plot.style import COLUMN, CYCLIC, MAP, bar, dress
@@ -45,7 +45,7 @@ def drive(
     if show is not None and show not in get_args(Part):
         raise ArgumentError("show", f'must be "phase" or "amplitude", not {show!r}')
     parts = get_args(Part) if show is None else (show,)
-    kind("array", array, Array)
+    check_kind("array", array, Array)
     g = _gains(array, gains)
     i, j = across(array)
     r = array.positions[:, [i, j]]

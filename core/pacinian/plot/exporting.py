@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import sound_pressure_level
-from pacinian.checks import kind, number
+from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, checked, crossed
@@ -60,8 +60,8 @@ def export(
     unless given. medium: `Air()` unless given. Raises ArgumentError, MissingExtra, OSError.
     """
     medium = checked(array, medium)
-    kind("scene", scene, Scene, NoneType)
-    kind("samples", samples, Samples, NoneType)
+    check_kind("scene", scene, Scene, NoneType)
+    check_kind("samples", samples, Samples, NoneType)
     where = Path(path)
     if where.suffix not in (".glb", ".vti"):
         raise ArgumentError("path", f"must end in .glb or .vti, not {where.suffix!r}")
@@ -72,7 +72,7 @@ def export(
             raise ArgumentError("gains", "must be given for .vti: it holds the field")
         _vti(where, grid.p, grid.radiation(medium), grid.corner, grid.step)
         return
-    level = number("level", level, low=0.0, high=1.0, above=True)
+    level = check_number("level", level, low=0.0, high=1.0, above=True)
     made = _Model()
     made.array(array, gains)
     if scene is not None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.checks import kind, numbers
+from pacinian.checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
 from pacinian.plot.quantities import QUANTITIES, clear, limits, values
@@ -55,7 +55,7 @@ def field(
     Raises ArgumentError, MissingExtra.
     """
     medium = checked(array, medium)
-    q = numbers("points", points, (None, 3))
+    q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
     flat = where.ratio > FLAT
@@ -77,7 +77,7 @@ def slices(
     array, gains: (N,), or (K, N) for the mean over K moments. points: what is to be felt [m], (M, 3).
     Raises ArgumentError, MissingExtra.
     """
-    medium, q = checked(array, medium), numbers("points", points, (None, 3))
+    medium, q = checked(array, medium), check_numbers("points", points, (None, 3))
     both = crossed(array, gains, q, medium)
     narrow = both[1][0].ratio
     page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
@@ -129,6 +129,6 @@ def draw_both(
 def checked(array: Array, medium: Air | None) -> Air:
     """The medium, `Air()` unless given. Raises ArgumentError, also where the array is none."""
     made = Air() if medium is None else medium
-    kind("array", array, Array)
-    kind("medium", made, Air)
+    check_kind("array", array, Array)
+    check_kind("medium", made, Air)
     return made

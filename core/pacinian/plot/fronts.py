@@ -34,11 +34,11 @@ STYLES = {
 WEAK = 0.9  # scale; what makes less of what was asked is pale, and not on the front
 FLOOR, TOP = 1e-5, 200.0  # [%]; smaller errors are drawn there; where the axis ends
 SHOWN = ("cold", "warm", REFERENCE)
-MOST = 4  # panels along a side
+MAX_PANELS = 4  # panels along a side
 TALL = 2.8  # [inch]
 
 
-Timed = Any  # one solver on one kind of problem: `pacinian.bench.summary.Cell`, or what a file has of it
+Timed = Any  # one solver on one kind of problem: `pacinian_lab.solvers.summary.Cell`, or what a file has of it
 
 
 def pareto(
@@ -126,10 +126,10 @@ def plainly(value: float, place: int) -> str:
 
 
 def some(values: list[int]) -> list[int]:
-    """At most `MOST` of them, from the first to the last."""
-    if len(values) <= MOST:
+    """At most `MAX_PANELS` of them, from the first to the last."""
+    if len(values) <= MAX_PANELS:
         return values
-    return [values[round(k * (len(values) - 1) / (MOST - 1))] for k in range(MOST)]
+    return [values[round(k * (len(values) - 1) / (MAX_PANELS - 1))] for k in range(MAX_PANELS)]
 
 
 def _axes(

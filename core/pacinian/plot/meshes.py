@@ -11,8 +11,8 @@ from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
 from pacinian.scene.shapes import Disc, Rectangle
 from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.kinds import distance
 from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.shape_types import distance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +26,7 @@ SIDES = 12  # of a transducer's disc
 DOT, WIDE = 0.003, 0.0045  # [m] radius of a sample, and of a transducer
 CELLS, THINNEST = 48, 12  # along the longest edge of a solid's box; along any, at least
 ROUND = 48  # corners of a disc
-MOST = 200  # heights along an edge
+MAX_HEIGHTS = 200  # heights along an edge
 SKIN = 0.003  # [m] between the grid points about a hand
 ALONG = 0.004  # [m] between the spots of a line
 
@@ -65,7 +65,7 @@ def hand(held: Hand) -> Triangles:
     if held.vertices is not None and held.faces is not None:
         return _whole(held.vertices, held.faces)
     assert held.joints is not None  # as it has no mesh
-    capsules = flesh.capsules(held)
+    capsules = flesh.make_capsules(held)
     far = capsules[:, 6:].max() + 2.0 * SKIN
     low, high = held.joints.min(axis=0) - far, held.joints.max(axis=0) + far
     return _solid(lambda q: flesh.distance_to_skin(capsules, q), low, high, SKIN)
@@ -74,7 +74,7 @@ def hand(held: Hand) -> Triangles:
 def thing(item: Object) -> Triangles:
     """An object in its own frame: its surface; of points and lines, small balls."""
     if not isinstance(item, Body):
-        return spots(item.cover(ALONG).points)
+        return spots(item.sample_surface(ALONG).points)
     shape = item.shape
     if isinstance(shape, Mesh):
         return _whole(shape.triangles.vertices, shape.triangles.faces)
@@ -82,7 +82,9 @@ def thing(item: Object) -> Triangles:
         ends = np.array([-0.5, 0.5])
         return _sheet(ends * shape.width, ends * shape.height, np.zeros((2, 2)))
     if isinstance(shape, HeightMap):
-        i, j = (np.linspace(0, n - 1, min(n, MOST)).round().astype(int) for n in shape.z.shape)
+        i, j = (
+            np.linspace(0, n - 1, min(n, MAX_HEIGHTS)).round().astype(int) for n in shape.z.shape
+        )
         R, C = shape.z.shape
         x, y = (j / (C - 1) - 0.5) * shape.width, (i / (R - 1) - 0.5) * shape.height
         return _sheet(x, y, shape.z[np.ix_(i, j)])

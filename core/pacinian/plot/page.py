@@ -6,7 +6,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot.style import COLUMN
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
 
 DPI = 130  # [1/inch]
-MOST = 400.0  # [inch] along a side: what PNG writers take
+MAX_SIDE = 400.0  # [inch] along a side: what PNG writers take
 FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}  # text stays text
 
 
@@ -35,7 +35,7 @@ def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
     """An empty figure, width x height [inch]; notebooks show it. Raises ArgumentError, MissingExtra."""
     require()
     for name, side in (("width", width), ("height", height)):
-        number(name, side, low=0.1, high=MOST)
+        check_number(name, side, low=0.1, high=MAX_SIDE)
     from pacinian.plot.shown import Shown
 
     return Shown(figsize=(width, height), layout="constrained", dpi=DPI)
@@ -74,7 +74,7 @@ def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
         with rc_context(FONTS):
             page.savefig(path, dpi=DPI)
         return
-    if kind != "png" or not 2 <= integer("colours", colours, low=2) <= 256:
+    if kind != "png" or not 2 <= check_integer("colours", colours, low=2) <= 256:
         raise ArgumentError("colours", "must be 2 to 256, and only of a .png")
     from PIL import Image
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import length, near, numbers
+from pacinian.checks import check_length, check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.quantities import QUANTITIES
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 GRID = 240  # points along the longer edge
 MARGIN, ALONE = 0.03, 0.08  # [m] around the samples, and where there are none
 BESIDE = 0.012  # [m] from a plane: only samples so near are marked in it
-MOST_CIRCLES = 24  # samples; more are marked by dots, which leave the field between them to be seen
+MAX_CIRCLES = 24  # samples; more are marked by dots, which leave the field between them to be seen
 AHEAD = 0.2  # [m] before the array: looked at where there is no sample
 BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
 AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -101,7 +101,7 @@ def cut(
     given what holds the points, and for "xz" and "yz" before an array below all that is between.
     Raises ArgumentError.
     """
-    near("points", points, array.centre)
+    check_near("points", points, array.centre)
     if isinstance(through, Pose):
         if at is not None:
             raise ArgumentError("at", "must be left out: the pose says where the plane is")
@@ -112,8 +112,8 @@ def cut(
     if through not in (*AXES,):
         raise ArgumentError("plane", f'must be "xy", "xz", "yz" or a Pose, not {through!r}')
     i, j = AXES[through]
-    middle = middle_of(array, points) if at is None else numbers("at", at, (3,))
-    near("at", middle[None], array.centre)
+    middle = middle_of(array, points) if at is None else check_numbers("at", at, (3,))
+    check_near("at", middle[None], array.centre)
     half = _half(size, (points - middle)[:, [i, j]])
     low, high = middle[[i, j]] - half, middle[[i, j]] + half
     if size is None and j == 2:
@@ -139,7 +139,7 @@ def draw(panel: Panel, plane: Plane, found: Floats, show: str, ends: tuple[float
 def mark(panel: Panel, places: Floats, colour: str) -> None:
     """Mark samples at places (K, 2) [m], without a change of the axes' limits."""
     limits = panel.get_xlim(), panel.get_ylim()
-    how = {"ms": 5, "mfc": "none"} if len(places) <= MOST_CIRCLES else {"ms": 1, "mfc": colour}
+    how = {"ms": 5, "mfc": "none"} if len(places) <= MAX_CIRCLES else {"ms": 1, "mfc": colour}
     panel.plot(*(1e3 * places.T), "o", mec=colour, mew=0.8, label="samples", **how)
     panel.set(xlim=limits[0], ylim=limits[1])
 
@@ -155,7 +155,7 @@ def _half(size: float | tuple[float, float] | None, places: Floats) -> Floats:
     """Half the width and height [m], (2,), unless given so that places about the middle, (M, 2) [m], are held."""
     if size is None:
         return np.full(2, MARGIN + float(np.abs(places).max()) if len(places) else ALONE)
-    sides = [length("size", side) for side in np.atleast_1d(size).tolist()]
+    sides = [check_length("size", side) for side in np.atleast_1d(size).tolist()]
     if len(sides) not in (1, 2):
         raise ArgumentError("size", f"must be one length or two [m], not {size!r}")
     return np.array([sides[0], sides[-1]]) / 2.0

@@ -14,7 +14,7 @@ from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
 from pacinian.scene.shapes import Disc, Rectangle
 from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.kinds import distance
+from pacinian.scene.shapes.shape_types import distance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,7 +115,7 @@ def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
         if isinstance(item, Body):
             pose = _pose(item, t)
             local = np.ascontiguousarray((points - pose.position) @ pose.matrix)
-            if np.sqrt((local * local).sum(axis=1)).min() < item.reach:
+            if np.sqrt((local * local).sum(axis=1)).min() < item.bounding_radius:
                 d = distance(item.shape, local, np.inf, np.inf)
                 if isinstance(item.shape, SHEETS):  # all that is behind them counts as inside
                     d[
@@ -127,7 +127,7 @@ def _outlines(panel: Panel, plane: Plane, scene: Scene, t: float) -> None:
 
 def _outline(hand: Hand, plane: Plane, points: Floats) -> Floats:
     """Distance to a hand: across the way of the sound to its shadow, along it to where it is cut."""
-    capsules = flesh.capsules(hand)
+    capsules = flesh.make_capsules(hand)
     if plane.axes == (0, 1):
         capsules[:, [2, 5]] = plane.height
     return flesh.distance_to_skin(capsules, points)

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.scene.hands.skin import skin_of
 from pacinian.scene.objects import Body, Surface
-from pacinian.scene.sampling.covers import estimate
+from pacinian.scene.sampling.sample_cache import estimate_samples
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -82,8 +82,8 @@ def skin(hand: Hand, eye: Floats) -> Discs:
 
 def thing(item: Object, pose: Pose, eye: Floats) -> Discs:
     """An object: its cover, and its texture."""
-    spacing = FINE * max(1.0, float(np.sqrt(estimate(item, FINE) / MANY)))
-    local = item.cover(spacing)
+    spacing = FINE * max(1.0, float(np.sqrt(estimate_samples(item, FINE) / MANY)))
+    local = item.sample_surface(spacing)
     points = pose.points(local.points)
     if not isinstance(item, Body):
         return Discs.of(points, THING, 0.004)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.checks import kind
+from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plot.feeds import watched
 from pacinian.plot.page import panels
@@ -53,7 +53,7 @@ def timeline(
     "ticks" (of the last second). show: only that. ax: to draw into, as many as are shown. Where there are many values,
     a band from the least to the most and the median are drawn. Raises ArgumentError, RecordingError, MissingExtra.
     """
-    kind("run", run, Report, Recording, str, Path)
+    check_kind("run", run, Report, Recording, str, Path)
     if isinstance(run, Report):
         drawn = _of_report(run)
     elif isinstance(run, Recording):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 FLOOR = 1e-6  # of the targets; smaller errors are drawn there: single precision ends
 SETTINGS = "steps", "passes"  # what solvers call the most iterations that they make
-LONGEST = 100_000  # looks at the clock
+MAX_LOOKS = 100_000  # looks at the clock
 TALL = 2.6  # [inch]
 ROOM = 6.0  # of the most iterations, to the right: for names
 
@@ -136,7 +136,7 @@ class Looks:
 def _counts() -> Iterator[int]:
     """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, ..."""
     count = 1
-    while count < LONGEST:
+    while count < MAX_LOOKS:
         yield count
         count = max(count + 1, round(1.25 * count))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.checks import length, near, numbers
+from pacinian.checks import check_length, check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.planes import ALONE, MARGIN, middle_of
 from pacinian.plot.quantities import heard
@@ -51,13 +51,13 @@ def volume(
     Raises ArgumentError.
     """
     low, high = around(array, points) if box is None else _corners(box)
-    near("box", np.stack([low, high]), array.centre)
+    check_near("box", np.stack([low, high]), array.centre)
     size = high - low
     if spacing is None:
         wavelength = medium.wavelength(array.transducer.frequency)
         step = max(wavelength / FINE, float(np.cbrt(size.prod() / USUAL)))
     else:
-        step = length("spacing", spacing)
+        step = check_length("spacing", spacing)
     counts = np.maximum(np.round(size / step), 1.0) + 1.0
     if counts.prod() > MOST:
         raise ArgumentError(
@@ -96,7 +96,7 @@ def _corners(box: Box) -> tuple[Floats, Floats]:
         lower, upper = box
     except (TypeError, ValueError):
         raise ArgumentError("box", "must be two corners [m]") from None
-    low, high = numbers("box[0]", lower, (3,)), numbers("box[1]", upper, (3,))
+    low, high = check_numbers("box[0]", lower, (3,)), check_numbers("box[1]", upper, (3,))
     if not (low < high).all():
         raise ArgumentError(
             "box", "must have each number of its first corner below that of its second"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from pacinian.checks import integer, number, numbers
+from pacinian.checks import check_integer, check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Gains, Levels, Singles
 
 
-FASTEST = 1e6  # [Hz] frames
-MOST = 1 << 16  # levels
-NEAREST = 2.0**-24  # of full drive, the precision of amplitudes; those of a table are further apart
+MAX_RATE = 1e6  # [Hz] frames
+MAX_LEVELS = 1 << 16  # levels
+MIN_STEP = (
+    2.0**-24
+)  # of full drive, the precision of amplitudes; those of a table are further apart
 SLACK = 1e-3  # of a step; a limit this little below a level is that level, but for rounding
 
 
@@ -48,7 +50,7 @@ class Capability:
         else:
             amplitudes = _count("amplitudes", self.amplitudes)
         object.__setattr__(self, "amplitudes", amplitudes)
-        number("rate", self.rate, low=1.0, high=FASTEST)
+        check_number("rate", self.rate, low=1.0, high=MAX_RATE)
 
     def __str__(self) -> str:
         kind = "" if self.even else "uneven "
@@ -78,25 +80,25 @@ class Capability:
     def _allowed(self) -> list[float]:
         """From which limit on each level but 0 is allowed."""
         sizes = self.sizes.astype(np.float64)
-        allowed: list[float] = (sizes[1:] - SLACK * np.diff(sizes) - NEAREST).tolist()
+        allowed: list[float] = (sizes[1:] - SLACK * np.diff(sizes) - MIN_STEP).tolist()
         return allowed
 
 
 def _count(name: str, value: int) -> int:
-    levels = integer(name, value, low=2)
-    if levels > MOST:
-        raise ArgumentError(name, f"must be at most {MOST}, not {levels}")
+    levels = check_integer(name, value, low=2)
+    if levels > MAX_LEVELS:
+        raise ArgumentError(name, f"must be at most {MAX_LEVELS}, not {levels}")
     return levels
 
 
 def _table(given: ArrayLike) -> tuple[float, ...]:
     """Amplitudes in single precision. Raises ArgumentError."""
-    sizes = numbers("amplitudes", given, (None,)).astype(np.float32).astype(np.float64)
-    if not 2 <= len(sizes) <= MOST:
-        raise ArgumentError("amplitudes", f"must be 2 to {MOST} levels, not {len(sizes)}")
+    sizes = check_numbers("amplitudes", given, (None,)).astype(np.float32).astype(np.float64)
+    if not 2 <= len(sizes) <= MAX_LEVELS:
+        raise ArgumentError("amplitudes", f"must be 2 to {MAX_LEVELS} levels, not {len(sizes)}")
     steps = np.diff(sizes)
-    if (steps < NEAREST).any():
-        wrong = int(np.argmax(steps < NEAREST))
+    if (steps < MIN_STEP).any():
+        wrong = int(np.argmax(steps < MIN_STEP))
         raise ArgumentError(
             "amplitudes",
             f"must ascend: level {wrong} is {sizes[wrong]:.9g}, the next {sizes[wrong + 1]:.9g}",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 TWICE = "another one has this serial, so neither can be chosen by it: unplug one"
 
 
-def connected(plugins: Plugins, backend: str = "") -> list[Found]:
+def list_connected(plugins: Plugins, backend: str = "") -> list[Found]:
     """Devices that are connected now, by backend and serial; of one backend, or of all.
 
     A backend that does not load or fails to look is told of as a problem; two of one serial are, too. Plug-ins that
@@ -31,7 +31,7 @@ def connected(plugins: Plugins, backend: str = "") -> list[Found]:
         ]
     for (kind, name), offer in sorted(plugins.offers.items()):
         if kind == "backend" and backend in ("", name):
-            found += _asked(cast("type[Backend]", offer.cls))
+            found += _ask(cast("type[Backend]", offer.cls))
     keys = [(f.backend, f.serial) for f in found]
     return [
         Found(f.backend, f.serial, f.title, f.problem or TWICE)
@@ -41,7 +41,7 @@ def connected(plugins: Plugins, backend: str = "") -> list[Found]:
     ]
 
 
-def _asked(backend: type[Backend]) -> list[Found]:
+def _ask(backend: type[Backend]) -> list[Found]:
     try:
         return sorted(backend.found(), key=lambda f: f.serial)
     except Exception as error:  # whatever a plug-in does, the others are told

@@ -6,6 +6,7 @@ import functools
 import importlib.metadata
 import importlib.util
 import inspect
+import re
 from dataclasses import dataclass
 from importlib.abc import InspectLoader
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -20,7 +21,7 @@ from pacinian.errors import (
     describe_error,
     shorten,
 )
-from pacinian.notebook import MOST, Card, card
+from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
 from pacinian.plugins.solver import Solver
@@ -29,8 +30,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from importlib.metadata import EntryPoint
 
+    import click
+
 GROUP = "pacinian"
-LONGEST_NAME = 64  # characters of a plug-in's name, as on the wire
+MAX_NAME = 64  # characters of a plug-in's name, as on the wire
 Kind = Literal["solver", "backend"]
 BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
 
@@ -59,6 +62,19 @@ class Offer:
         return {p.name: ... if p.default is p.empty else p.default for p in parameters}
 
 
+@dataclass(frozen=True)
+class CommandOffer:
+    """One subcommand of `pacinian` that a plug-in offers.
+
+    plugin: the entry point's name. distribution: who ships it.
+    """
+
+    name: str
+    command: click.Command
+    plugin: str
+    distribution: str
+
+
 class Plugins:
     """The installed plug-ins.
 
@@ -71,6 +87,7 @@ class Plugins:
         if entry_points is None:
             entry_points = importlib.metadata.entry_points(group=GROUP)
         self.offers: dict[tuple[Kind, str], Offer] = {}
+        self.commands: dict[str, CommandOffer] = {}
         self.failed: dict[str, PluginError] = {}
         self.clashes: dict[str, PluginError] = {}
         self._waiting: dict[str, EntryPoint] = {}
@@ -83,7 +100,7 @@ class Plugins:
         for name in self.clashes:
             del self._waiting[name]
 
-    def load(self, name: str | None = None, kind: Kind | None = None) -> None:
+    def load(self, name: str | None = None, kind: Kind | Literal["command"] | None = None) -> None:
         """Import the plug-in of that name, or all that are not loaded yet; keep what goes wrong.
 
         kind: none but those that may offer such.
@@ -92,7 +109,7 @@ class Plugins:
         for point in [p for p in points if kind is None or _may_offer(p, kind)]:
             del self._waiting[point.name]
             try:
-                offers = self._read(point)
+                offers, commands = self._read(point)
             except (Exception, SystemExit) as error:
                 self.failed[point.name] = PluginError(
                     f"plug-in {point.name!r} ({_origin(point)}) does not load: {describe_error(error)}"
@@ -106,15 +123,22 @@ class Plugins:
                         f"two {offer.kind}s are called {offer.name!r}: "
                         f"{twin.cls.__module__} and {offer.cls.__module__}; uninstall one"
                     )
+            for command in commands:
+                other = self.commands.setdefault(command.name, command)
+                if other.command is not command.command:
+                    self.failed[point.name] = PluginError(
+                        f"plug-in {point.name!r} ({command.distribution}) offers the command {command.name!r}, "
+                        f"which {other.distribution} offers, too: uninstall one"
+                    )
 
     @card
     def _repr_html_(self) -> Card:
         offers = self.list()
         head = "kind", "name", "settings", "shipped by"
-        table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MOST]]
+        table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MAX_ROWS]]
         return Card(f"{len(offers)} plug-ins", dict(self.failed), [head, *table], len(offers))
 
-    def _read(self, point: EntryPoint) -> list[Offer]:
+    def _read(self, point: EntryPoint) -> tuple[list[Offer], list[CommandOffer]]:
         manager = pluggy.PluginManager(GROUP)  # one for each, so that what it offers is its own
         manager.add_hookspecs(hookspecs)
         manager.register(point.load(), name=point.name)
@@ -130,13 +154,18 @@ class Plugins:
                 name = getattr(cls, "name", None)
                 if inspect.isabstract(cls) or not isinstance(name, str):
                     raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
-                if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-                    problem = f"must be 1 to {LONGEST_NAME} characters that can be printed"
+                if not 0 < len(name) <= MAX_NAME or not name.isprintable():
+                    problem = f"must be 1 to {MAX_NAME} characters that can be printed"
                     raise TypeError(f"the name of {cls.__name__} {problem}: {shorten(repr(name))}")
                 offers.append(Offer(kind, cls, point.name, _origin(point)))
-        if not offers:
+        commands = [
+            CommandOffer(_check_command(command), command, point.name, _origin(point))
+            for several in manager.hook.register_commands()
+            for command in several
+        ]
+        if not (offers or commands):
             raise TypeError("offers nothing: is its hook decorated with @pacinian.hookimpl?")
-        return offers
+        return offers, commands
 
     def list(self) -> list[Offer]:
         """All offers of all plug-ins, by kind and name. Raises PluginError where two have one name."""
@@ -177,7 +206,20 @@ class Plugins:
             raise PluginError(f"{kind} {name!r} cannot be made: {describe_error(error)}") from error
 
 
-def _may_offer(point: EntryPoint, kind: Kind) -> bool:
+def _check_command(command: object) -> str:
+    """The command's name. Raises TypeError for what is no command, or has no name that a user can type."""
+    import click
+
+    if not isinstance(command, click.Command):
+        raise TypeError(f"register_commands must return click commands, not {command!r}")
+    name = command.name or ""
+    if not 0 < len(name) <= MAX_NAME or not re.fullmatch(r"[\w.-]+", name):
+        problem = f"must be 1 to {MAX_NAME} letters, digits, dots, hyphens and underscores"
+        raise TypeError(f"the name of a command {problem}: {shorten(repr(name))}")
+    return name
+
+
+def _may_offer(point: EntryPoint, kind: Kind | Literal["command"]) -> bool:
     """Whether its module, which is not imported, speaks of the hook; or cannot be read."""
     try:
         spec = importlib.util.find_spec(point.module)

@@ -38,7 +38,7 @@ class SystemClock:
             time.sleep(left)
 
 
-def paced(
+def pace(
     clock: Clock, period: float, duration: float | None = None, behind: float = BEHIND
 ) -> Iterator[tuple[float, int]]:
     """When each tick of a loop is due [s], as soon as it is, for `duration` [s], or for ever.

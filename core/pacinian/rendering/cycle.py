@@ -14,21 +14,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
-from pacinian.rendering.reach import Reach
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.bands import Bands
-from pacinian.scene.sampling.samples import nothing
+from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
-from pacinian.solving.problem import Targets, numbered
+from pacinian.solving.problem import Targets, number_regions
 
 if TYPE_CHECKING:
-    from pacinian.rendering.player import Solved
+    from pacinian.rendering.modulator import CachedSolution
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Flags, Floats, Gains
 
 INTEGRATED = 500.0  # [Hz]: what comes again so often is felt as steady up to some 6 Pa
-MOST_FRAMES = 4  # of a cycle, unless told otherwise
+MAX_FRAMES = 4  # of a cycle, unless told otherwise
 TILTS = -0.15, 0.15  # of the waves of two frames that are to differ: see `Session.tilt`
 HELD = 0.02  # share of the transducers at their limit from which on there are two frames
 FREE = 0.01  # share below which there is one again
@@ -50,8 +50,8 @@ class Part:
     """
 
     session: Session
-    reach: Reach
-    solved: Solved | None = None
+    reach: ReachabilityFilter
+    solved: CachedSolution | None = None
     tries: int = 0
     rounds: int = 0
     turn: int = 0
@@ -71,7 +71,7 @@ class Cycle:
         self, session: Session, most: int = 1, budget: int = 256, peak: float = math.inf
     ) -> None:
         self.most, self.budget, self.peak = most, budget, peak
-        self._first = Part(session, Reach(session))
+        self._first = Part(session, ReachabilityFilter(session))
         self.reset()
 
     def reset(self) -> None:
@@ -81,7 +81,7 @@ class Cycle:
         self._wanted = 1  # frames at most of these samples
         self._late, self._hurried, self._moved = 0.0, False, False
         self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
-        self.samples = nothing()
+        self.samples = no_samples()
         """What the frames make together."""
         self._shares = np.ones((0, 1))
         self._asked = np.zeros(0)
@@ -107,7 +107,7 @@ class Cycle:
         self._tilted = self._tilted and not self._banded and most >= len(TILTS)
         self._arrange()
 
-    def consider(self, solved: Solved) -> None:
+    def consider(self, solved: CachedSolution) -> None:
         """See how a solve went: whether there is time for several frames, and whether two are worth it or one does.
 
         Two are where transducers are at their limit: their mean is nearer to what is asked then (decision 32).
@@ -138,7 +138,7 @@ class Cycle:
         while len(self.parts) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
             session.propagator.work = first.propagator.work
-            self.parts.append(Part(session, Reach(session)))
+            self.parts.append(Part(session, ReachabilityFilter(session)))
         for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
             part.rounds = part.tries = 0
             part.session.tilt, part.session.solver = tilt, first.solver
@@ -152,14 +152,14 @@ class Cycle:
         """Which samples sound in one part, (M,)."""
         return self._shares[:, self.parts.index(part)] > 0.0
 
-    def left(self, part: Part, own: Flags, P: Floats, facing: Facing | None) -> Floats:
+    def left(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
         """What the other frames leave for one of them to make at its own samples, (M',) [Pa].
 
         own: which of the samples those are, (M,). P: asked of all frames together there, (M',) [Pa].
         """
         self._asked[own] = P
         K, q = self.count, self.samples.positions[own]
-        part.session.propagator.place(q, facing)
+        part.session.propagator.set_points(q, facing)
         others = np.zeros(len(q))
         for share, other in zip(self._shares[own].T, self.parts, strict=True):
             if other is part:
@@ -174,13 +174,13 @@ class Cycle:
         wanted = np.clip(K * P - others, LEAST * nominal, HIGHEST * nominal)
         return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
-    def keep(self, part: Part, solved: Solved) -> None:
+    def keep(self, part: Part, solved: CachedSolution) -> None:
         """One part has been solved."""
         self._turn += 1
         part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
         part.rounds += solved.final
 
-    def row(self, number: int) -> Solved | None:
+    def row(self, number: int) -> CachedSolution | None:
         """What the row of that number plays; None before the first solve."""
         here = self.parts[number % self.count].solved
         return here or next((part.solved for part in self.parts if part.solved), None)
@@ -194,16 +194,16 @@ class Cycle:
     def targets(self) -> Targets:
         """What is asked of all frames together."""
         t = sound_pressure(self._asked, self._first.session.medium)
-        return Targets.simple(t, numbered(len(t), self.samples.regions))
+        return Targets.unchecked(t, number_regions(len(t), self.samples.regions))
 
     @property
-    def facing(self) -> Facing | None:
+    def facing(self) -> SkinFacing | None:
         """Of the skin at the samples."""
         if self.samples.capsules is None:
             return None
-        return Facing.of(self.samples.normals, self.samples.capsules)
+        return SkinFacing.of(self.samples.normals, self.samples.capsules)
 
 
-def frames_of(most: int, rate: float) -> int:
+def split_frames(most: int, rate: float) -> int:
     """Frames of a cycle at most, on a device of `rate` frames a second [Hz]: each place comes again at 500 Hz."""
     return max(1, min(most, int(rate / INTEGRATED)))

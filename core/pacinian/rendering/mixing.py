@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from pacinian.rendering.player import Solved
+    from pacinian.rendering.modulator import CachedSolution
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # that is divided by
@@ -15,7 +15,7 @@ ALIKE = 1e-6  # of their power: parts that differ by less are not told apart
 MAX_SHARE = 4.0  # of a part in the gains while it fades: more is rounding
 
 
-def voice_amplitudes(solved: Solved, t: Floats, switches: bool) -> Singles:
+def voice_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
     """Factor on the sound pressure of each voice at times t, (K,) [s]: (voices, K); 1 where it is in the gains."""
     voices = solved.voices
     if voices is None or not len(voices):
@@ -23,7 +23,7 @@ def voice_amplitudes(solved: Solved, t: Floats, switches: bool) -> Singles:
     return np.sqrt(voices.strength(t, switches)).astype(np.float32)
 
 
-def mean_amplitude(solved: Solved, a: Singles) -> Singles:
+def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
     """The root mean square of the voices' amplitudes, (V, K), weighted with their power: (K,)."""
     if solved.parts is None:
         only: Singles = a[0]
@@ -34,7 +34,7 @@ def mean_amplitude(solved: Solved, a: Singles) -> Singles:
     return np.asarray(np.sqrt(shares @ a**2 / max(shares.sum(), MIN_POWER)), dtype=np.float32)
 
 
-def split_by_voice(solved: Solved, a: Singles, s: Gains) -> tuple[Gains, Gains]:
+def split_by_voice(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains, Gains]:
     """The part of gains s, (K, N), that the voices make, with their amplitudes of now; and the rest of s. Both (K, N).
 
     a: amplitudes, (V, K). While one solution fades into another, each voice is a part of s, found by least squares.
@@ -53,7 +53,7 @@ def split_by_voice(solved: Solved, a: Singles, s: Gains) -> tuple[Gains, Gains]:
     return np.asarray(sound, dtype=np.complex64), np.asarray(s - whole, dtype=np.complex64)
 
 
-def find_fading(last: list[Solved], now: list[Solved]) -> Solved | None:
+def find_fading(last: list[CachedSolution], now: list[CachedSolution]) -> CachedSolution | None:
     """What sounded last, if it was with other envelopes than what sounds now; None where either jumps."""
     if len(last) != 1 or len(now) != 1 or not len(last[0].samples):
         return None

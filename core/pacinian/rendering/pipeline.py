@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import ArgumentError
-from pacinian.rendering.cycle import Cycle, frames_of
-from pacinian.rendering.drive import Quantiser
-from pacinian.rendering.governor import Governor
-from pacinian.rendering.player import Player, joins
+from pacinian.rendering.budget_controller import BudgetController
+from pacinian.rendering.cycle import Cycle, split_frames
+from pacinian.rendering.modulator import Modulator, limits_join
 from pacinian.rendering.probe import Probe
-from pacinian.rendering.turns import Turns
-from pacinian.rendering.warming import load, try_out
-from pacinian.scene.sampling.samples import nothing
+from pacinian.rendering.quantiser import Quantiser
+from pacinian.rendering.tick_alternation import TickAlternation
+from pacinian.rendering.warmup import load_envelopes, try_out
+from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Capability, Frame
-    from pacinian.rendering.report import Stages
-    from pacinian.rendering.smooth import Smoothing
+    from pacinian.rendering.report import StageTimer
+    from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.types import Complexes, Floats, Gains
 
 SHARE = 0.7  # of a tick that a solve may take before it must give its best answer
-MOST = 1000  # frames a tick
+MAX_ROWS = 1000  # frames a tick
 LOOK = 64  # ticks from look to look at what the device's levels make
 
 
@@ -54,26 +54,26 @@ class Pipeline:
         governed: bool,
         most: int,
         peak: float,
-        stages: Stages,
+        stages: StageTimer,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
         sampler.prepare(session.array, session.medium)
         sampler.peak = peak
-        times, gap = rows(capability, period)
-        cycle = Cycle(session, frames_of(most, capability.rate), sampler.budget, peak)
-        self.player = Player(session, times, gap, smoothing, stages.report.skipped, cycle)
+        times, gap = row_times(capability, period)
+        cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
+        self.player = Modulator(session, times, gap, smoothing, stages.report.skipped, cycle)
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
-        self.governor = Governor(period, sampler.budget) if governed else None
+        self.governor = BudgetController(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
         self.probe = Probe(session)
         self._unlooked = LOOK  # ticks since the last look
         self._begin()
 
     def _begin(self) -> None:
-        self.turns = Turns(self.period)
-        self._sampled = self._played = Scene(), nothing()
+        self.turns = TickAlternation(self.period)
+        self._sampled = self._played = Scene(), no_samples()
         self._seen: Scene | None = None
         self._changed = True  # since it was sampled
         self._made: tuple[object, ...] = ()  # from what the last frame was made
@@ -85,7 +85,7 @@ class Pipeline:
             self.emitted(try_out(self.session).gains)
             first = scene(0.0)
             self.sampler.sample(first)
-            load(first, self.player.times)
+            load_envelopes(first, self.player.times)
         except Exception:  # the first tick meets it again, and reports it
             return
 
@@ -97,9 +97,9 @@ class Pipeline:
         """Make frames for a device that can do this, from the next one on. Raises ArgumentError."""
         if capability == self.quantiser.capability:
             return
-        times, gap = rows(capability, self.period)
+        times, gap = row_times(capability, self.period)
         self.player.retime(times, gap)
-        self.player.cycle.most = frames_of(self._most, capability.rate)
+        self.player.cycle.most = split_frames(self._most, capability.rate)
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
@@ -110,7 +110,7 @@ class Pipeline:
         self.session.forget()
         self._begin()
         if self.governor is not None:
-            self.governor = Governor(self.period, self.sampler.budget)
+            self.governor = BudgetController(self.period, self.sampler.budget)
             self.sampler.allowed = self.sampler.budget
 
     @property
@@ -170,7 +170,7 @@ class Pipeline:
         """What to play now."""
         self._changed = self._changed or scene is not self._seen
         self._seen = scene
-        alone = joins(self.limits)
+        alone = limits_join(self.limits)
         self.sampler.bands = 1 if alone else self.player.cycle.allowed
         self.sampler.surround = self.session.solver.surrounds and not alone
         self.sampler.even = 0.0 if alone else self.session.solver.even
@@ -207,7 +207,7 @@ class Pipeline:
             facing, gains = propagator.facing, self.emitted(placed.gains)[None]
             p = propagator.apply(gains[0])
         self._unlooked = 0
-        report.looked(targets.miss(p), self.probe.look(samples, targets, facing, gains))
+        report.looked(targets.relative_error(p), self.probe.look(samples, targets, facing, gains))
 
     @property
     def sounding(self) -> Gains:
@@ -228,14 +228,16 @@ class Pipeline:
         return self.limits.power is not None
 
 
-def rows(capability: Capability, period: float) -> tuple[Floats, float]:
+def row_times(capability: Capability, period: float) -> tuple[Floats, float]:
     """Times of a tick's frames from its begin, (K,) [s], and the gap [s]. Raises ArgumentError."""
     rate = 1.0 / period
     if capability.rate < rate * (1.0 - 1e-9):
         raise ArgumentError("rate", f"of {rate:g} Hz is above the backend's {capability.rate:g} Hz")
     count = max(1, round(capability.rate / rate))  # frames that one tick lasts
-    if count > MOST:
-        raise ArgumentError("rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MOST}")
+    if count > MAX_ROWS:
+        raise ArgumentError(
+            "rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MAX_ROWS}"
+        )
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
     return times, gap

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 NAMED = {"omni": omni, "t4010a1": t4010a1}
 
 
-def written(array: Array) -> dict[str, Any]:
+def to_map(array: Array) -> dict[str, Any]:
     """The transducers' kind and response, without a directivity that is not one of ours: it cannot be read again."""
     kind, response = array.transducer, array.response
     D = kind.directivity
@@ -32,7 +32,7 @@ def written(array: Array) -> dict[str, Any]:
     }
 
 
-def read(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
+def from_map(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
     """The array, omnidirectional where the directivity was left out. Raises Exceptions of all kinds."""
     told: dict[str, Any] = settings["transducer"]
     D: Any = told["directivity"]

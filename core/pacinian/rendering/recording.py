@@ -17,8 +17,8 @@ import numpy as np
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.rendering.recorded_array import read
-from pacinian.rendering.scene_log import Asked, Reader, Writer
+from pacinian.rendering.recorded_array import from_map
+from pacinian.rendering.scene_log import Reader, TickInput, Writer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 FORMAT = "pacinian recording"
 VERSION = 2
-LARGEST = 1 << 28  # [bytes] one map
-LATEST = 1e12  # [s]
+MAX_MAP_BYTES = 1 << 28  # [bytes] one map
+MAX_TIME = 1e12  # [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Tick:
 
     frame: Frame
     time: float = 0.0
-    asked: Asked | None = None
+    asked: TickInput | None = None
     clock: tuple[float, ...] = ()
     begins: bool = False
 
@@ -88,7 +88,7 @@ class Recorder:
         self,
         frame: Frame,
         time: float = 0.0,
-        asked: Asked | None = None,
+        asked: TickInput | None = None,
         clock: list[float] | None = None,
         *,
         same: bool = False,
@@ -157,7 +157,7 @@ class Recording:
         A directivity of the user's own cannot be recorded: it is then omnidirectional.
         """
         try:
-            return read(self.settings, self.positions, self.normals)
+            return from_map(self.settings, self.positions, self.normals)
         except Exception as error:  # the bytes may say anything
             raise RecordingError(self.path, f"has settings of no array: {error}") from error
 
@@ -204,7 +204,7 @@ class Recording:
         if phase.max() >= can.phases or amplitude.max() >= len(can.sizes):
             raise ValueError("levels beyond the device's")
         time, t = float(values["time"]), float(values["t"])
-        if not (abs(time) < LATEST and abs(t) < LATEST):
+        if not (abs(time) < MAX_TIME and abs(t) < MAX_TIME):
             raise ValueError(f"its time is {time} s")
         asked = None
         if reader is not None and "new" in values:
@@ -218,7 +218,9 @@ class Recording:
             raise RecordingError(self.path, "is not there, or not a file")
         try:
             with self.path.open("rb") as file:
-                for values in msgpack.Unpacker(file, max_buffer_size=LARGEST, strict_map_key=False):
+                for values in msgpack.Unpacker(
+                    file, max_buffer_size=MAX_MAP_BYTES, strict_map_key=False
+                ):
                     if not isinstance(values, dict):
                         raise RecordingError(self.path, "is not a Pacinian recording")
                     yield values

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import integer, kind, number
+from pacinian.checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
-from pacinian.rendering.clock import BEHIND, Clock, SystemClock, paced
-from pacinian.rendering.cycle import MOST_FRAMES
-from pacinian.rendering.emitter import Emitter
+from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
+from pacinian.rendering.cycle import MAX_FRAMES
+from pacinian.rendering.fail_safe_output import FailSafeOutput
 from pacinian.rendering.pipeline import Pipeline
-from pacinian.rendering.report import Report, Stages
-from pacinian.rendering.scene_log import Asked
-from pacinian.rendering.smooth import Smoothing
-from pacinian.rendering.tape import Tape
-from pacinian.rendering.undisturbed import undisturbed
+from pacinian.rendering.realtime_section import realtime_section
+from pacinian.rendering.recording_clock import RecordingClock
+from pacinian.rendering.report import Report, StageTimer
+from pacinian.rendering.scene_log import TickInput
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.acoustics.facing import Facing
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
-    from pacinian.rendering.governor import Governor
-    from pacinian.rendering.player import Player
+    from pacinian.rendering.budget_controller import BudgetController
+    from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault
-    from pacinian.rendering.turns import Turns
+    from pacinian.rendering.tick_alternation import TickAlternation
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution
@@ -84,7 +84,7 @@ class Renderer:
         sampler: Sampler | None = None,
         smoothing: Smoothing | None = None,
         governed: bool = True,
-        cycle: int = MOST_FRAMES,
+        cycle: int = MAX_FRAMES,
         peak: float = math.inf,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
@@ -93,27 +93,27 @@ class Renderer:
             raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")
         self.scene = scene
         self.clock = clock or SystemClock()
-        self.tape = Tape(self.clock.now)
+        self.tape = RecordingClock(self.clock.now)
         self.session = Session(array, medium, solver, clock=self.tape.now)
         made = registry.backend(backend) if isinstance(backend, str) else backend
-        kind("backend", made, Backend)
+        check_kind("backend", made, Backend)
         self.limits = Limits() if limits is None else limits
-        kind("limits", self.limits, Limits)
+        check_kind("limits", self.limits, Limits)
         self.sampler = Sampler(ramp=RAMP) if sampler is None else sampler
-        kind("sampler", self.sampler, Sampler)
+        check_kind("sampler", self.sampler, Sampler)
         self.smoothing = Smoothing() if smoothing is None else smoothing
-        kind("smoothing", self.smoothing, Smoothing)
-        self.period = 1.0 / number("rate", rate, low=1.0, high=100_000.0)  # [s]
-        self.cycle = integer("cycle", cycle, low=1)
-        self.peak = math.inf if peak == math.inf else number("peak", peak, low=0.0)
+        check_kind("smoothing", self.smoothing, Smoothing)
+        self.period = 1.0 / check_number("rate", rate, low=1.0, high=100_000.0)  # [s]
+        self.cycle = check_integer("cycle", cycle, low=1)
+        self.peak = math.inf if peak == math.inf else check_number("peak", peak, low=0.0)
         self.report = Report()
         self.recorder = recorder
-        self._stages = Stages(self.clock.now, self.report)
+        self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
             self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
             self.peak, self._stages,
         )  # fmt: skip
-        self._emitter = Emitter(made, self._stages)
+        self._emitter = FailSafeOutput(made, self._stages)
         self.start = 0.0  # [s] by its clock, when it was opened: the scene's time 0
         self._opened = False
 
@@ -128,17 +128,17 @@ class Renderer:
         return self._emitter.halted
 
     @property
-    def player(self) -> Player:
+    def player(self) -> Modulator:
         """From samples to rows of gains."""
         return self._pipeline.player
 
     @property
-    def governor(self) -> Governor | None:
+    def governor(self) -> BudgetController | None:
         """How many samples there is time for, if it is governed."""
         return self._pipeline.governor
 
     @property
-    def turns(self) -> Turns:
+    def turns(self) -> TickAlternation:
         """Whether sampling and solving take turns."""
         return self._pipeline.turns
 
@@ -163,7 +163,7 @@ class Renderer:
 
     def open(self) -> None:
         """Claim the device, silent; compile and load what a tick needs."""
-        from pacinian.rendering.settings import written
+        from pacinian.rendering.settings import to_config
 
         if self._opened:
             return
@@ -172,7 +172,7 @@ class Renderer:
         try:
             self._pipeline.warm_up(self._scene)
             if self.recorder is not None:
-                self.recorder.begin(self.session.array, self.backend.capability, written(self))
+                self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
         except BaseException:
             self.close()
             raise
@@ -188,7 +188,7 @@ class Renderer:
         its levels and rate may differ. The one before still sounds: let a tick pass, then close it.
         Raises ArgumentError, and then goes on as before.
         """
-        kind("backend", backend, Backend)
+        check_kind("backend", backend, Backend)
         before = self.backend
         if self.recorder is not None and backend.capability != before.capability:
             raise ArgumentError("backend", "must be able to do the same while this is recorded")
@@ -231,14 +231,14 @@ class Renderer:
         for it; after that, ticks whose whole time is over are left out: `report.skipped["missed ticks"]`. 0 where
         only what is now counts. Ctrl-C ends the run with `report.interrupted`.
         """
-        behind = number("behind", behind, low=0.0)
-        duration = None if duration is None else number("duration", duration, low=0.0)
+        behind = check_number("behind", behind, low=0.0)
+        duration = None if duration is None else check_number("duration", duration, low=0.0)
         was_open = self._opened
         self.open()
         self.report.interrupted = False
         try:
-            with undisturbed():
-                for due, lost in paced(self.clock, self.period, duration, behind):
+            with realtime_section():
+                for due, lost in pace(self.clock, self.period, duration, behind):
                     if lost:
                         self.report.skipped["missed ticks"] += lost
                     self.tick(due)
@@ -298,7 +298,7 @@ class Renderer:
         """As `emitted`, of each frame that sounds in turn, (K, N): what is felt is their mean."""
         return self._pipeline.sounding
 
-    def hear(self, points: Floats, facing: Facing | None = None) -> Floats:
+    def hear(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
         """Sound pressure amplitude at points (M, 3) [m] that presses as the mean of these frames, (M,) [Pa]."""
         return self._pipeline.probe.hear(points, facing, self.sounding)
 
@@ -317,7 +317,7 @@ class Renderer:
         ):  # it was silenced, by the end of a run
             self.reset()
         stages.begin(begin := self.tape.now())
-        t = number("clock", due - self.start)
+        t = check_number("clock", due - self.start)
         scene = self._scene(t)
         limits, solver = self.limits, self.session.solver  # others may set them at any time
         frame = pipeline.frame(scene, limits, t, due, self.report.frames_sent)
@@ -328,12 +328,12 @@ class Renderer:
         stages.enter("record")
         noted = self.tape.take()
         if self.recorder is not None:
-            asked = Asked(scene, solver, limits)
+            asked = TickInput(scene, solver, limits)
             self.recorder.write(frame, t, asked, noted, same=pipeline.same(frame))
         stages.enter("scene")
 
     def _scene(self, t: float) -> Scene:
         """The scene at time t [s]."""
         scene = self.scene if isinstance(self.scene, Scene) else self.scene(t)
-        kind("scene", scene, Scene)
+        check_kind("scene", scene, Scene)
         return scene

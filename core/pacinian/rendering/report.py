@@ -10,12 +10,12 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
-from pacinian.solving.felt import Sums
+from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.solving.felt import Felt
+    from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
 
@@ -67,7 +67,9 @@ class Report:
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
-    _felt: deque[dict[str, Sums]] = field(default_factory=lambda: deque(maxlen=LOOKS), repr=False)
+    _felt: deque[dict[str, FeltSums]] = field(
+        default_factory=lambda: deque(maxlen=LOOKS), repr=False
+    )
 
     def tick(self, seconds: float, late: bool) -> None:
         """Count a tick that took `seconds` [s]."""
@@ -84,7 +86,7 @@ class Report:
         self.solves += 1
         self.statuses[status.name] += 1
 
-    def looked(self, error: float, felt: dict[str, Sums]) -> None:
+    def looked(self, error: float, felt: dict[str, FeltSums]) -> None:
         """Keep what a look at the gains as emitted, after quantisation, has found.
 
         error: of the sound pressures at the samples, relative. felt: between them, of each object that has a region.
@@ -93,15 +95,15 @@ class Report:
         self._measured += 1
         self._felt.append(felt)
 
-    def felt(self, looks: int = LOOKS) -> dict[str, Felt]:
+    def felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
         """What was felt, as emitted, of each object that has regions, between its samples: of the last looks.
 
         One every 64 ticks, at some 24 places each.
         """
-        sums: dict[str, Sums] = {}
+        sums: dict[str, FeltSums] = {}
         for found in list(self._felt)[-looks:]:
             for name, more in found.items():
-                sums[name] = sums.get(name, Sums()).plus(more)
+                sums[name] = sums.get(name, FeltSums()).plus(more)
         return {name: all_.felt for name, all_ in sums.items()}
 
     def fault(self, fault: Fault) -> None:
@@ -180,7 +182,7 @@ class Report:
         panel.set(xlabel="tick time [ms]", ylabel="ticks", yscale="log")
 
 
-class Stages:
+class StageTimer:
     """Which stage of a tick the loop is in; tells a report how long each took.
 
     now: the time [s]. report: may be replaced.

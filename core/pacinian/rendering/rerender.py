@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.errors import RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
-from pacinian.rendering.settings import read
+from pacinian.rendering.settings import from_config
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
 
 
-class Kept(Backend):
+class CaptureBackend(Backend):
     """Keeps the last frame. capability: of the device that was recorded."""
 
     name: ClassVar[str] = "kept"
@@ -47,7 +47,7 @@ class Kept(Backend):
         """Nothing to do."""
 
 
-class Then:
+class FixedClock:
     """A clock that tells the time of the tick being rendered again. time: [s]."""
 
     def __init__(self) -> None:
@@ -68,17 +68,19 @@ def rerender(recording: Recording) -> tuple[int, int]:
     noted. Raises RecordingError if the recording lacks its scenes, or is damaged.
     """
     ticks = different = 0
-    for tick, renderer in rerendered(recording):
-        different += not same(tick.frame, renderer.sent)
+    for tick, renderer in iterate_rerendered(recording):
+        different += not are_equal(tick.frame, renderer.sent)
         ticks += 1
     return ticks, different
 
 
-def rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
+def iterate_rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
     """Each tick as it was, and the renderer as it is after that tick. Raises RecordingError."""
-    clock = Then()
+    clock = FixedClock()
     try:
-        renderer = read(recording.settings, recording.array, Kept(recording.capability), clock)
+        renderer = from_config(
+            recording.settings, recording.array, CaptureBackend(recording.capability), clock
+        )
     except Exception as error:  # the file may say anything
         raise RecordingError(
             recording.path, f"has no settings to render it with again: {error}"
@@ -100,6 +102,6 @@ def rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
             yield tick, renderer
 
 
-def same(a: Frame, b: Frame) -> bool:
+def are_equal(a: Frame, b: Frame) -> bool:
     """Whether two frames have the same levels."""
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)

@@ -18,7 +18,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene, Workspace
 from pacinian.solving.problem import Limits
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ OPEN = "envelope", "technique"  # fields that may hold, or hold what holds, any 
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class TickInput:
     """What one tick was given: the scene, the solver, the limits."""
 
     scene: Scene
@@ -46,9 +46,9 @@ class Writer:
     """Tells what is new against the last time. It raises ArgumentError for what cannot be written."""
 
     def __init__(self) -> None:
-        self._last: Asked | None = None
+        self._last: TickInput | None = None
 
-    def changes(self, asked: Asked) -> dict[str, Any]:
+    def changes(self, asked: TickInput) -> dict[str, Any]:
         """What is new, as plain values."""
         new: dict[str, Any] = {}
         last, scene = self._last, asked.scene
@@ -74,9 +74,9 @@ class Reader:
     """Puts together what a `Writer` told. It raises any Exception for what is damaged."""
 
     def __init__(self) -> None:
-        self._asked: Asked | None = None
+        self._asked: TickInput | None = None
 
-    def next(self, new: dict[str, Any]) -> Asked:
+    def next(self, new: dict[str, Any]) -> TickInput:
         """What the tick was given."""
         last = self._asked
         scene = Scene() if last is None else last.scene
@@ -102,7 +102,7 @@ class Reader:
         if solver is None or limits is None:
             raise ValueError("the first tick lacks a solver or limits")
         if last is None or new:
-            self._asked = last = Asked(scene, solver, limits)
+            self._asked = last = TickInput(scene, solver, limits)
         return last
 
 

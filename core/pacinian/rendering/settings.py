@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pacinian.acoustics.air import Air
 from pacinian.rendering import recorded_array
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SAMPLER = "budget", "spacing", "ramp", "perception"
 
 
-def written(renderer: Renderer) -> dict[str, Any]:
+def to_config(renderer: Renderer) -> dict[str, Any]:
     """Everything but the scene, the solver and the limits, which may change from tick to tick."""
     session, sampler = renderer.session, renderer.sampler
     medium = {f.name: getattr(session.medium, f.name) for f in fields(Air) if f.init}
@@ -33,11 +33,11 @@ def written(renderer: Renderer) -> dict[str, Any]:
         "smoothing": asdict(renderer.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},
         "medium": medium,
-        **recorded_array.written(session.array),
+        **recorded_array.to_map(session.array),
     }
 
 
-def read(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
+def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
     """A renderer with these settings, of an empty scene. array: as recorded. Raises Exceptions of all kinds."""
     if settings["transducer"]["directivity"] is None:
         raise ValueError("the transducers' directivity was one of the user's own")

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector
-from pacinian.checks import integer, length, number
+from pacinian.checks import check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
-from pacinian.documents import decoded, json_schema
+from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
@@ -100,9 +100,9 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         # as `Sampler` does, which takes half a second to import: a guard must be there again soon
-        integer("budget", self.budget, low=1)
+        check_integer("budget", self.budget, low=1)
         if self.spacing is not None:
-            number("spacing", length("spacing", self.spacing), low=FINEST)
+            check_number("spacing", check_length("spacing", self.spacing), low=FINEST)
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
@@ -137,8 +137,8 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
     objects: tuple[Object, ...] = ()
 
     def __post_init__(self) -> None:
-        number("rate", self.rate, low=1.0, high=100_000.0)
-        number("gain", self.gain, low=0.0, high=1.0, above=True)
+        check_number("rate", self.rate, low=1.0, high=100_000.0)
+        check_number("gain", self.gain, low=0.0, high=1.0, above=True)
 
     @property
     def scene(self) -> Scene:
@@ -146,17 +146,17 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
         return Scene(self.objects, self.workspace, tuple(hand.make() for hand in self.hands))
 
 
-def load(path: str | Path) -> SceneFile:
+def load_scene_file(path: str | Path) -> SceneFile:
     """Read a scene file.
 
     path: a file that ends in .toml or .json; all numbers in SI units ([m], [Pa], [N], [Hz]).
     Raises SceneFileError, which names the file, the key and the fix.
     """
     path = Path(path)
-    file = decoded(path, SceneFile)
+    file = decode_document(path, SceneFile)
     file = replace(
         file,
-        array=beside(file.array, path.parent),
+        array=resolve_path(file.array, path.parent),
         objects=tuple(_found(item, i, path) for i, item in enumerate(file.objects)),
     )
     parts = ("$.array", file.array.make), ("$.medium", file.medium.make), ("$", lambda: file.scene)
@@ -168,14 +168,14 @@ def load(path: str | Path) -> SceneFile:
     return file
 
 
-def schema() -> dict[str, Any]:
+def make_schema() -> dict[str, Any]:
     """The JSON Schema of scene files."""
     return json_schema(SceneFile, "Pacinian scene")
 
 
 def _found(item: Object, index: int, path: Path) -> Object:
     """The object with its files looked for beside the scene file, and read once."""
-    found, field = beside(item, path.parent), ""
+    found, field = resolve_path(item, path.parent), ""
     try:
         for name in found.load():
             field = f".{name}"
@@ -184,7 +184,7 @@ def _found(item: Object, index: int, path: Path) -> Object:
     return found
 
 
-def beside(struct: S, folder: Path) -> S:
+def resolve_path(struct: S, folder: Path) -> S:
     """A struct whose files, and those of all that it holds, are looked for in `folder`."""
     new: dict[str, Any] = {}
     for name in struct.__struct_fields__:
@@ -192,9 +192,9 @@ def beside(struct: S, folder: Path) -> S:
         if name == "file" and value:
             new[name] = str(folder / value)
         elif isinstance(value, Struct):
-            new[name] = beside(value, folder)
+            new[name] = resolve_path(value, folder)
         elif isinstance(value, tuple) and value and isinstance(value[0], Struct):
-            parts = tuple(beside(part, folder) for part in value)
+            parts = tuple(resolve_path(part, folder) for part in value)
             same = all(a is b for a, b in zip(parts, value, strict=True))
             new[name] = value if same else parts
     changed = {name: value for name, value in new.items() if value is not getattr(struct, name)}

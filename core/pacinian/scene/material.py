@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import FAR, number
+from pacinian.checks import FAR, check_number
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -28,9 +28,9 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         if self.stiffness is not None:
-            stiffness = number("stiffness", self.stiffness, low=0.0, above=True)
+            stiffness = check_number("stiffness", self.stiffness, low=0.0, above=True)
             force_setattr(self, "stiffness", stiffness)
-        force_setattr(self, "reach", number("reach", self.reach, low=0.0, high=FAR))
+        force_setattr(self, "reach", check_number("reach", self.reach, low=0.0, high=FAR))
 
     def per_metre(self, most: float) -> float:
         """Its stiffness [Pa/m] where the object presses with `most` [Pa]."""

@@ -7,12 +7,12 @@ import math
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.acoustics.pose import Pose, Vector, turned, vector
-from pacinian.checks import number
+from pacinian.acoustics.pose import Pose, Vector, rotate, vector
+from pacinian.checks import check_number
 from pacinian.errors import ArgumentError
 
-LATEST = 0.1  # [s] after which an update is no longer followed: the thing stands still
-FASTEST = 100.0  # [m/s]
+MAX_EXTRAPOLATION = 0.1  # [s] after which an update is no longer followed: the thing stands still
+MAX_SPEED = 100.0  # [m/s]
 STILL = 0.0, 0.0, 0.0
 
 
@@ -31,13 +31,15 @@ class Motion(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         for name in ("velocity", "angular_velocity"):
             force_setattr(self, name, vector(name, getattr(self, name)))
-        if math.hypot(*self.velocity) > FASTEST:
-            raise ArgumentError("velocity", f"must be at most {FASTEST:g} m/s, in metres a second")
-        force_setattr(self, "time", number("time", self.time))
+        if math.hypot(*self.velocity) > MAX_SPEED:
+            raise ArgumentError(
+                "velocity", f"must be at most {MAX_SPEED:g} m/s, in metres a second"
+            )
+        force_setattr(self, "time", check_number("time", self.time))
 
     def age(self, t: float) -> float:
         """For how long it has moved at time t [s], 0 to 0.1 s."""
-        return min(max(t - self.time, 0.0), LATEST)
+        return min(max(t - self.time, 0.0), MAX_EXTRAPOLATION)
 
     def position(self, position: Vector, t: float) -> Vector:
         """Where at time t [s] is what was seen at `position` [m]."""
@@ -48,5 +50,5 @@ class Motion(Struct, frozen=True, forbid_unknown_fields=True):
         """The pose at time t [s] of what was seen at `pose`: straight on, at a constant turn."""
         rotation = pose.rotation
         if self.angular_velocity != STILL:
-            rotation = turned(rotation, self.angular_velocity, self.age(t))
+            rotation = rotate(rotation, self.angular_velocity, self.age(t))
         return Pose(self.position(pose.position, t), rotation)

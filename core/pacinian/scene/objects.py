@@ -10,14 +10,21 @@ import numpy as np
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose, Vector, vector
-from pacinian.checks import kind, length, near, number, numbers
+from pacinian.checks import check_kind, check_length, check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.felt import SMALLEST, Felt
-from pacinian.scene.shapes import Local
+from pacinian.scene.haptic_object import MIN_AREA, HapticObject
+from pacinian.scene.shapes import LocalSamples
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.kinds import SHELLS, SOLIDS, Shell, SolidShape, check_closed, distance
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.shapes.solids import interior
+from pacinian.scene.shapes.sdf import sample_interior
+from pacinian.scene.shapes.shape_types import (
+    SHELLS,
+    SOLIDS,
+    Shell,
+    SolidShape,
+    check_closed,
+    distance,
+)
 from pacinian.scene.shapes.texture import Texture
 
 if TYPE_CHECKING:
@@ -32,12 +39,12 @@ CROWD = 100_000  # particles of one object
 ORIGIN = np.zeros(3)
 
 
-class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
+class Point(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="point"):
     """A point that presses: a focus.
 
     position: [m]. force: [N] over the main lobe of the focus, whose area is the array's (`pacinian.focal_area`). area:
     a disc [m^2], one wavelength across unless given; with a hand the point is felt where the skin is within that disc's
-    radius, and inside of the hand. More: `Felt`. Raises ArgumentError.
+    radius, and inside of the hand. More: `HapticObject`. Raises ArgumentError.
     """
 
     position: Vector
@@ -45,7 +52,7 @@ class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
-        force_setattr(self, "area", number("area", self.area, low=SMALLEST))
+        force_setattr(self, "area", check_number("area", self.area, low=MIN_AREA))
         self._check()
 
     @property
@@ -69,20 +76,20 @@ class Point(Felt, frozen=True, kw_only=True, tag_field="type", tag="point"):
         return Pose(self.position)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.radius
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Itself."""
-        return Local(np.zeros((1, 3)), np.zeros((1, 3)), np.array([self.area]))
+        return LocalSamples(np.zeros((1, 3)), np.zeros((1, 3)), np.array([self.area]))
 
 
-class Path(Felt, frozen=True, kw_only=True, tag_field="type", tag="path"):
+class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"):
     """A line that presses: a polyline, a circle, a Lissajous figure.
 
     shape: in its own frame. pose: where it is. force: over its length times a wavelength. width: how near
-    the skin must be [m]. More: `Felt`. Raises ArgumentError.
+    the skin must be [m]. More: `HapticObject`. Raises ArgumentError.
     """
 
     shape: Curve
@@ -90,9 +97,9 @@ class Path(Felt, frozen=True, kw_only=True, tag_field="type", tag="path"):
     width: float = WAVELENGTH
 
     def __post_init__(self) -> None:
-        kind("shape", self.shape, Line, Circle, Lissajous, Polyline)
-        kind("pose", self.pose, Pose)
-        force_setattr(self, "width", length("width", self.width))
+        check_kind("shape", self.shape, Line, Circle, Lissajous, Polyline)
+        check_kind("pose", self.pose, Pose)
+        force_setattr(self, "width", check_length("width", self.width))
         self._check()
 
     @property
@@ -106,22 +113,25 @@ class Path(Felt, frozen=True, kw_only=True, tag_field="type", tag="path"):
         return self.width / 2.0
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
-        return self.shape.reach + self.radius
+        return self.shape.bounding_radius + self.radius
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Samples in its own frame, about `spacing` [m] apart."""
-        made = self.shape.cover(spacing)
+        made = self.shape.sample_surface(spacing)
         area = self.shape.length * self.width / max(1, len(made.points))
-        return Local(made.points, made.normals, np.full(len(made.points), area))
+        return LocalSamples(made.points, made.normals, np.full(len(made.points), area))
 
 
-class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", tag="particles"):
+class Particles(
+    HapticObject, frozen=True, kw_only=True, dict=True, tag_field="type", tag="particles"
+):
     """Many points that press, each by itself: rain, sparks, smoke.
 
     positions: in their own frame [m], K x 3. pose: where that is. radius: how near the skin must be [m].
-    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `Felt`. Raises ArgumentError.
+    radiation_pressure: of each [Pa], or force: of each [N], as of a `Point`. More: `HapticObject`. Raises
+    ArgumentError.
     """
 
     positions: tuple[Vector, ...]
@@ -129,15 +139,15 @@ class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", ta
     radius: float = WAVELENGTH / 2.0
 
     def __post_init__(self) -> None:
-        places = numbers("positions", self.positions, (None, 3))
+        places = check_numbers("positions", self.positions, (None, 3))
         if len(places) > CROWD:
             raise ArgumentError(
                 "positions", f"must be at most {CROWD} particles, not {len(places)}"
             )
-        near("positions", places, ORIGIN)
+        check_near("positions", places, ORIGIN)
         force_setattr(self, "positions", tuple(map(tuple, places.tolist())))
-        kind("pose", self.pose, Pose)
-        force_setattr(self, "radius", length("radius", self.radius))
+        check_kind("pose", self.pose, Pose)
+        force_setattr(self, "radius", check_length("radius", self.radius))
         self._check()
 
     @property
@@ -151,19 +161,19 @@ class Particles(Felt, frozen=True, kw_only=True, dict=True, tag_field="type", ta
         return self.force is not None
 
     @cached_property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         places = np.array(self.positions).reshape(-1, 3)
         return self.radius + float(np.sqrt((places * places).sum(axis=1)).max(initial=0.0))
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Each particle."""
         places = np.array(self.positions).reshape(-1, 3)
         area = np.full(len(places), math.pi * self.radius**2)
-        return Local(places, np.zeros_like(places), area)
+        return LocalSamples(places, np.zeros_like(places), area)
 
 
-class Body(Felt, frozen=True, kw_only=True):
+class Body(HapticObject, frozen=True, kw_only=True):
     """What surfaces and volumes share: a shape at a pose, with a texture, felt to a depth.
 
     texture: a factor on the pressure, over the shape's own x and y. thickness: how far below its surface
@@ -183,22 +193,22 @@ class Body(Felt, frozen=True, kw_only=True):
 
     def _check(self) -> None:
         super()._check()
-        kind("pose", self.pose, Pose)
+        check_kind("pose", self.pose, Pose)
         if self.texture is not None:
-            kind("texture", self.texture, Texture)
-        force_setattr(self, "thickness", length("thickness", self.thickness))
+            check_kind("texture", self.texture, Texture)
+        force_setattr(self, "thickness", check_length("thickness", self.thickness))
 
 
 class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
     """A surface that presses evenly, or by its texture.
 
-    shape: in its own frame. More: `Body`, `Felt`. Raises ArgumentError.
+    shape: in its own frame. More: `Body`, `HapticObject`. Raises ArgumentError.
     """
 
     shape: Shell
 
     def __post_init__(self) -> None:
-        kind("shape", self.shape, *SHELLS)
+        check_kind("shape", self.shape, *SHELLS)
         if isinstance(self.shape, Mesh) and not self.shape.file:
             _ = self.shape.area  # it must have some
         self._check()
@@ -215,13 +225,13 @@ class Surface(Body, frozen=True, kw_only=True, tag_field="type", tag="surface"):
         return self._pressure(self.shape.area if self.force is not None else 1.0)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
-        return self.shape.reach
+        return self.shape.bounding_radius
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Samples in its own frame, about `spacing` [m] apart."""
-        return self.shape.cover(spacing)
+        return self.shape.sample_surface(spacing)
 
     def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
         """Signed distance, negative where it is felt, of points (K, 3) in its own frame, (K,) [m].
@@ -236,14 +246,14 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
     """A volume that presses evenly, or by its texture.
 
     shape: in its own frame. felt: its "shell", or its "interior" too, so that a hand inside of it feels it
-    everywhere. More: `Body`, `Felt`. Raises ArgumentError.
+    everywhere. More: `Body`, `HapticObject`. Raises ArgumentError.
     """
 
     shape: SolidShape
     felt: Literal["shell", "interior"] = "shell"
 
     def __post_init__(self) -> None:
-        kind("shape", self.shape, *SOLIDS)
+        check_kind("shape", self.shape, *SOLIDS)
         if self.felt not in ("shell", "interior"):
             raise ArgumentError("felt", f'must be "shell" or "interior", not {self.felt!r}')
         if self.force is not None and self.felt == "interior":
@@ -265,13 +275,17 @@ class Volume(Body, frozen=True, kw_only=True, tag_field="type", tag="volume"):
         return self._pressure(self.shape.area if self.force is not None else 1.0)
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
-        return self.shape.reach
+        return self.shape.bounding_radius
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Samples in its own frame, about `spacing` [m] apart."""
-        return self.shape.cover(spacing) if self.felt == "shell" else interior(self.shape, spacing)
+        return (
+            self.shape.sample_surface(spacing)
+            if self.felt == "shell"
+            else sample_interior(self.shape, spacing)
+        )
 
     def distance(self, points: Floats, beyond: float, deep: float) -> Floats:
         """Signed distance, negative where it is felt, of points (K, 3), (K,) [m]; as for a surface."""

@@ -13,11 +13,11 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import kind
+from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
-from pacinian.notebook import MOST, Card, card
+from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.motion import LATEST, STILL
+from pacinian.scene.motion import MAX_EXTRAPOLATION, STILL
 from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
 
 if TYPE_CHECKING:
@@ -66,12 +66,12 @@ class Scene:
                 given = getattr(self, name)
                 raise ArgumentError(name, f"must be a list, not {given!r}") from None
         if self.workspace is not None:
-            kind("workspace", self.workspace, Workspace)
+            check_kind("workspace", self.workspace, Workspace)
         for i, item in enumerate(cast("tuple[object, ...]", self.objects)):
             if type(item) not in KINDS:  # quicker than `kind`, and most are
-                kind(f"objects[{i}]", item, *KINDS)
+                check_kind(f"objects[{i}]", item, *KINDS)
         for i, hand in enumerate(self.hands):
-            kind(f"hands[{i}]", hand, Hand)
+            check_kind(f"hands[{i}]", hand, Hand)
         _unique("objects", [item.name for item in self.objects if item.name])
         _unique("hands", [hand.name for hand in self.hands])
 
@@ -79,7 +79,7 @@ class Scene:
         """With these objects: each in the place of the one of its name, or as the last."""
         objects, index, rows = list(self.objects), self._index, set[int]()
         for item in items:
-            kind("items", item, *KINDS)
+            check_kind("items", item, *KINDS)
             i = index.get(item.name) if item.name else None
             if i is None:
                 if item.name:
@@ -141,7 +141,8 @@ class Scene:
         }
         head = "name", "what", "position [mm]", "pressure [Pa]"
         table = [
-            (i.name or "-", _kind(i), _place(i), f"{i.pressure:.3g}") for i in self.objects[:MOST]
+            (i.name or "-", _kind(i), _place(i), f"{i.pressure:.3g}")
+            for i in self.objects[:MAX_ROWS]
         ]
         count = len(self.objects)
         draw = self._draw if count or self.hands else None
@@ -180,7 +181,7 @@ def _bounds(objects: Iterable[Object]) -> Floats:
 
 def _bound(item: Object) -> tuple[float, ...]:
     x, y, z = item.position if isinstance(item, Point) else item.pose.position
-    radius = item.reach + item.material.reach
+    radius = item.bounding_radius + item.material.reach
     if item.motion is None:
         return x, y, z, 0.0, 0.0, 0.0, 0.0, radius
     u, v, w = item.motion.velocity
@@ -190,7 +191,7 @@ def _bound(item: Object) -> tuple[float, ...]:
 def _until(item: Object) -> float:
     motion = item.motion
     moves = motion is not None and (motion.velocity != STILL or motion.angular_velocity != STILL)
-    return motion.time + LATEST if motion is not None and moves else -math.inf
+    return motion.time + MAX_EXTRAPOLATION if motion is not None and moves else -math.inf
 
 
 def _unique(name: str, given: Iterable[str]) -> None:

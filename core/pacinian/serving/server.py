@@ -16,15 +16,15 @@ from msgspec.structs import replace
 
 from pacinian.errors import ServerError
 from pacinian.serving.control.metrics import HOST, Metrics
-from pacinian.serving.control.process import Control
-from pacinian.serving.control.sockets import Doors, cannot_bind
+from pacinian.serving.control.process import ControlLoop
+from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
-from pacinian.serving.ipc.auth import Gate, fresh
-from pacinian.serving.ipc.file_lock import Lock, Locked
+from pacinian.serving.ipc.auth import Authenticator, make_secrets
+from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
-from pacinian.serving.ipc.messages import CAPACITIES, frame_capacity
-from pacinian.wire.connection import Connection, check_replaceable, where
+from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
+from pacinian.wire.connection import Connection, check_replaceable, locate_connection
 from pacinian.wire.emergency import StopSocket
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ RESERVE = 16  # files that are kept for processes that are started again
 def serve(
     settings: Settings,
     ready: Callable[[Path], object] = lambda path: None,
-    start: Callable[[str, child_process.Told], Process] = child_process.start,
+    start: Callable[[str, child_process.LaunchConfig], Process] = child_process.start,
     ending: threading.Event | None = None,
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then silence, always.
@@ -50,32 +50,32 @@ def serve(
     Raises ServerError.
     """
     ending = ending or threading.Event()
-    path = where(settings.connection)
+    path = locate_connection(settings.connection)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_alone(path))
         configure(settings.log, "control")
         _limit_files(RESERVE)
         stack.callback(flush)
         stack.enter_context(_signals(ending))
-        secrets = fresh(settings)
+        secrets = make_secrets(settings)
         _check_ports(settings)
         folder = stack.enter_context(shared_memory.folder())
-        capacities = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
+        capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         files = {
-            name: stack.enter_context(shared_memory.Latest.create(folder / name, capacity))
+            name: stack.enter_context(shared_memory.SharedRegister.create(folder / name, capacity))
             for name, capacity in capacities.items()
         }
-        scheduling.urgent()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
+        scheduling.raise_priority()  # a stop is answered whatever the others do; threads of ZeroMQ take it over
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
+        gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         secret = secrets.get("token") or secrets["secret_key"]
         stop = stack.enter_context(StopSocket(folder / "stop", secret))
-        doors = stack.enter_context(Doors(context, gate, settings.network, stop))
+        doors = stack.enter_context(ControlSockets(context, gate, settings.network, stop))
         command = settings.network.command or _free(settings.network.host, 0)
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
-        told = child_process.Told(str(folder), replace(settings, network=network))
+        told = child_process.LaunchConfig(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
 
         def begin(name: str, spare: int) -> Process:
@@ -87,7 +87,7 @@ def serve(
 
         supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)
-        control = Control(settings, doors, files, supervisor)
+        control = ControlLoop(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
         try:
             while not ending.is_set():
@@ -105,14 +105,14 @@ def serve(
             log().info("end")
 
 
-def _alone(path: Path) -> Lock:
+def _alone(path: Path) -> FileLock:
     """The right to write a connection file, as long as this process lives. Raises ServerError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        lock = Lock(path.with_name(f"{path.name}.lock"))
+        lock = FileLock(path.with_name(f"{path.name}.lock"))
     except OSError as error:
         raise ServerError(f"{path}: cannot be written: {error.strerror}") from error
-    except Locked as error:
+    except LockHeld as error:
         raise ServerError(
             f"{path} is of a server that runs (process {error.pid or 'not known yet'}): end it, or choose "
             "another file with `--connection`"
@@ -153,7 +153,7 @@ def _end(supervisor: Supervisor) -> None:
 
 
 def _metrics(
-    settings: Settings, control: Control, doors: Doors
+    settings: Settings, control: ControlLoop, doors: ControlSockets
 ) -> contextlib.AbstractContextManager[object]:
     if not settings.metrics.port:
         return contextlib.nullcontext()
@@ -199,7 +199,7 @@ def _free(host: str, port: int) -> int:
             probe.bind((host, port))
             return int(probe.getsockname()[1])
     except OSError as error:
-        raise ServerError(cannot_bind(f"{host}:{port}", error.strerror)) from error
+        raise ServerError(explain_bind_error(f"{host}:{port}", error.strerror)) from error
 
 
 @contextlib.contextmanager

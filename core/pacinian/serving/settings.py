@@ -10,12 +10,12 @@ from msgspec import Meta, Struct
 from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import number
-from pacinian.documents import decoded
+from pacinian.checks import check_number
+from pacinian.documents import decode_document
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.file import Choice, Device, Lattice, Medium, Sampling, Units, beside
+from pacinian.scene.file import Choice, Device, Lattice, Medium, Sampling, Units, resolve_path
 from pacinian.scene.scene import Workspace
-from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 
 Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
 
@@ -57,8 +57,8 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
-        number("pressure", self.pressure, low=0.0, above=True)
-        number("radius", self.radius, low=0.0, high=1.0)
+        check_number("pressure", self.pressure, low=0.0, above=True)
+        check_number("radius", self.radius, low=0.0, high=1.0)
 
 
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):
@@ -80,11 +80,11 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
-        number("lease", self.lease, low=0.02, high=10.0)
-        number("stale", self.stale, low=0.002, high=1.0)
-        number("hung", self.hung, low=0.1, high=60.0)
-        number("forget", self.forget, low=0.1, high=3600.0)
-        number("pressure", self.pressure, low=0.0, above=True)
+        check_number("lease", self.lease, low=0.02, high=10.0)
+        check_number("stale", self.stale, low=0.002, high=1.0)
+        check_number("hung", self.hung, low=0.1, high=60.0)
+        check_number("forget", self.forget, low=0.1, high=3600.0)
+        check_number("pressure", self.pressure, low=0.0, above=True)
 
 
 class Clients(Struct, frozen=True, forbid_unknown_fields=True):
@@ -98,7 +98,9 @@ class Clients(Struct, frozen=True, forbid_unknown_fields=True):
     objects: Annotated[int, Meta(ge=1, le=65_536)] = 4096
     per_client: Annotated[int, Meta(ge=1, le=65_536)] = 1024
     rate: Annotated[float, Meta(ge=1.0, le=1e6)] = 20_000.0
-    command_bytes: Annotated[int, Meta(ge=LONGEST_CONTROL, le=LONGEST_COMMAND)] = LONGEST_COMMAND
+    command_bytes: Annotated[int, Meta(ge=MAX_CONTROL_BYTES, le=MAX_COMMAND_BYTES)] = (
+        MAX_COMMAND_BYTES
+    )
 
 
 class Security(Struct, frozen=True, forbid_unknown_fields=True):
@@ -148,11 +150,11 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     state_rate: float = 60.0
 
     def __post_init__(self) -> None:
-        number("rate", self.rate, low=1.0, high=100_000.0)
-        number("gain", self.gain, low=1e-6, high=1.0)
-        number("state_rate", self.state_rate, low=1.0, high=1000.0)
+        check_number("rate", self.rate, low=1.0, high=100_000.0)
+        check_number("gain", self.gain, low=1e-6, high=1.0)
+        check_number("state_rate", self.state_rate, low=1.0, high=1000.0)
         if self.power is not None:
-            number("power", self.power, low=1e-12, high=1e12)
+            check_number("power", self.power, low=1e-12, high=1e12)
         network = self.network
         ports = network.control, network.command, network.state, self.metrics.port
         if twice := [port for port in ports if port and ports.count(port) > 1]:
@@ -171,8 +173,8 @@ def load(path: str | Path) -> Settings:
     Raises SceneFileError, which names the file, the key and the fix.
     """
     path = Path(path)
-    settings = decoded(path, Settings)
-    settings = replace(settings, array=beside(settings.array, path.parent))
+    settings = decode_document(path, Settings)
+    settings = replace(settings, array=resolve_path(settings.array, path.parent))
     if keys := settings.security.keys:
         settings = replace(settings, security=Security(str(path.parent / keys)))
     if settings.connection:

@@ -13,16 +13,16 @@ from threadpoolctl import ThreadpoolController
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-FEW = 4_096  # elements of B up to which BLAS does not think of a second thread
-MANY = 1_000_000  # from which several threads are worth their while
+MIN_ELEMENTS = 4_096  # elements of B up to which BLAS does not think of a second thread
+MAX_ELEMENTS = 1_000_000  # from which several threads are worth their while
 
 
-def one_thread(elements: int = FEW) -> AbstractContextManager[object]:
-    """Keep BLAS to one thread for `FEW` to `MANY` elements of B; costs 25 us, nested nothing.
+def one_thread(elements: int = MIN_ELEMENTS) -> AbstractContextManager[object]:
+    """Keep BLAS to one thread for `MIN_ELEMENTS` to `MAX_ELEMENTS` elements of B; costs 25 us, nested nothing.
 
     The threads are the process's: what there was comes back when the last that asked is done.
     """
-    return ONE if FEW <= elements < MANY else NOTHING
+    return ONE if MIN_ELEMENTS <= elements < MAX_ELEMENTS else NOTHING
 
 
 class _One:

@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-3  # relative error up to which targets and limits count as met
 EVEN = 0.05  # the same where there are regions: at their samples, 10 % of the pressure that is felt
 ROUNDED = 1e-5  # of a limit: what rounding to levels or to single precision adds
-QUIETEST = 1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
+MIN_LIMIT_SHARE = (
+    1e-2  # of full drive: lower limits are kept to this share of the tolerance, by rounding
+)
 
 
-def violations(
+def measure_violations(
     propagator: Propagator, limits: Limits, targets: Targets, p: Complexes, g: Complexes
 ) -> dict[str, float]:
-    """By how much gains g, (N,), with pressures p, (M,), break limits: see `Solution.violations`."""
+    """By how much gains g, (N,), with pressures p, (M,), break limits: see `Solution.measure_violations`."""
     found: dict[str, float] = {}
     for name, top, value in (
         ("gain", limits.gain, float(np.abs(g).max())),
@@ -34,13 +36,13 @@ def violations(
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
         loud = np.abs(propagator.quiet.apply(g))
         full = np.sqrt(max(len(g) * propagator.quiet.power, 1e-60))  # [Pa]: about full drive
-        over = (loud - limit) / np.maximum(limit, QUIETEST * full)
+        over = (loud - limit) / np.maximum(limit, MIN_LIMIT_SHARE * full)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
     if limits.zones and (above := _asked_in_zones(propagator, limits, targets)) > TOLERANCE:
         found["zones"] = above
     if limits.exact is not None:
-        chosen = limits.exactly(len(p))
+        chosen = limits.exact_mask(len(p))
         asked = targets.complex(np.angle(p))[chosen]
         size = float(np.linalg.norm(asked)) or targets.norm or 1.0
         missed = float(np.linalg.norm(asked - p[chosen])) / size
@@ -58,7 +60,7 @@ def _asked_in_zones(propagator: Propagator, limits: Limits, targets: Targets) ->
     )
 
 
-def bound(
+def compute_bound(
     B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None, weights: Floats
 ) -> float:
     """What 1/2 sum_m w_m |p - B g|_m^2 + mu/2 ||g||^2 cannot be less than under |g_n| <= gain [Pa^2].
@@ -74,19 +76,19 @@ def bound(
     return float(np.vdot(y, p).real - np.vdot(y, y / weights).real / 2.0 - cost.sum())
 
 
-def missed(targets: Targets, p: Complexes) -> float:
+def relative_error(targets: Targets, p: Complexes) -> float:
     """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; with `scale="max"`, of p at the strength asked."""
     if targets.scale == "exact" or not targets.norm:
-        return targets.miss(p)
-    return targets.miss(p / (reached(targets, p) or 1.0))
+        return targets.relative_error(p)
+    return targets.relative_error(p / (reached_multiple(targets, p) or 1.0))
 
 
-def reached(targets: Targets, p: Complexes) -> float:
+def reached_multiple(targets: Targets, p: Complexes) -> float:
     """The multiple of the targets that pressures p, (M,) [Pa], are as strong as."""
     return float(np.linalg.norm(p[~targets.beside])) / targets.norm
 
 
-def judge(
+def determine_status(
     propagator: Propagator,
     targets: Targets,
     miss: float,
@@ -97,7 +99,7 @@ def judge(
     limited: bool,
     unproven: bool = False,
 ) -> Status:
-    """How it ended, by what pressures `missed`, and by what the solver and the limits did."""
+    """How it ended, by what pressures `relative_error`, and by what the solver and the limits did."""
     if not targets.norm:
         return Status.silent
     if broken:

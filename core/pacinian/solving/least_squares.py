@@ -18,7 +18,7 @@ import numpy as np
 from scipy import linalg
 from scipy.linalg import blas, lapack
 
-from pacinian.solving.equal import Shares
+from pacinian.solving.column_groups import ColumnGroups
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes
@@ -42,19 +42,19 @@ class LeastSquares:
 
     B: Complexes
     shift: int
-    rows: Shares
-    columns: Shares
+    rows: ColumnGroups
+    columns: ColumnGroups
     rcond: float
 
     @classmethod
     def of(cls, B: Complexes, rcond: float | None = None) -> LeastSquares:
         """For B of shape (M, N), finite; rcond: max(M, N) times its precision unless given."""
-        rounding = rounding_of(B)
+        rounding = rounding_share(B)
         rcond = rounding if rcond is None else rcond
-        B, shift = scaled(B)
-        columns = Shares.of(B, min(rcond, rounding))
+        B, shift = scale_matrix(B)
+        columns = ColumnGroups.of(B, min(rcond, rounding))
         B = columns.merge(B)
-        rows = Shares.of(B.T, min(rcond, rounding))
+        rows = ColumnGroups.of(B.T, min(rcond, rounding))
         return cls(rows.merge(B, axis=0), shift, rows, columns, rcond)
 
     def solve(self, p: Complexes) -> tuple[Complexes, str]:
@@ -82,7 +82,7 @@ class LeastSquares:
                 self._normals[dtype] = Normal.of(self.B.astype(dtype, copy=False))
             normal = self._normals[dtype]
             if normal.reciprocal_condition > max(least, trusted):
-                g = refined(self.B, normal, p)
+                g = refine(self.B, normal, p)
                 if g is not None:
                     return g
             if normal.reciprocal_condition < least - 1e-7:  # nor would it be in double precision
@@ -110,7 +110,7 @@ class Reduced:
     def of(cls, B: Complexes) -> Reduced:
         """Reduce B, (M, N), finite: by Cholesky, without Q, where its condition allows, else by Householder."""
         B = B.astype(np.complex128, copy=False)
-        columns = Shares.of(B, rounding_of(B))
+        columns = ColumnGroups.of(B, rounding_share(B))
         basis = columns.merge(B)
         if len(B) > basis.shape[1] > 0:
             normal = Normal.of(basis)
@@ -167,7 +167,7 @@ class Normal:
         return g.astype(np.complex128, copy=False)
 
 
-def refined(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
+def refine(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
     """B^+ p by steps of refinement, shape (N,); None where the factor is not good enough for them."""
     eps = float(np.finfo(B.dtype).eps)
     g = normal.pseudo_inverse(B, p)
@@ -191,7 +191,7 @@ def adjoint(B: Complexes, y: Complexes) -> Complexes:
     return np.conj(y.conj().astype(B.dtype, copy=False) @ B)
 
 
-def rounding_of(B: Complexes) -> float:
+def rounding_share(B: Complexes) -> float:
     """The share of the largest singular value below which rounding may have made them.
 
     max(M, N) eps; in single precision at least that of the phases, 6e-8 k r and more.
@@ -200,7 +200,7 @@ def rounding_of(B: Complexes) -> float:
     return max(least, float(max(1, *B.shape) * np.finfo(B.dtype).eps))
 
 
-def scaled(B: Complexes) -> tuple[Complexes, int]:
+def scale_matrix(B: Complexes) -> tuple[Complexes, int]:
     """B 2^shift, contiguous, so that its square suits single precision; and the shift."""
     B = np.ascontiguousarray(B)
     parts = B.view(B.real.dtype)

@@ -44,21 +44,21 @@ def _spread(count: int) -> Floats:
     return start
 
 
-def choose(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
+def choose_phases(propagator: Propagator, targets: Targets, start: Floats | None) -> Complexes:
     """Targets [Pa], complex, (M,): given phases kept, free ones chosen."""
     p, free = np.empty(len(targets.amplitudes), np.complex128), np.empty_like(targets.free)
-    choose_into(propagator, targets, start, p, free)
+    choose_phases_into(propagator, targets, start, p, free)
     return p
 
 
-def choose_into(
+def choose_phases_into(
     propagator: Propagator, targets: Targets, start: Floats | None, p: Complexes, free: Flags
 ) -> float:
-    """As `choose`, into p; and into `free`, (M,), where a phase is free and counts. Returns ||t||."""
+    """As `choose_phases`, into p; and into `free`, (M,), where a phase is free and counts. Returns ||t||."""
     if not targets.free.any():
         p[:], free[:] = targets.complex(targets.phases), False
         return targets.norm
-    first, steps = beginning(len(p), start)
+    first, steps = initial_phases(len(p), start)
     if len(p) > len(propagator.array):
         return _choose_tall(propagator, targets, first, steps, p, free)
     return float(
@@ -78,6 +78,6 @@ def _choose_tall(
     return targets.norm
 
 
-def beginning(count: int, start: Floats | None) -> tuple[Floats, int]:
+def initial_phases(count: int, start: Floats | None) -> tuple[Floats, int]:
     """Phases to start from [rad], (count,), and how many steps to take from there."""
     return (_spread(count), COLD) if start is None else (start, WARM)

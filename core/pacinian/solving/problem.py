@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pacinian.checks import kind, number, numbers
+from pacinian.checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,7 +62,7 @@ class Targets:
         regions: ArrayLike | None = None,
     ) -> Targets:
         """Targets for `count` points from a caller's arguments. Raises ArgumentError."""
-        t = numbers("amplitudes", amplitudes, (count,)).copy()
+        t = check_numbers("amplitudes", amplitudes, (count,)).copy()
         if count and not (low := t.min()) >= 0.0:
             where = int(np.argmin(t))
             raise ArgumentError(
@@ -88,7 +88,7 @@ class Targets:
             if np.isinf(phi).any():
                 raise ArgumentError("phases", "must be finite, or NaN where free")
         t.flags.writeable = phi.flags.writeable = False
-        number = numbered(count, regions)
+        number = number_regions(count, regions)
         return cls(t, phi, "exact" if str(scale) == "exact" else "max", number)
 
     def __post_init__(self) -> None:
@@ -111,7 +111,7 @@ class Targets:
         return bool(self.free.all())
 
     @classmethod
-    def simple(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
+    def unchecked(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
         """Targets of free phase that have been checked; the caller keeps the arrays."""
         t, phi = amplitudes.copy(), _anything(len(amplitudes))
         t.flags.writeable = False
@@ -146,7 +146,7 @@ class Targets:
         angle = phases if self.all_free else np.where(self.free, phases, self.phases)
         return np.asarray(self.amplitudes * np.exp(1j * angle), np.complex128)
 
-    def miss(self, p: Complexes | Floats) -> float:
+    def relative_error(self, p: Complexes | Floats) -> float:
         """||asked - p|| / ||asked|| for pressures p, (M,) [Pa]; free phases are as p has them.
 
         Points beside regions do not count. p may also be amplitudes, where no phase is given.
@@ -159,7 +159,7 @@ class Targets:
         return float(kernels.miss(made, self.amplitudes, self.phases))
 
 
-def numbered(count: int, regions: ArrayLike | None) -> Longs | None:
+def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
     """The region of each of `count` points, (count,); None where all are isolated. Raises ArgumentError."""
     if regions is None:
         return None
@@ -218,19 +218,21 @@ class Limits:
                 "limits.zones", f"must be a list of Zones, not {self.zones!r}"
             ) from None
         for zone in self.zones:
-            kind("limits.zones", zone, Zone)
+            check_kind("limits.zones", zone, Zone)
         if self.zones and self.gain is None and self.power is None:
             raise ArgumentError("limits.zones", "need a limit of gain or power")
         for name, low, high in (("gain", 1e-6, 1e6), ("power", 1e-12, 1e12)):
             if (value := getattr(self, name)) is not None:
-                object.__setattr__(self, name, number(f"limits.{name}", value, low=low, high=high))
+                object.__setattr__(
+                    self, name, check_number(f"limits.{name}", value, low=low, high=high)
+                )
         if self.quiet is not None:
             object.__setattr__(self, "quiet", _quiet(self.quiet))
         if self.exact is not None:
             object.__setattr__(self, "exact", _exact(self.exact))
 
     @functools.cached_property
-    def asked(self) -> frozenset[str]:
+    def solver_limits(self) -> frozenset[str]:
         """Names of the limits that a solver must keep by itself: the session keeps the others."""
         return frozenset(name for name in ("quiet", "exact") if getattr(self, name) is not None)
 
@@ -239,7 +241,7 @@ class Limits:
         gain = math.inf if self.gain is None else self.gain
         return min(gain, math.inf if self.power is None else math.sqrt(self.power / count))
 
-    def exactly(self, count: int) -> Flags:
+    def exact_mask(self, count: int) -> Flags:
         """Which of `count` samples are to be met exactly, (count,). Raises ArgumentError."""
         flags = np.zeros(count, dtype=np.bool_)
         if self.exact is None:
@@ -272,7 +274,7 @@ def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
         where, limit = given
     except (TypeError, ValueError):
         raise ArgumentError("limits.quiet", "must be a pair: points [m] and a limit [Pa]") from None
-    points = numbers("limits.quiet[0]", where, (None, 3)).copy()
+    points = check_numbers("limits.quiet[0]", where, (None, 3)).copy()
     try:
         most = np.broadcast_to(np.asarray(limit, dtype=np.float64), (len(points),)).copy()
     except (TypeError, ValueError):
@@ -302,7 +304,7 @@ class Budget:
         """A budget of `deadline` seconds from now; None for no deadline."""
         if deadline is None:
             return cls(math.inf, clock)
-        return cls(clock() + number("deadline", deadline, low=0.0), clock)
+        return cls(clock() + check_number("deadline", deadline, low=0.0), clock)
 
     @property
     def endless(self) -> bool:

@@ -11,29 +11,29 @@ from typing import TYPE_CHECKING, TypeVar, cast
 import numpy as np
 from scipy.linalg import blas
 
-from pacinian.acoustics.propagation import Precision, Wave
+from pacinian.acoustics.propagation import KernelData, Precision
 from pacinian.errors import ArgumentError
 from pacinian.native import solving as kernels
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.factor import Factor
-from pacinian.solving.rooms import give, take
 from pacinian.types import Complexes, Floats, Gains, Indices
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.acoustics.facing import Facing
-    from pacinian.solving.nulls import Nulls
+    from pacinian.acoustics.skin_facing import SkinFacing
+    from pacinian.solving.quiet_subspace import QuietSubspace
 
 A = TypeVar("A", Floats, Complexes)
 
 
 TILE = 512  # columns at a time: the real and imaginary parts of 64 rows fill a second-level cache
-MANY = 128  # rows from which the Gram matrix is made by all cores
-FEW = 10  # rows of the Gram matrix are made anew one by one up to a share of 1 / FEW
+MIN_PARALLEL_ROWS = 128  # rows from which the Gram matrix is made by all cores
+MAX_UPDATE_SHARE = 10  # rows of the Gram matrix are made anew one by one up to a share of 1 / FEW
 
 
 @dataclass
-class Work:
+class CacheStats:
     """What was done and what was saved, since the propagator was made."""
 
     rows_built: int = 0
@@ -50,7 +50,7 @@ class Work:
 class Propagator:
     """Equations (4) to (8) for one array, one medium and points that move.
 
-    All solvers share one propagator and its caches. `place` says where the points are now: only the
+    All solvers share one propagator and its caches. `set_points` says where the points are now: only the
     rows of B and of B B^H whose points moved are made anew. With `facing`, B is weighted by it, and with `nulls` it is
     that of gains which keep zones quiet; so is all that follows from B.
     """
@@ -60,12 +60,12 @@ class Propagator:
         self.precision: Precision = precision
         self.dtype = np.dtype(np.complex64 if precision == "single" else np.complex128)
         self._single = precision == "single"
-        self.work = Work()
+        self.work = CacheStats()
         self.version = 0
         self.quiet: Propagator | None = None
-        self.facing: Facing | None = None
-        self.nulls: Nulls | None = None
-        self._wave = Wave.prepare(array, medium)
+        self.facing: SkinFacing | None = None
+        self.nulls: QuietSubspace | None = None
+        self._wave = KernelData.prepare(array, medium)
         self._forget(0)
 
     def _forget(self, count: int) -> None:
@@ -86,12 +86,12 @@ class Propagator:
         self.quiet = None
         self._factors.clear()
 
-    def keep_quiet(self, nulls: Nulls | None) -> None:
-        """From the next `place` on, B is that of gains without these."""
+    def keep_quiet(self, nulls: QuietSubspace | None) -> None:
+        """From the next `set_points` on, B is that of gains without these."""
         self._fresh = self._fresh or nulls is not self.nulls
         self.nulls = nulls
 
-    def place(self, points: Floats, facing: Facing | None = None) -> int:
+    def set_points(self, points: Floats, facing: SkinFacing | None = None) -> int:
         """Put the points at `points` [m], shape (M, 3); return how many rows of B were rebuilt.
 
         facing: which way skin faces there, and what hides it; without, all sound counts.
@@ -131,14 +131,14 @@ class Propagator:
         self._points[where] = here
         return count
 
-    def _leave_out(self, nulls: Nulls, points: Floats, rows: Indices) -> None:
+    def _leave_out(self, nulls: QuietSubspace, points: Floats, rows: Indices) -> None:
         """Make of these rows of B, of points (K, 3), what they are of gains that keep zones quiet."""
         B = self._B if len(rows) == len(self._B) else self._B[rows]
         nulls.leave_out(B, points)
         if B is not self._B:
             self._B[rows] = B
 
-    def _turned(self, points: Floats, facing: Facing | None, moved: Indices) -> Indices:
+    def _turned(self, points: Floats, facing: SkinFacing | None, moved: Indices) -> Indices:
         """Rows `moved`, (K,), and those for which other sound counts now."""
         before, self.facing = self.facing, facing
         if len(moved) == len(points):
@@ -180,8 +180,8 @@ class Propagator:
         self.work.grams_built += 1
         made = self._gram
         rows = () if made is None else np.flatnonzero(self._stale)
-        if made is None or len(rows) > len(self._stale) / FEW:
-            made = gram(self._B, made)
+        if made is None or len(rows) > len(self._stale) / MAX_UPDATE_SHARE:
+            made = gram_matrix(self._B, made)
         else:
             made.flags.writeable = True
             for m in rows:  # a row of B B^H is conj(B b_m^H)
@@ -251,7 +251,7 @@ def _sealed(array: A) -> A:
     return view
 
 
-def gram(B: Complexes, out: Complexes | None = None) -> Complexes:
+def gram_matrix(B: Complexes, out: Complexes | None = None) -> Complexes:
     """B B^H, exactly Hermitian, complex128; from single precision by the kernel, else by BLAS.
 
     out: (M, M), to write it to.
@@ -271,13 +271,13 @@ def gram(B: Complexes, out: Complexes | None = None) -> Complexes:
 def _single_gram(B: Gains, out: Complexes) -> None:
     """Write B B^H to `out`; many rows on all cores, each with a share of the columns."""
     M, N = B.shape
-    workers = 1 if M < MANY else min(os.cpu_count() or 1, 1 + N // 512)
+    workers = 1 if M < MIN_PARALLEL_ROWS else min(os.cpu_count() or 1, 1 + N // 512)
 
     def part(start: int, stop: int, out: Complexes) -> Complexes:
         key = "columns", M
-        scratch = take(key, lambda: np.empty((2, M + M % 2, TILE), np.float32))
+        scratch = acquire(key, lambda: np.empty((2, M + M % 2, TILE), np.float32))
         kernels.gram(B, start, stop, scratch, out)
-        give(key, scratch)
+        release(key, scratch)
         return out
 
     if workers == 1:

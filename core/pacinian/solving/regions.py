@@ -16,12 +16,12 @@ from scipy.spatial import KDTree
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.checks import kind, numbers
+from pacinian.checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
-from pacinian.solving.phases import beginning
+from pacinian.solving.phases import initial_phases
 from pacinian.solving.problem import BESIDE, ISOLATED
-from pacinian.solving.propagator import gram
+from pacinian.solving.propagator import gram_matrix
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 STILL = 5e-4  # [m]: samples that have moved by no more are the same ones
 NEAR = 3e-3  # [m]: a sample goes on from one that is so near
-NEAREST = 0.25  # times the region's distance: where its wave converges at least, beyond it
+MIN_CONVERGENCE = 0.25  # times the region's distance: where its wave converges at least, beyond it
 ON_SKIN = 0.4  # the nearest where samples lie on skin, less evenly
-SOME = 128  # transducers that stand for all
+MAX_SUBSET = 128  # transducers that stand for all
 ASIDE = 0.1  # of the mean square that full drive makes: mu in the steps that turn a wave aside from quiet zones
 TURNS = 16  # such steps
 LITTLE_SAVED = 0.07  # of what is costly: where the first step saves no more, none is made
@@ -63,17 +63,17 @@ def joint_phases(
     weighted, so that a point which comes or goes with little of it changes little; all alike unless given.
     Raises ArgumentError.
     """
-    kind("array", array, Array)
-    q = numbers("points", points, (None, 3))
+    check_kind("array", array, Array)
+    q = check_numbers("points", points, (None, 3))
     k = (Air() if medium is None else medium).wavenumber(array.transducer.frequency)
     P = np.ones(len(q))
     if radiation_pressure is not None:
-        P = numbers("radiation_pressure", radiation_pressure, (len(q),))
+        P = check_numbers("radiation_pressure", radiation_pressure, (len(q),))
     return _converging(q, P, array.positions, array.centre, k) if len(q) else np.empty(0)
 
 
 def _converging(
-    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = NEAREST,
+    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = MIN_CONVERGENCE,
     tilt: float = 0.0,
 ) -> Floats:  # fmt: skip
     """As `joint_phases`.
@@ -83,12 +83,19 @@ def _converging(
     """
     phases = np.empty(len(q))
     kernels.converge(
-        q, P, positions[:: -(-len(positions) // SOME)].copy(), centre.copy(), k, least, tilt, phases
+        q,
+        P,
+        positions[:: -(-len(positions) // MAX_SUBSET)].copy(),
+        centre.copy(),
+        k,
+        least,
+        tilt,
+        phases,
     )
     return phases
 
 
-def settle(
+def settle_phases(
     propagator: Propagator, targets: Targets, warm: Solution | None, tilt: float = 0.0
 ) -> Targets:
     """The same targets with every phase given, for points where some belong to regions.
@@ -100,7 +107,7 @@ def settle(
     """
     assert targets.regions is not None
     positions, centre = propagator.array.positions, propagator.origin
-    least = NEAREST if propagator.facing is None else ON_SKIN
+    least = MIN_CONVERGENCE if propagator.facing is None else ON_SKIN
     t, given = targets.amplitudes, ~targets.free
     M = len(t)
     k = propagator.medium.wavenumber(propagator.array.transducer.frequency)
@@ -111,10 +118,10 @@ def settle(
             propagator.points[own], t[own] ** 2, positions, centre, k, least, tilt
         )
         if propagator.nulls is not None:
-            wave[own] = _aside(gram(propagator.B[own]), t[own], wave[own])
+            wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
     group, count = _groups(targets.regions, given)
     alone = (targets.regions == ISOLATED) & ~given
-    start, steps = beginning(M, None if warm is None else _phases(warm))
+    start, steps = initial_phases(M, None if warm is None else _phases(warm))
     if warm is None:
         start = np.where(alone, start, wave)
     phi = np.where(given, targets.phases, np.where(alone, start, wave))
@@ -133,7 +140,7 @@ def settle(
         kernels.stand_for(propagator.B, p.astype(np.complex128), group, rows)
         turns = np.ones(count, np.bool_)
         turns[0] = not fixed
-        kernels.gerchberg_saxton(gram(rows), turns, steps, z)
+        kernels.gerchberg_saxton(gram_matrix(rows), turns, steps, z)
     phases = np.where(given, targets.phases, phi + np.angle(z)[group])
     phases.flags.writeable = False
     return replace(targets, phases=phases)
@@ -167,7 +174,9 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     return np.asarray(np.angle(p), np.float64)
 
 
-def carried(propagator: Propagator, targets: Targets, warm: Solution, before: Floats) -> Solution:
+def carry_phases(
+    propagator: Propagator, targets: Targets, warm: Solution, before: Floats
+) -> Solution:
     """The last solution's phases for the points of now, where other samples may have come and gone.
 
     before: its points, (M', 3) [m]. Each point goes on from the nearest of its kind, if that is at most 3 mm away;

@@ -14,7 +14,7 @@ from pacinian.notebook import Card, card
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pacinian.solving.felt import Felt
+    from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.problem import Targets
     from pacinian.types import Complexes, Floats, Gains
 
@@ -93,7 +93,7 @@ class Solution:
     seconds: float = 0.0
     note: str = ""
     gain_limit: float = math.inf
-    felt: tuple[Felt, ...] = ()
+    felt: tuple[FeltRegion, ...] = ()
     late: bool = False
     asked_phases: Floats | None = None
     quiet_weight: float = 1.0
@@ -127,7 +127,7 @@ class Solution:
     @property
     def error(self) -> float:
         """||residual|| / ||amplitudes|| at the points; 0 where nothing was asked. Between them: `felt`."""
-        return self.targets.miss(self.sound_pressure)
+        return self.targets.relative_error(self.sound_pressure)
 
     @property
     def shape_error(self) -> float:

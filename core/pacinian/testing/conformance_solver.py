@@ -19,7 +19,7 @@ from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
 from pacinian.solving.solution import Solution, Status
 from pacinian.testing.conformance import a, called, require, tried
-from pacinian.testing.problems import Problem, named, ordinary, regions
+from pacinian.testing.problems import Problem, find_problem, make_ordinary, make_regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -80,11 +80,11 @@ class _Kit:
 
     def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
         """As `pacinian.testing.problems.ordinary`, for its array."""
-        return ordinary(self.array, count, level, seed, fixed)
+        return make_ordinary(self.array, count, level, seed, fixed)
 
     def problems(self) -> list[tuple[str, Problem]]:
         """Ordinary and awkward ones."""
-        return named(self.array)
+        return find_problem(self.array)
 
     def reference(self, q: Floats) -> Complexes:
         """B in double precision."""
@@ -116,7 +116,7 @@ class _Kit:
     def propagator(self, problem: Problem, precision: Precision = "single") -> Propagator:
         """One whose points are the problem's."""
         made = Propagator(self.array, AIR, precision)
-        made.place(problem.q)
+        made.set_points(problem.q)
         return made
 
     def session(self, problem: Problem) -> Solution:
@@ -304,7 +304,7 @@ class _Kit:
         Solved one after another, each a little aside too, so that what is left of the last does not matter.
         """
         session = Session(self.array, solver=self.make())
-        for name, problem in regions(self.array):
+        for name, problem in make_regions(self.array):
             for q in (problem.q, problem.q + ASIDE):
                 solve = partial(session.solve, q, problem.t, regions=problem.regions)
                 solution = called("Session.solve()", solve, self._limit)

@@ -10,7 +10,15 @@ import numpy as np
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.problem import BESIDE, Limits, Targets
 from pacinian.solving.regions import joint_phases
-from pacinian.testing.shapes import HEIGHT, Shape, finger, line, of, ring, square
+from pacinian.testing.shapes import (
+    HEIGHT,
+    Shape,
+    make_finger,
+    make_line,
+    make_ring,
+    make_square,
+    of,
+)
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
@@ -35,7 +43,9 @@ class Problem:
         return Targets.checked(len(self.q), self.t, self.phases, "exact", self.regions)
 
 
-def ordinary(array: Array, count: int, level: float, seed: int = 0, fixed: bool = False) -> Problem:
+def make_ordinary(
+    array: Array, count: int, level: float, seed: int = 0, fixed: bool = False
+) -> Problem:
     """Points above the array, with phases that are `fixed` or free.
 
     level: of what one focus could reach, shared by the points.
@@ -47,7 +57,7 @@ def ordinary(array: Array, count: int, level: float, seed: int = 0, fixed: bool 
     return Problem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
 
 
-def region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
+def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
     """Samples of a shape above the array, each region with the phases of one wave, as solvers are given them.
 
     level: of what one focus could reach. Nothing is asked beside.
@@ -62,41 +72,41 @@ def region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
     return Problem(q, t, phases, regions=shape.regions)
 
 
-def regions(array: Array) -> list[tuple[str, Problem]]:
+def make_regions(array: Array) -> list[tuple[str, Problem]]:
     """One for each kind of region, and one too strong."""
-    disc, four, right = ring(0.0, 0.006), square(4), np.array([1.0, 0.0, 0.0])
-    around = ring(0.012, 0.016)
+    disc, four, right = make_ring(0.0, 0.006), make_square(4), np.array([1.0, 0.0, 0.0])
+    around = make_ring(0.012, 0.016)
     shapes = {
         "a square": of(four),
-        "a line": of(line(9)),
-        "half of a cylinder": of(finger()),
-        "a disc in a ring": of(ring(0.0, 0.004), ring(0.009, 0.012)),
+        "a line": of(make_line(9)),
+        "half of a cylinder": of(make_finger()),
+        "a disc in a ring": of(make_ring(0.0, 0.004), make_ring(0.009, 0.012)),
         "two that touch": of(four - 0.006 * right, four + 0.006 * right),
         "two in the same place": of(disc, disc),
         "with points beside": Shape(
             np.concatenate([disc, around]), np.repeat([0, BESIDE], [len(disc), len(around)])
         ),
         "one sample": of(disc[:1]),
-        "two samples": of(line(2)),
+        "two samples": of(make_line(2)),
         "all in one place": of(np.repeat(disc[:1], 16, axis=0)),
-        "1000 samples": of(square(32, spacing=0.00125)[:1000]),
+        "1000 samples": of(make_square(32, spacing=0.00125)[:1000]),
     }
-    made = [(f"a region: {what}", region(array, shape)) for what, shape in shapes.items()]
-    return [*made, ("a region: too strong", region(array, of(four), 3.0))]
+    made = [(f"a region: {what}", make_region(array, shape)) for what, shape in shapes.items()]
+    return [*made, ("a region: too strong", make_region(array, of(four), 3.0))]
 
 
-def named(array: Array) -> list[tuple[str, Problem]]:
+def find_problem(array: Array) -> list[tuple[str, Problem]]:
     """Ordinary ones, of which there are 12, then awkward ones, and regions; with what is to be said of each."""
     made = [
-        (f"{count} points at level {level:g}", ordinary(array, count, level, fixed=fixed))
+        (f"{count} points at level {level:g}", make_ordinary(array, count, level, fixed=fixed))
         for count, level in ((1, 0.5), (1, 3.0), (4, 0.1), (16, 0.8), (16, 1e3), (150, 0.5))
         for fixed in (False, True)
     ]
-    four = ordinary(array, 4, 0.3)
+    four = make_ordinary(array, 4, 0.3)
     made.append(("coincident points", replace(four, q=four.q[[0, 0, 1, 1]])))
     made.append(("a point of pressure 0", replace(four, t=four.t * [0.0, 1.0, 1.0, 1.0])))
     made.append(("a tiny target", replace(four, t=four.t * 1e-25)))
     below = four.q.copy()
     below[:, 2] = 2.0 * array.centre[2] - below[:, 2]
     made.append(("points behind the array", replace(four, q=below)))
-    return made + regions(array)
+    return made + make_regions(array)

@@ -20,41 +20,41 @@ class Shape(NamedTuple):
     regions: Longs
 
 
-def points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
+def make_points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Points (M, 3) [m] from their coordinates."""
     made: Floats = np.stack(np.broadcast_arrays(x, y, z), axis=1).astype(np.float64)
     return made
 
 
-def line(count: int, spacing: float = SPACING) -> Floats:
+def make_line(count: int, spacing: float = SPACING) -> Floats:
     """Samples in a row, (count, 3)."""
     x = np.asarray(spacing * (np.arange(count) - (count - 1) / 2.0))
-    return points(x, 0.001, HEIGHT)
+    return make_points(x, 0.001, HEIGHT)
 
 
-def square(count: int, x: float = 0.0, z: float = HEIGHT, spacing: float = SPACING) -> Floats:
+def make_square(count: int, x: float = 0.0, z: float = HEIGHT, spacing: float = SPACING) -> Floats:
     """A square of samples, (count^2, 3), around x."""
     side = spacing * (np.arange(count) - (count - 1) / 2.0)
     X, Y = np.meshgrid(x + side, side)
-    return points(X.ravel(), Y.ravel(), z)
+    return make_points(X.ravel(), Y.ravel(), z)
 
 
-def ring(inner: float, outer: float) -> Floats:
+def make_ring(inner: float, outer: float) -> Floats:
     """Samples on rings `inner` to `outer` [m], both among them."""
     made: list[Floats] = []
     for r in np.linspace(inner, outer, 1 + max(1, round((outer - inner) / SPACING))):
         count = max(1, round(2.0 * np.pi * float(r) / SPACING))
         angle = 2.0 * np.pi * np.arange(count) / count
-        made.append(points(r * np.cos(angle), r * np.sin(angle), HEIGHT))
+        made.append(make_points(r * np.cos(angle), r * np.sin(angle), HEIGHT))
     return np.concatenate(made)
 
 
-def finger(radius: float = 0.008, length: float = 0.015) -> Floats:
+def make_finger(radius: float = 0.008, length: float = 0.015) -> Floats:
     """The half of a cylinder that faces the array, along y."""
     angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, round(np.pi * radius / SPACING) + 1)
     y = np.linspace(-length / 2.0, length / 2.0, round(length / SPACING) + 1)
     A, Y = (each.ravel() for each in np.meshgrid(angle, y))
-    return points(radius * np.sin(A), Y, HEIGHT - radius * np.cos(A))
+    return make_points(radius * np.sin(A), Y, HEIGHT - radius * np.cos(A))
 
 
 def of(*parts: Floats) -> Shape:

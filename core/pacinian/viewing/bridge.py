@@ -15,8 +15,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from pacinian.client.client import Client
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
-from pacinian.client.keys import found
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.demonstration import Demonstration
 from pacinian.viewing.messages import Alive, Arm, Demonstrate, Disarm, Reset, Select, Session, Stop
@@ -121,7 +121,7 @@ class Bridge:
     def _run(self) -> None:
         while not self._ended.is_set():
             try:
-                connection = found(self._where, None)
+                connection = resolve_connection(self._where, None)
                 with Client(connection, name=NAME, scene=self._scene) as client:
                     self._watch(client, connection)
             except Exception as error:

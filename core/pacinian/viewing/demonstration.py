@@ -12,7 +12,7 @@ from pacinian.client.client import Client
 from pacinian.errors import ConnectionLost, Refused, describe_error
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
-from pacinian.scene.shapes.round import Sphere
+from pacinian.scene.shapes.sphere_capsule import Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.rendering.rerender import same
+from pacinian.rendering.rerender import are_equal
 from pacinian.viewing.messages import Histogram
 from pacinian.viewing.model import EDGES
 
@@ -34,7 +34,7 @@ class Past:
         if tick.clock:
             self.late += tick.clock[-1] > tick.frame.time + self._period
             self._took.append(tick.clock[-1] - tick.clock[0])
-        self.different += renderer is not None and not same(tick.frame, renderer.sent)
+        self.different += renderer is not None and not are_equal(tick.frame, renderer.sent)
 
     @property
     def tick_ms(self) -> tuple[float, float, float]:

@@ -118,22 +118,22 @@ def lifted(at: Floats, across: Floats, regions: Regions) -> Floats:
 
 def felt_at(array: Array, medium: Air, gains: Gains, places: Places, regions: Regions) -> Floats:
     """Radiation pressure at places, (K,) [Pa]; NaN near transducers. With hands as `error` says."""
-    from pacinian.acoustics.facing import Facing
     from pacinian.acoustics.pressure import radiation_pressure
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer
-    from pacinian.scene.hands.capsules import capsules
+    from pacinian.scene.hands.capsules import make_capsules
     from pacinian.scene.hands.hand import Hand
     from pacinian.solving.propagator import Propagator
 
     found = np.full(len(places.rows), np.nan)
     joints = np.frombuffer(regions.hands, "<f4").reshape(-1, JOINTS, 3).astype(np.float64)
-    flesh = [capsules(Hand(each)) for each in joints]
+    flesh = [make_capsules(Hand(each)) for each in joints]
     propagator = Propagator(array, medium)
     for k in range(0, len(places.rows), step := max(1, PAIRS // len(array))):
         part = slice(k, k + step)
-        facing = Facing(places.normals[part], np.concatenate(flesh)) if flesh else None
+        facing = SkinFacing(places.normals[part], np.concatenate(flesh)) if flesh else None
         try:
-            propagator.place(places.points[part], facing)
+            propagator.set_points(places.points[part], facing)
         except PointOnTransducer:
             continue
         made = np.zeros(len(places.asked[part]))

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pacinian.client.dialogue import version
+from pacinian.client.server_session import read_version
 from pacinian.errors import ArgumentError, MissingExtra, RecordingError, ServerError
 from pacinian.viewing.app import app
 from pacinian.viewing.bridge import Bridge
@@ -55,7 +55,8 @@ async def view(
         listening = stack.enter_context(bound(host, port))
         stack.callback(fields.close)
         hub.put(
-            "hello", Hello(viewer=version(), recording="" if recording is None else recording.name)
+            "hello",
+            Hello(viewer=read_version(), recording="" if recording is None else recording.name),
         )
         if recording is None:
             bridge = Bridge(hub, asyncio.get_running_loop(), connection)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.grid import Grid
+from pacinian.acoustics.interpolated_field import InterpolatedField
 from pacinian.errors import ArgumentError
 from pacinian.serving.ipc.scheduling import AUTOGROUP
 from pacinian.viewing.messages import Skin, Slice, Volume
@@ -40,11 +40,11 @@ MAX_FIELDS = 16  # that are computed for one slice
 NEGLIGIBLE = 1e-5  # of the power of all frames
 
 
-def grid(asked: Slice | Volume) -> Grid:
+def grid(asked: Slice | Volume) -> InterpolatedField:
     """Where the field is asked for, in the order of the answer."""
     if isinstance(asked, Volume):
         steps = tuple(tuple(row) for row in (asked.spacing * np.eye(3)).tolist())
-        return Grid(asked.origin, steps, asked.shape)
+        return InterpolatedField(asked.origin, steps, asked.shape)
     down, right = (
         length / count * np.array(along)
         for length, count, along in zip(
@@ -53,7 +53,9 @@ def grid(asked: Slice | Volume) -> Grid:
     )
     rows, columns = asked.shape
     first = np.array(asked.centre) - (rows - 1) / 2.0 * down - (columns - 1) / 2.0 * right
-    return Grid(tuple(first.tolist()), (tuple(down.tolist()), tuple(right.tolist())), asked.shape)
+    return InterpolatedField(
+        tuple(first.tolist()), (tuple(down.tolist()), tuple(right.tolist())), asked.shape
+    )
 
 
 class Fields:
@@ -62,7 +64,7 @@ class Fields:
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
         self._closed = False
-        self._rough: deque[Grid] = deque(maxlen=16)  # where interpolation would not do
+        self._rough: deque[InterpolatedField] = deque(maxlen=16)  # where interpolation would not do
 
     async def pressure(
         self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
@@ -131,8 +133,8 @@ class Fields:
                 worker.kill()
 
 
-def interpolated(model: bytes, gains: bytes, where: Grid, peak: bool = False) -> bytes:
-    """Radiation pressure at all points of a grid, float32 [Pa], by `Grid.field`; empty where that would not do.
+def interpolated(model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False) -> bytes:
+    """Radiation pressure at all points of a grid, float32 [Pa], interpolated; empty if that is too inexact.
 
     peak: the largest of all frames, not their mean.
     """
@@ -156,7 +158,7 @@ def interpolated(model: bytes, gains: bytes, where: Grid, peak: bool = False) ->
 
 
 def pressure(
-    model: bytes, gains: bytes, where: Grid, begin: int, end: int, peak: bool = False
+    model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int, peak: bool = False
 ) -> bytes:
     """Radiation pressure at some points of a grid, float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
     from pacinian.acoustics.pressure import radiation_pressure
@@ -182,7 +184,11 @@ def pressure(
 
 
 def region_errors(
-    model: bytes, gains: bytes, where: Grid, across: tuple[float, ...], regions: Regions
+    model: bytes,
+    gains: bytes,
+    where: InterpolatedField,
+    across: tuple[float, ...],
+    regions: Regions,
 ) -> bytes:
     """The error of radiation pressure on regions near all points of a grid, float32 [Pa]: see `region_error.error`."""
     from pacinian.viewing.region_error import error
@@ -193,7 +199,11 @@ def region_errors(
 
 
 def skin(
-    model: bytes, gains: bytes, where: Grid, across: tuple[float, ...], regions: Regions
+    model: bytes,
+    gains: bytes,
+    where: InterpolatedField,
+    across: tuple[float, ...],
+    regions: Regions,
 ) -> bytes:
     """What is felt on regions before the points of a grid, then what is asked, float32 [Pa]: `felt_and_asked`."""
     from pacinian.viewing.region_error import felt_and_asked
@@ -232,7 +242,7 @@ def _unpacked(model: bytes) -> tuple[Array, Air]:
 
 
 @functools.lru_cache(maxsize=2)
-def _points(where: Grid) -> Floats:
+def _points(where: InterpolatedField) -> Floats:
     return where.points.reshape(-1, 3)
 
 

@@ -9,7 +9,7 @@ import msgspec
 import zmq
 from msgspec import Raw
 
-from pacinian.client.link import connect, made
+from pacinian.client.link import connect, make_socket
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import WRONG, ArrayTold
@@ -93,7 +93,7 @@ class States:
             self._show()
 
     def _subscribe(self) -> None:
-        self._socket = made(self._context, zmq.SUB, self._connection)
+        self._socket = make_socket(self._context, zmq.SUB, self._connection)
         self._socket.rcvhwm = WAITING
         connect(self._socket, self._connection.state)
         self._socket.subscribe(STATE)

@@ -15,12 +15,12 @@ from msgspec import Raw
 
 from pacinian.acoustics.air import Air
 from pacinian.errors import PacinianError
-from pacinian.rendering.rerender import rerendered
+from pacinian.rendering.rerender import iterate_rerendered
 from pacinian.serving.render import status
 from pacinian.viewing.messages import ArrayTold, told
 from pacinian.viewing.past import Past
 from pacinian.viewing.scenery import Scenery
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.convert import to_wire
 from pacinian.wire.replies import Plugin, Sound
 from pacinian.wire.state import FrameState, State
@@ -44,7 +44,9 @@ def transcribed(
     yield 0.0, "array", told(_array(recording))
     stage, begin, due, past = Stage(), None, 0.0, Past(1.0 / recording.settings["rate"])
     numbers = itertools.count()
-    made = rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
+    made = (
+        iterate_rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
+    )
     for tick, renderer in made:
         past.add(tick, renderer)
         begin = tick.frame.time if begin is None else begin
@@ -161,7 +163,7 @@ def _state(recording: Recording, tick: Tick, past: Past, renderer: Renderer | No
         "rate": recording.settings["rate"],
     }
     if renderer is not None:
-        told |= status.state(renderer, tick.time) | {"tick_counts": b""}
+        told |= status.make_status(renderer, tick.time) | {"tick_counts": b""}
     if past.different:
         told["faults"] = (f"{past.different} frames, rendered again, are not what was sent",)
     told |= {"ticks": past.ticks, "frames": past.ticks, "late": past.late, "tick_ms": past.tick_ms}

@@ -17,7 +17,7 @@ from msgspec.msgpack import Decoder, Encoder
 from pacinian.errors import WireError
 from pacinian.wire.commands import AnyCommand
 from pacinian.wire.control import CONTROLS, AnyControl
-from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_CONTROL, LONGEST_REPLY, Id
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES, MAX_REPLY_BYTES, Id
 from pacinian.wire.replies import AnyReply
 from pacinian.wire.state import AnyState, State
 
@@ -58,7 +58,7 @@ def encode(message: Struct) -> bytes:
         data = _encoder.encode(message)
     except WRONG as error:
         raise _explained(error) from error
-    most = LONGEST_CONTROL if isinstance(message, CONTROLS) else LONGEST_COMMAND
+    most = MAX_CONTROL_BYTES if isinstance(message, CONTROLS) else MAX_COMMAND_BYTES
     if len(data) > most:
         raise _too_long(data, most)
     return data
@@ -66,22 +66,22 @@ def encode(message: Struct) -> bytes:
 
 def decode_command(data: Bytes) -> AnyCommand:
     """A message of the command socket. Raises WireError."""
-    return _decode(_commands, data, LONGEST_COMMAND)
+    return _decode(_commands, data, MAX_COMMAND_BYTES)
 
 
 def decode_control(data: Bytes) -> AnyControl:
     """A message of the control socket. Raises WireError."""
-    return _decode(_controls, data, LONGEST_CONTROL)
+    return _decode(_controls, data, MAX_CONTROL_BYTES)
 
 
 def decode_reply(data: Bytes) -> AnyReply | State:
     """A message of the server. Raises WireError."""
-    return _decode(_replies, data, LONGEST_REPLY)
+    return _decode(_replies, data, MAX_REPLY_BYTES)
 
 
 def decode_state(data: Bytes) -> AnyState:
     """What the server publishes, without its topic. Raises WireError."""
-    return _decode(_states, data, LONGEST_REPLY)
+    return _decode(_states, data, MAX_REPLY_BYTES)
 
 
 def checked(decoder: Decoder[T], value: Any, path: str = "$") -> T:
@@ -96,7 +96,7 @@ def checked(decoder: Decoder[T], value: Any, path: str = "$") -> T:
 def id_of(data: Bytes) -> int:
     """The `id` of a message that is not valid, so that the error can be told; 0 if it has none."""
     try:
-        return _decode(_known, data, LONGEST_COMMAND).id
+        return _decode(_known, data, MAX_COMMAND_BYTES).id
     except WireError:
         return 0
 

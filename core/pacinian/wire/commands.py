@@ -11,13 +11,13 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check
+from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import (
-    MOST_HANDS,
-    MOST_OBJECTS,
-    MOST_POINTS,
-    MOST_ZONES,
+    MAX_HANDS,
+    MAX_OBJECTS,
+    MAX_POINTS,
+    MAX_ZONES,
     Id,
     Lifetime,
     Name,
@@ -29,7 +29,7 @@ from pacinian.wire.protocol import (
 )
 from pacinian.wire.time import Envelope
 
-Names = Annotated[tuple[Name, ...], Meta(max_length=MOST_OBJECTS)]
+Names = Annotated[tuple[Name, ...], Meta(max_length=MAX_OBJECTS)]
 
 
 class Command(Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -45,7 +45,7 @@ class Command(Struct, frozen=True, kw_only=True, tag_field="type"):
 class Put(Command, frozen=True, kw_only=True, tag="put"):
     """Objects: each is new, or takes the place of the one of that name. objects: by name."""
 
-    objects: Annotated[dict[Name, Object], Meta(max_length=MOST_OBJECTS)]
+    objects: Annotated[dict[Name, Object], Meta(max_length=MAX_OBJECTS)]
 
 
 class Move(Command, frozen=True, kw_only=True, tag="move"):
@@ -56,8 +56,8 @@ class Move(Command, frozen=True, kw_only=True, tag="move"):
     """
 
     names: Names
-    poses: Annotated[bytes, Meta(max_length=28 * MOST_OBJECTS)]
-    velocities: Annotated[bytes, Meta(max_length=24 * MOST_OBJECTS)] = b""
+    poses: Annotated[bytes, Meta(max_length=28 * MAX_OBJECTS)]
+    velocities: Annotated[bytes, Meta(max_length=24 * MAX_OBJECTS)] = b""
 
     BULK = (
         Rows("poses", 7, each="names"),
@@ -65,7 +65,7 @@ class Move(Command, frozen=True, kw_only=True, tag="move"):
     )
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Remove(Command, frozen=True, kw_only=True, tag="remove"):
@@ -105,7 +105,7 @@ class HandFrame(Struct, frozen=True, kw_only=True):
     )
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Hands(Command, frozen=True, kw_only=True, tag="hands"):
@@ -115,7 +115,7 @@ class Hands(Command, frozen=True, kw_only=True, tag="hands"):
     where there are none.
     """
 
-    hands: Annotated[tuple[HandFrame, ...], Meta(max_length=MOST_HANDS)]
+    hands: Annotated[tuple[HandFrame, ...], Meta(max_length=MAX_HANDS)]
 
 
 class Zone(Struct, frozen=True, kw_only=True):
@@ -132,18 +132,18 @@ class Quiet(Command, frozen=True, kw_only=True, tag="quiet"):
     zones: where.
     """
 
-    zones: Annotated[tuple[Zone, ...], Meta(max_length=MOST_ZONES)]
+    zones: Annotated[tuple[Zone, ...], Meta(max_length=MAX_ZONES)]
 
 
 class Field(Command, frozen=True, kw_only=True, tag="field"):
     """Asks for the sound pressure at points, of what is emitted now. points: (K, 3) float32 [m]."""
 
-    points: Annotated[bytes, Meta(max_length=12 * MOST_POINTS)]
+    points: Annotated[bytes, Meta(max_length=12 * MAX_POINTS)]
 
     BULK = (Rows("points", 3),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Show(Command, frozen=True, kw_only=True, tag="show"):

@@ -17,7 +17,7 @@ from pacinian.errors import ServerError
 
 VARIABLE = "PACINIAN_CONNECTION"
 FIX = "is `pacinian serve` running?"
-LONGEST = 1 << 16  # [bytes]
+MAX_BYTES = 1 << 16  # [bytes]
 
 
 class Connection(Struct, frozen=True, kw_only=True):
@@ -49,7 +49,7 @@ class Connection(Struct, frozen=True, kw_only=True):
 
     def write(self, path: str | Path = "") -> Path:
         """Write it at once and whole, for this user only; return where. Raises ServerError."""
-        path = where(path)
+        path = locate_connection(path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
             file, name = tempfile.mkstemp(prefix=f".{path.name}", dir=path.parent)  # made 0600
@@ -66,7 +66,7 @@ class Connection(Struct, frozen=True, kw_only=True):
 
     def remove(self, path: str | Path = "") -> None:
         """Remove the file, if it is still this one."""
-        path = where(path)
+        path = locate_connection(path)
         with suppress(ServerError, OSError):
             if _decoded(path) == self:
                 path.unlink()
@@ -74,7 +74,7 @@ class Connection(Struct, frozen=True, kw_only=True):
     @classmethod
     def read(cls, path: str | Path = "") -> Connection:
         """Read the file of a running server. Raises ServerError, with the fix."""
-        path = where(path)
+        path = locate_connection(path)
         made = _decoded(path)
         if made.pid and not _runs(made.pid):
             raise ServerError(
@@ -83,7 +83,7 @@ class Connection(Struct, frozen=True, kw_only=True):
         return made
 
 
-def where(path: str | Path = "") -> Path:
+def locate_connection(path: str | Path = "") -> Path:
     """The connection file: `path`, or as the environment variable PACINIAN_CONNECTION says, or the default."""
     if given := path or os.environ.get(VARIABLE):
         return Path(given)
@@ -125,7 +125,7 @@ def _opened(path: Path) -> tuple[os.stat_result, bytes]:
     """How the file is, and what is in it. Raises FileNotFoundError, ServerError."""
     try:
         with path.open("rb") as file:
-            return os.fstat(file.fileno()), file.read(LONGEST)
+            return os.fstat(file.fileno()), file.read(MAX_BYTES)
     except FileNotFoundError:
         raise
     except (OSError, ValueError) as error:

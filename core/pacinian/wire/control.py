@@ -10,7 +10,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from pacinian.wire.protocol import (
-    MOST_OPTIONS,
+    MAX_OPTIONS,
     Id,
     Name,
     Seconds,
@@ -81,7 +81,7 @@ class Choice(Struct, frozen=True, kw_only=True):
     """A solver or a backend. name: by which it is. options: of those that it lets clients set."""
 
     name: Name
-    options: Annotated[dict[Name, Option], Meta(max_length=MOST_OPTIONS)] = {}
+    options: Annotated[dict[Name, Option], Meta(max_length=MAX_OPTIONS)] = {}
 
 
 class Select(Request, frozen=True, kw_only=True, tag="select"):

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.msgpack import Decoder
 
-from pacinian.checks import kind
+from pacinian.checks import check_kind
 from pacinian.scene import objects as scene
 from pacinian.scene.material import FIRM, Material
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.motion import Motion
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.wire import objects
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import checked
 from pacinian.wire.convert_shapes import (
     pose_to_scene,
@@ -28,10 +28,10 @@ from pacinian.wire.convert_time import (
     technique_to_scene,
     technique_to_wire,
 )
-from pacinian.wire.within import BROKEN, located, within
+from pacinian.wire.error_path import BROKEN, locate, locate_errors
 
 if TYPE_CHECKING:
-    from pacinian.scene.time.technique import Technique
+    from pacinian.scene.modulation.technique import Technique
 
 __all__ = [
     "envelope_to_scene",
@@ -53,7 +53,7 @@ def to_scene(
     try:
         return _to_scene(name, item, default, time)
     except BROKEN as error:
-        raise located(f"$.objects[{name}]", item, error) from error
+        raise locate(f"$.objects[{name}]", item, error) from error
 
 
 def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object:
@@ -62,8 +62,8 @@ def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object
     The technique that objects have unless told otherwise becomes the server's own choice. Raises WireError for
     what cannot be sent, or is beyond the bounds of the wire, ArgumentError for what is no object.
     """
-    kind("item", item, scene.Point, scene.Path, scene.Particles, scene.Surface, scene.Volume)
-    return checked(_objects, within("$", lambda i: _to_wire(i, duration), item))
+    check_kind("item", item, scene.Point, scene.Path, scene.Particles, scene.Surface, scene.Volume)
+    return checked(_objects, locate_errors("$", lambda i: _to_wire(i, duration), item))
 
 
 def _to_scene(name: str, item: objects.Object, default: Technique, time: float) -> scene.Object:
@@ -82,16 +82,16 @@ def _to_scene(name: str, item: objects.Object, default: Technique, time: float) 
     }
     if isinstance(item, objects.Point):
         return scene.Point(position=item.position, area=item.area, **felt)
-    felt["pose"] = within(".pose", pose_to_scene, item.pose)
+    felt["pose"] = locate_errors(".pose", pose_to_scene, item.pose)
     if isinstance(item, objects.Particles):
         positions: Any = unpack(item.positions, 3)
         return scene.Particles(positions=positions, radius=item.radius, **felt)
-    shape = within(".shape", shape_to_scene, item.shape)
+    shape = locate_errors(".shape", shape_to_scene, item.shape)
     if isinstance(item, objects.Path):
         return scene.Path(shape=shape, width=item.width, **felt)
     felt["thickness"] = item.thickness
     if item.texture is not None:
-        felt["texture"] = within(".texture", texture_to_scene, item.texture)
+        felt["texture"] = locate_errors(".texture", texture_to_scene, item.texture)
     if isinstance(item, objects.Volume):
         return scene.Volume(shape=shape, felt=item.felt, **felt)
     return scene.Surface(shape=shape, **felt)
@@ -115,12 +115,12 @@ def _to_wire(item: scene.Object, duration: float | None) -> objects.Object:
     felt["pose"] = pose_to_wire(item.pose)
     if isinstance(item, scene.Particles):
         return objects.Particles(positions=pack(item.positions), radius=item.radius, **felt)
-    shape = within(".shape", shape_to_wire, item.shape)
+    shape = locate_errors(".shape", shape_to_wire, item.shape)
     if isinstance(item, scene.Path):
         return objects.Path(shape=shape, width=item.width, **felt)
     felt["thickness"] = item.thickness
     if item.texture is not None:
-        felt["texture"] = within(".texture", texture_to_wire, item.texture)
+        felt["texture"] = locate_errors(".texture", texture_to_wire, item.texture)
     if isinstance(item, scene.Volume):
         return objects.Volume(shape=shape, felt=item.felt, **felt)
     return objects.Surface(shape=shape, **felt)

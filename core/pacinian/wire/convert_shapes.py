@@ -9,14 +9,14 @@ from msgspec.structs import astuple
 
 from pacinian.acoustics import pose as scene_pose
 from pacinian.errors import WireError
-from pacinian.scene.shapes import combine, curves, flat, mesh, texture, voxels
+from pacinian.scene.shapes import csg, curves, mesh, planar, texture, voxels
 from pacinian.scene.shapes import height_map as maps
-from pacinian.scene.shapes import round as rounds
-from pacinian.scene.shapes.arrays import unpacked
+from pacinian.scene.shapes import sphere_capsule as rounds
+from pacinian.scene.shapes.arrays import decode_array
 from pacinian.wire import shapes
-from pacinian.wire.bulk import pack, pack_indices, unpack, unpack_indices
+from pacinian.wire.binary_arrays import pack, pack_indices, unpack, unpack_indices
+from pacinian.wire.error_path import locate_errors
 from pacinian.wire.objects import Texture
-from pacinian.wire.within import within
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from pacinian.types import Singles
 
 ALIKE: dict[type, type] = {  # kinds with the same fields in the same order
-    shapes.Rectangle: flat.Rectangle,
-    shapes.Disc: flat.Disc,
-    shapes.Box: flat.Box,
+    shapes.Rectangle: planar.Rectangle,
+    shapes.Disc: planar.Disc,
+    shapes.Box: planar.Box,
     shapes.Sphere: rounds.Sphere,
     shapes.Capsule: rounds.Capsule,
     shapes.Line: curves.Line,
@@ -84,7 +84,7 @@ def _map_to_scene(s: shapes.HeightMap) -> maps.HeightMap:
 
 
 def _map_to_wire(s: maps.HeightMap) -> shapes.HeightMap:
-    h = unpacked("heights", s.heights, s.file, 2)
+    h = decode_array("heights", s.heights, s.file, 2)
     R, C = h.shape
     return shapes.HeightMap(
         heights=pack(h), grid=(R, C), width=s.width, height=s.height, depth=s.depth
@@ -109,7 +109,7 @@ def _voxels_to_scene(s: shapes.Voxels) -> voxels.Voxels:
 
 
 def _voxels_to_wire(s: voxels.Voxels) -> shapes.Voxels:
-    values = unpacked("values", s.values, s.file, 3)
+    values = decode_array("values", s.values, s.file, 3)
     x, y, z = values.shape
     return shapes.Voxels(values=pack(values), grid=(x, y, z), pitch=s.pitch, level=s.level)
 
@@ -123,22 +123,22 @@ def _polyline_to_wire(s: curves.Polyline) -> shapes.Polyline:
     return shapes.Polyline(pack(s.points), s.closed)
 
 
-def _placed_to_scene(s: shapes.Placed) -> combine.Placed:
-    shape = within(".shape", shape_to_scene, s.shape)
-    return combine.Placed(shape, within(".pose", pose_to_scene, s.pose))
+def _placed_to_scene(s: shapes.Placed) -> csg.Placed:
+    shape = locate_errors(".shape", shape_to_scene, s.shape)
+    return csg.Placed(shape, locate_errors(".pose", pose_to_scene, s.pose))
 
 
-def _placed_to_wire(s: combine.Placed) -> shapes.Placed:
-    _flat(".shape", s.shape, combine.Placed, combine.Combination)
-    return shapes.Placed(within(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
+def _placed_to_wire(s: csg.Placed) -> shapes.Placed:
+    _flat(".shape", s.shape, csg.Placed, csg.Combination)
+    return shapes.Placed(locate_errors(".shape", shape_to_wire, s.shape), pose_to_wire(s.pose))
 
 
 def _each(key: str, solids: tuple[Any, ...], convert: Callable[[Any], Any]) -> tuple[Any, ...]:
-    return tuple(within(f".{key}[{i}]", convert, s) for i, s in enumerate(solids))
+    return tuple(locate_errors(f".{key}[{i}]", convert, s) for i, s in enumerate(solids))
 
 
 def _part_to_wire(s: Any) -> Any:
-    _flat("", s, combine.Combination)
+    _flat("", s, csg.Combination)
     return shape_to_wire(s)
 
 
@@ -148,13 +148,13 @@ def _flat(path: str, shape: object, *kinds: type) -> None:
         raise WireError(f"a {name} within another cannot be sent: solids are one level deep", path)
 
 
-def _difference_to_scene(s: shapes.Difference) -> combine.Difference:
-    of = within(".of", shape_to_scene, s.of)
-    return combine.Difference(of, _each("less", s.less, shape_to_scene))
+def _difference_to_scene(s: shapes.Difference) -> csg.Difference:
+    of = locate_errors(".of", shape_to_scene, s.of)
+    return csg.Difference(of, _each("less", s.less, shape_to_scene))
 
 
-def _difference_to_wire(s: combine.Difference) -> shapes.Difference:
-    of = within(".of", _part_to_wire, s.of)
+def _difference_to_wire(s: csg.Difference) -> shapes.Difference:
+    of = locate_errors(".of", _part_to_wire, s.of)
     return shapes.Difference(of, _each("less", s.less, _part_to_wire))
 
 
@@ -164,8 +164,8 @@ TO_SCENE: dict[type, Callable[[Any], Any]] = {
     shapes.Voxels: _voxels_to_scene,
     shapes.Polyline: _polyline_to_scene,
     shapes.Placed: _placed_to_scene,
-    shapes.Union: lambda s: combine.Union(_each("parts", s.parts, shape_to_scene)),
-    shapes.Intersection: lambda s: combine.Intersection(_each("parts", s.parts, shape_to_scene)),
+    shapes.Union: lambda s: csg.Union(_each("parts", s.parts, shape_to_scene)),
+    shapes.Intersection: lambda s: csg.Intersection(_each("parts", s.parts, shape_to_scene)),
     shapes.Difference: _difference_to_scene,
 }
 TO_WIRE: dict[type, Callable[[Any], Any]] = {
@@ -173,8 +173,8 @@ TO_WIRE: dict[type, Callable[[Any], Any]] = {
     mesh.Mesh: _mesh_to_wire,
     voxels.Voxels: _voxels_to_wire,
     curves.Polyline: _polyline_to_wire,
-    combine.Placed: _placed_to_wire,
-    combine.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
-    combine.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),
-    combine.Difference: _difference_to_wire,
+    csg.Placed: _placed_to_wire,
+    csg.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
+    csg.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),
+    csg.Difference: _difference_to_wire,
 }

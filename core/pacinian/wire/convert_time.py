@@ -9,15 +9,15 @@ from msgspec.msgpack import Decoder
 from msgspec.structs import astuple
 
 from pacinian.errors import WireError
-from pacinian.scene.time import envelope as scene_envelope
-from pacinian.scene.time import technique as scene_technique
-from pacinian.scene.time import wav
+from pacinian.scene.modulation import envelope as scene_envelope
+from pacinian.scene.modulation import technique as scene_technique
+from pacinian.scene.modulation import wav
 from pacinian.wire import time
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import checked
 from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
-from pacinian.wire.protocol import MOST_VALUES
-from pacinian.wire.within import within
+from pacinian.wire.error_path import locate_errors
+from pacinian.wire.protocol import MAX_VALUES
 
 ENVELOPES: dict[type, type] = {  # kinds with the same fields in the same order
     time.Constant: scene_envelope.Constant,
@@ -48,25 +48,25 @@ def envelope_to_scene(envelope: time.Envelope, path: str = "$.envelope") -> scen
     """An envelope. Raises WireError."""
     if envelope == time.STEADY:  # most are: so it is known again as the very same
         return scene_envelope.STEADY
-    return within(path, _envelope_to_scene, envelope)
+    return locate_errors(path, _envelope_to_scene, envelope)
 
 
 def envelope_to_wire(envelope: scene_envelope.Envelope, path: str = "$.envelope") -> time.Envelope:
     """An envelope; its file is read. Raises WireError, also for what the wire does not allow."""
     if envelope is scene_envelope.STEADY:
         return time.STEADY
-    return checked(_envelopes, within(path, _envelope_to_wire, envelope), path)
+    return checked(_envelopes, locate_errors(path, _envelope_to_wire, envelope), path)
 
 
 def technique_to_scene(technique: time.Technique, path: str = "$.technique") -> Technique:
     """A technique. Raises WireError."""
-    made: Technique = within(path, _technique_to_scene, technique)
+    made: Technique = locate_errors(path, _technique_to_scene, technique)
     return made
 
 
 def technique_to_wire(technique: Technique, path: str = "$.technique") -> time.Technique:
     """A technique. Raises WireError, also for what the wire does not allow."""
-    return checked(_techniques, within(path, _technique_to_wire, technique), path)
+    return checked(_techniques, locate_errors(path, _technique_to_wire, technique), path)
 
 
 def _envelope_to_scene(envelope: Any) -> Any:
@@ -90,12 +90,12 @@ def _envelope_to_wire(envelope: Any) -> Any:
 
 def _wave_to_wire(wave: scene_envelope.Wave) -> time.Wave:
     if wave.rate is None:
-        rate, x = wav.read(wave.file)
+        rate, x = wav.read_wav(wave.file)
     else:
         rate, x = wave.rate, np.array(wave.samples)
-    if len(x) > MOST_VALUES:
+    if len(x) > MAX_VALUES:
         raise WireError(
-            f"is {len(x):,} samples: keep to {MOST_VALUES:,}, at a lower rate; "
+            f"is {len(x):,} samples: keep to {MAX_VALUES:,}, at a lower rate; "
             "skin feels nothing above 1 kHz",
             ".samples",
         )
@@ -120,4 +120,4 @@ def _technique_to_wire(technique: Any) -> Any:
 
 
 def _along(along: object, convert: Callable[[Any], Any]) -> object:
-    return along if isinstance(along, str) else within(".along", convert, along)
+    return along if isinstance(along, str) else locate_errors(".along", convert, along)

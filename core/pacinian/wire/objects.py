@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Grid, Rows, check
+from pacinian.wire.binary_arrays import Grid, Rows, check_arrays
 from pacinian.wire.protocol import (
-    MOST_PARTICLES,
+    MAX_PARTICLES,
     Duration,
     Force,
     Length,
@@ -60,7 +60,7 @@ class Texture(Struct, frozen=True, kw_only=True):
     BULK = (Grid("values", 0.0, 1.0),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -103,14 +103,14 @@ class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
     pose: where that is. radius: how near the skin must be.
     """
 
-    positions: Annotated[bytes, Meta(max_length=12 * MOST_PARTICLES)]
+    positions: Annotated[bytes, Meta(max_length=12 * MAX_PARTICLES)]
     pose: Pose = Pose()
     radius: Length = WAVELENGTH / 2.0
 
     BULK = (Rows("positions", 3),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Surface(Felt, frozen=True, kw_only=True, tag="surface"):

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check
+from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.objects import Object
-from pacinian.wire.protocol import MOST_SHOWN, Id, Name, Seconds, Session, Text
+from pacinian.wire.protocol import MAX_SHOWN, Id, Name, Seconds, Session, Text
 
 Code = Literal[
     "malformed",
@@ -178,14 +178,14 @@ class Shown(Reply, frozen=True, kw_only=True, tag="shown"):
 
     scene: Annotated[str, Meta(max_length=64)]
     version: int
-    names: Annotated[tuple[Name, ...], Meta(max_length=MOST_SHOWN)]
-    poses: Annotated[bytes, Meta(max_length=28 * MOST_SHOWN)]
-    objects: Annotated[dict[Name, Object], Meta(max_length=MOST_SHOWN)]
+    names: Annotated[tuple[Name, ...], Meta(max_length=MAX_SHOWN)]
+    poses: Annotated[bytes, Meta(max_length=28 * MAX_SHOWN)]
+    objects: Annotated[dict[Name, Object], Meta(max_length=MAX_SHOWN)]
 
     BULK = (Rows("poses", 7, each="names"),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 REPLIES = Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown

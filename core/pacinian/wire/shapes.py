@@ -6,12 +6,12 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Grid, Indices, Rows, check
+from pacinian.wire.binary_arrays import Grid, Indices, Rows, check_arrays
 from pacinian.wire.protocol import (
-    MOST_FACES,
-    MOST_PARTS,
-    MOST_VALUES,
-    MOST_VERTICES,
+    MAX_FACES,
+    MAX_PARTS,
+    MAX_VALUES,
+    MAX_VERTICES,
     Angle,
     Extent,
     Length,
@@ -21,7 +21,7 @@ from pacinian.wire.protocol import (
     Turns,
 )
 
-Values = Annotated[bytes, Meta(min_length=4, max_length=4 * MOST_VALUES)]
+Values = Annotated[bytes, Meta(min_length=4, max_length=4 * MAX_VALUES)]
 
 
 class Pose(Struct, frozen=True):
@@ -69,7 +69,7 @@ class HeightMap(Struct, frozen=True, kw_only=True, tag_field="type", tag="height
     BULK = (Grid("heights", -1e6, 1e6),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
@@ -79,14 +79,14 @@ class Mesh(Struct, frozen=True, kw_only=True, tag_field="type", tag="mesh"):
     the vertices.
     """
 
-    vertices: Annotated[bytes, Meta(min_length=36, max_length=12 * MOST_VERTICES)]
-    faces: Annotated[bytes, Meta(min_length=12, max_length=12 * MOST_FACES)]
+    vertices: Annotated[bytes, Meta(min_length=36, max_length=12 * MAX_VERTICES)]
+    faces: Annotated[bytes, Meta(min_length=12, max_length=12 * MAX_FACES)]
     scale: Length = 1.0
 
     BULK = Rows("vertices", 3, low=-1e6, high=1e6), Indices("faces", into="vertices")
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 class Box(Struct, frozen=True, tag_field="type", tag="box"):
@@ -117,7 +117,7 @@ class Voxels(Struct, frozen=True, kw_only=True, tag_field="type", tag="voxels"):
     BULK = (Grid("values", 0.0, 1.0),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 Primitive = Sphere | Box | Capsule | Mesh | Voxels
@@ -130,7 +130,7 @@ class Placed(Struct, frozen=True, tag_field="type", tag="placed"):
     pose: Pose = Pose()
 
 
-Solids = Annotated[tuple[Primitive | Placed, ...], Meta(min_length=1, max_length=MOST_PARTS)]
+Solids = Annotated[tuple[Primitive | Placed, ...], Meta(min_length=1, max_length=MAX_PARTS)]
 
 
 class Union(Struct, frozen=True, tag_field="type", tag="union"):
@@ -180,13 +180,13 @@ class Lissajous(Struct, frozen=True, tag_field="type", tag="lissajous"):
 class Polyline(Struct, frozen=True, tag_field="type", tag="polyline"):
     """Straight pieces from point to point. points: (K, 3) float32 [m]. closed: with one from last to first."""
 
-    points: Annotated[bytes, Meta(min_length=24, max_length=12 * MOST_VERTICES)]
+    points: Annotated[bytes, Meta(min_length=24, max_length=12 * MAX_VERTICES)]
     closed: bool = False
 
     BULK = (Rows("points", 3),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 Shell = Rectangle | Disc | Sphere | HeightMap | Mesh

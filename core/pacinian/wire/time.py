@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.wire.bulk import Rows, check
-from pacinian.wire.protocol import MOST_VALUES, Angle, Frequency, Length, Seconds, Share
+from pacinian.wire.binary_arrays import Rows, check_arrays
+from pacinian.wire.protocol import MAX_VALUES, Angle, Frequency, Length, Seconds, Share
 from pacinian.wire.shapes import Curve
 
 PresetName = Literal["impulsive", "rapturous", "trembling", "buzzing"]
@@ -79,7 +79,7 @@ class Wave(Struct, frozen=True, kw_only=True, tag_field="type", tag="wave"):
     mode: "waveform": the radiation pressure follows (1 + x) / 2; "loudness": it follows how loud x is.
     """
 
-    samples: Annotated[bytes, Meta(min_length=4, max_length=4 * MOST_VALUES)]
+    samples: Annotated[bytes, Meta(min_length=4, max_length=4 * MAX_VALUES)]
     rate: Annotated[float, Meta(ge=1.0, le=1e6, description="[Hz]")]
     loop: bool = True
     mode: Literal["waveform", "loudness"] = "waveform"
@@ -87,7 +87,7 @@ class Wave(Struct, frozen=True, kw_only=True, tag_field="type", tag="wave"):
     BULK = (Rows("samples", 1),)
 
     def __post_init__(self) -> None:
-        check(self)
+        check_arrays(self)
 
 
 STEADY = Constant()

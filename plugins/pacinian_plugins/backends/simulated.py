@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -42,7 +42,7 @@ class Simulated(pc.Backend):
     wait: Callable[[float], None] = field(default=time.sleep, repr=False)
 
     def __post_init__(self) -> None:
-        self.keep = integer("keep", self.keep, low=1)
+        self.keep = check_integer("keep", self.keep, low=1)
         self._capability = pc.Capability(
             self.phases, self.amplitudes, self.rate
         )  # which checks them
@@ -119,11 +119,11 @@ class Simulated(pc.Backend):
 
     def drop(self, count: int) -> None:
         """Lose the next `count` frames without a word."""
-        self._drops = integer("count", count, low=0)
+        self._drops = check_integer("count", count, low=0)
 
     def delay(self, seconds: float, count: int = 1) -> None:
         """Take `seconds` [s] for each of the next `count` frames."""
-        self._delays.extend([number("seconds", seconds, low=0.0)] * count)
+        self._delays.extend([check_number("seconds", seconds, low=0.0)] * count)
 
     def stall(self) -> None:
         """Refuse frames until `resume`."""
@@ -135,7 +135,7 @@ class Simulated(pc.Backend):
 
     def refuse_silence(self, count: int = 1) -> None:
         """Fail the next `count` calls of `silence`, and go on sounding."""
-        self._refusals = integer("count", count, low=0)
+        self._refusals = check_integer("count", count, low=0)
 
     def disconnect(self) -> None:
         """Be gone, as if unplugged, until `reconnect`."""

@@ -1,9 +1,9 @@
 // The plug-ins' kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
 #include "pacinian_plugins/solvers/greedy.hpp"
 #include "pacinian_plugins/solvers/gs/alternation.hpp"
-#include "pacinian_plugins/solvers/lagrange/descend.hpp"
-#include "pacinian_plugins/solvers/lagrange/equalise.hpp"
-#include "pacinian_plugins/solvers/lagrange/nearest.hpp"
+#include "pacinian_plugins/solvers/lagrange/dual_newton.hpp"
+#include "pacinian_plugins/solvers/lagrange/weighted_gs.hpp"
+#include "pacinian_plugins/solvers/lagrange/primal_newton.hpp"
 
 namespace pacinian::lagrange {
 

@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import number
+from pacinian.checks import check_number
 from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Auto(pc.Solver):
     dense: str = "lbfgs"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "error", number("error", self.error, low=0.0, high=1.0))
+        object.__setattr__(self, "error", check_number("error", self.error, low=0.0, high=1.0))
 
     @functools.cached_property
     def _focus(self) -> pc.Solver:
@@ -75,7 +75,7 @@ class Auto(pc.Solver):
         """Pass the problem on; see `pacinian.Solver.solve`."""
         count = len(targets.amplitudes)
         solver, why = self._several, "several points"
-        if limits.asked or limits.power is not None:
+        if limits.solver_limits or limits.power is not None:
             why = "limits besides that of gains"
         elif targets.regions is not None:
             why = "regions"
@@ -91,7 +91,7 @@ class Auto(pc.Solver):
             why = "more points than transducers, at their limit"
         result = solver.solve(propagator, targets, limits, warm, budget, out)
         simple = targets.regions is None and targets.scale == "exact"
-        simple = simple and not limits.asked and limits.power is None
+        simple = simple and not limits.solver_limits and limits.power is None
         if simple and count <= len(out) and count * count * len(out) > LARGE and not budget.spent:
             return self._better(result, propagator, targets, limits, budget, out)
         return _named(result, solver, why)
@@ -101,13 +101,13 @@ class Auto(pc.Solver):
         budget: pc.Budget, out: pc.Gains,
     ) -> pc.Result:  # fmt: skip
         """The better of the first answer and, where that misses `error`, another."""
-        missed = targets.miss(propagator.apply(out))
+        missed = targets.relative_error(propagator.apply(out))
         if missed <= self.error:
             return _named(first, self._several, "several points")
         kept = out.copy()
         out[:] = 0.0
         second = self._dense.solve(propagator, targets, limits, None, budget, out)
-        if targets.miss(propagator.apply(out)) < missed:
+        if targets.relative_error(propagator.apply(out)) < missed:
             return _named(second, self._dense, "many points close together")
         out[:] = kept
         return _named(first._replace(late=second.late), self._several, "many points close together")
@@ -119,7 +119,7 @@ class Auto(pc.Solver):
         top = np.inf if limits.gain is None else limits.gain
         if not kernels.peak(out) <= top * top:
             return False
-        return not targets.free.any() or targets.miss(propagator.apply(out)) <= self.error
+        return not targets.free.any() or targets.relative_error(propagator.apply(out)) <= self.error
 
 
 def _named(result: pc.Result, solver: pc.Solver, why: str) -> pc.Result:

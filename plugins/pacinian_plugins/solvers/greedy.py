@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import integer
+from pacinian.checks import check_integer
 from pacinian_plugins.native.greedy import choose
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Greedy(pc.Solver):
 
     def __post_init__(self) -> None:
         for name, low in (("levels", 2), ("passes", 1), ("seed", 0)):
-            object.__setattr__(self, name, integer(name, getattr(self, name), low=low))
+            object.__setattr__(self, name, check_integer(name, getattr(self, name), low=low))
 
     def solve(
         self,

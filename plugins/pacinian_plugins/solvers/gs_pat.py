@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import integer
+from pacinian.checks import check_integer
 from pacinian.native.solving import gerchberg_saxton, peak, restrain
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class GsPat(pc.Solver):
     steps: Annotated[int, Meta(ge=1, le=1000)] = 50
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
+        object.__setattr__(self, "steps", check_integer("steps", self.steps, low=1))
 
     def solve(
         self,

@@ -10,8 +10,8 @@ from msgspec import Meta
 from scipy import optimize
 
 import pacinian as pc
-from pacinian.checks import integer, number
-from pacinian.solving.phases import choose
+from pacinian.checks import check_integer, check_number
+from pacinian.solving.phases import choose_phases
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FLAT = 1e-5  # relative decrease of f in one step at which it ends
 ROOM, FAR = 10.0, 100.0  # drive looked at, over what a focus needs; targets, over what it reaches
 OPEN, AT_LIMIT = 0.99, 0.999  # |h|: at most so much at the start, where sines are flat; held above
-MANY = 256  # points from which the Gram matrix costs more than the steps that it saves
+MAX_GRAM_POINTS = 256  # points from which the Gram matrix costs more than the steps that it saves
 IN_PROPORTION = 1e-3  # error up to which `scale="max"` counts proportions as kept
 ROUNDS = 12  # of lower and lower targets for `scale="max"`
 
@@ -48,10 +48,10 @@ class Lbfgs(pc.Solver):
     memory: Annotated[int, Meta(ge=1, le=100)] = 10
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
-        tolerance = number("tolerance", self.tolerance, low=0.0, high=1.0, above=True)
+        object.__setattr__(self, "steps", check_integer("steps", self.steps, low=1))
+        tolerance = check_number("tolerance", self.tolerance, low=0.0, high=1.0, above=True)
         object.__setattr__(self, "tolerance", tolerance)
-        object.__setattr__(self, "memory", integer("memory", self.memory, low=1))
+        object.__setattr__(self, "memory", check_integer("memory", self.memory, low=1))
 
     def solve(
         self,
@@ -77,7 +77,7 @@ class Lbfgs(pc.Solver):
         if h is None:
             M = len(B)
             p = targets.complex(np.pi * np.arange(M) ** 2 / M)
-            p = choose(propagator, targets, None) if M <= MANY else p
+            p = choose_phases(propagator, targets, None) if M <= MAX_GRAM_POINTS else p
             z = np.exp(1j * np.angle(p)) * (t / np.where(d > 0.0, d, 1.0))
             h = problem.back(np.asarray(z, np.complex128))
         end = self._descend(problem, h, budget)

@@ -9,16 +9,18 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import number
+from pacinian.checks import check_number
 from pacinian.solving.least_squares import LeastSquares
-from pacinian.solving.phases import choose
+from pacinian.solving.phases import choose_phases
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from pacinian.types import Complexes
 
-SMALL = 256  # samples up to which the propagator's own Cholesky factor is the quickest
+MAX_CHOLESKY_POINTS = (
+    256  # samples up to which the propagator's own Cholesky factor is the quickest
+)
 # and its reciprocal condition number from which it is used
 TRUSTED = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
 
@@ -43,7 +45,7 @@ class PseudoInverse(pc.Solver):
 
     def __post_init__(self) -> None:
         if self.rcond is not None:
-            object.__setattr__(self, "rcond", number("rcond", self.rcond, low=0.0, high=1.0))
+            object.__setattr__(self, "rcond", check_number("rcond", self.rcond, low=0.0, high=1.0))
 
     def solve(
         self,
@@ -56,7 +58,7 @@ class PseudoInverse(pc.Solver):
     ) -> pc.Result:
         """Write the least-squares gains; see `pacinian.Solver.solve`."""
         if targets.free.any():
-            p = choose(propagator, targets, None if warm is None else warm.phases)
+            p = choose_phases(propagator, targets, None if warm is None else warm.phases)
         else:
             p = targets.complex(targets.phases)
         scale = float(np.abs(p).max())  # so that neither tiny nor huge targets leave the range
@@ -72,7 +74,7 @@ class PseudoInverse(pc.Solver):
         B = propagator.B
         M, N = B.shape
         trusted = max(TRUSTED[B.dtype], 3.0 * (self.rcond or 0.0) ** 2)
-        if M <= N and M <= SMALL:
+        if M <= N and M <= MAX_CHOLESKY_POINTS:
             factor = propagator.factor(0.0)
             if factor.reciprocal_condition > trusted:
                 g = propagator.adjoint(factor.solve(p))

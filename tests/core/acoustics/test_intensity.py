@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.intensity import intensity, normal_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
 
 AIR = pc.Air()
 RHO_C = AIR.density * AIR.speed_of_sound
@@ -78,10 +78,10 @@ def test_two_that_send_against_each_other_send_nothing_on_balance() -> None:
     one = intensity(array, [1.0, 0.0], middle)[0, 2]
     assert np.abs(intensity(array, [1.0, 1.0], middle)).max() < 1e-9 * one
     assert intensity(array, [0.0, 1.0], middle)[0, 2] == pytest.approx(-one)
-    up = Facing([[0.0, 0.0, 1.0]])
+    up = SkinFacing([[0.0, 0.0, 1.0]])
     seen = intensity(array, [1.0, 1.0], middle, facing=up)[0, 2]
     assert seen == pytest.approx(-one)  # only what comes down on a skin that faces up
-    hidden = Facing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02, 0.02]])
+    hidden = SkinFacing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02, 0.02]])
     assert not intensity(array, [1.0, 1.0], middle, facing=hidden).any()
 
 
@@ -102,14 +102,16 @@ def test_energy_is_kept_on_its_way() -> None:
 def test_a_plane_wave_presses_with_twice_its_energy_times_the_squared_cosine(theta: float) -> None:
     array = pc.Array([[0.0, 0.0, -FAR]], transducer=OMNI)
     t = math.radians(theta)
-    facing = Facing([[math.sin(t), 0.0, -math.cos(t)]])
+    facing = SkinFacing([[math.sin(t), 0.0, -math.cos(t)]])
     q = np.zeros((1, 3))
     p = abs(pc.matrix(array, q)[0, 0])
     E = p**2 / (2 * AIR.density * AIR.speed_of_sound**2)
     exact = 2 * E * max(0.0, math.cos(t)) ** 2
     assert normal_pressure(array, [1.0], q, facing)[0] == pytest.approx(exact, abs=1e-12)
     head_on = pc.radiation_pressure(p, AIR)
-    assert normal_pressure(array, [1.0], q, Facing([[0.0, 0.0, -1.0]]))[0] == pytest.approx(head_on)
+    assert normal_pressure(array, [1.0], q, SkinFacing([[0.0, 0.0, -1.0]]))[0] == pytest.approx(
+        head_on
+    )
 
 
 def test_in_the_far_field_it_is_the_velocity_along_the_normal() -> None:
@@ -122,15 +124,15 @@ def test_in_the_far_field_it_is_the_velocity_along_the_normal() -> None:
     near = pc.matrix(array, [h * n, -h * n]) @ g
     v = -(near[0] - near[1]) / (2 * h) / (2j * math.pi * 40e3 * AIR.density)
     exact = pc.radiation_pressure(RHO_C * v, AIR)
-    found = normal_pressure(array, g, np.zeros((1, 3)), Facing([n]))[0]
+    found = normal_pressure(array, g, np.zeros((1, 3)), SkinFacing([n]))[0]
     assert found == pytest.approx(float(exact), rel=0.01)
 
 
 def test_many_points_are_taken_part_by_part() -> None:
     array, g, q = rig(pc.T4010A1)
     many = np.tile(q, (200, 1))
-    facing = Facing(np.tile([0.0, 0.0, -1.0], (6000, 1)))
-    few = Facing(facing.normals[:30])
+    facing = SkinFacing(np.tile([0.0, 0.0, -1.0], (6000, 1)))
+    few = SkinFacing(facing.normals[:30])
     np.testing.assert_allclose(intensity(array, g, many)[-30:], intensity(array, g, q))
     np.testing.assert_allclose(
         normal_pressure(array, g, many, facing)[-30:], normal_pressure(array, g, q, few)
@@ -140,7 +142,7 @@ def test_many_points_are_taken_part_by_part() -> None:
 
 def test_bad_arguments_are_named() -> None:
     array, g, q = rig(OMNI)
-    facing = Facing([[0.0, 0.0, 1.0]])
+    facing = SkinFacing([[0.0, 0.0, 1.0]])
     with pytest.raises(pc.ArgumentError, match="gains"):
         intensity(array, g[:3], q)
     with pytest.raises(pc.ArgumentError, match="points"):

@@ -11,7 +11,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics import propagation
-from pacinian.acoustics.propagation import Wave
+from pacinian.acoustics.propagation import KernelData
 
 WAVELENGTH = pc.Air().wavelength(40e3)  # [m]
 K = 2 * math.pi / WAVELENGTH  # [rad/m]
@@ -62,7 +62,7 @@ def somewhere(rng: np.random.Generator, M: int) -> np.ndarray:
 def single(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.ndarray:
     """B from the kernel in single precision."""
     out = np.full((len(points), len(array)), np.nan, np.complex64)
-    Wave.prepare(array, medium).matrix(points, out)
+    KernelData.prepare(array, medium).matrix(points, out)
     return out
 
 
@@ -222,7 +222,7 @@ def test_the_kernel_reads_nothing_beyond_its_directivity_table(kind: pc.Transduc
     n = rng.normal(size=(300, 3))
     array = pc.Array(rng.uniform(-0.2, 0.2, (300, 3)), n, kind)
     points = array.positions + array.normals * rng.uniform(0.05, 0.5, (300, 1))
-    prepared = Wave.prepare(array, pc.Air())
+    prepared = KernelData.prepare(array, pc.Air())
     memory = np.full(3 * prepared.table.size, np.nan, np.float32)  # NaN before and after it
     table = memory[prepared.table.size : 2 * prepared.table.size]
     table[:] = prepared.table

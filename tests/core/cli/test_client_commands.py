@@ -15,9 +15,9 @@ import pacinian as pc
 from pacinian.cli.status import status
 from pacinian.cli.stop import stop
 from pacinian.cli.watch import watch
-from pacinian.client import dialogue
+from pacinian.client import server_session
 from pacinian.wire import control, replies
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.state import ClientState, State
 
 from ..client.fake import Fake, state
@@ -36,7 +36,7 @@ FULL: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dialogue, "FAREWELL", 60.0)  # a server that is slow is told, too
+    monkeypatch.setattr(server_session, "FAREWELL", 60.0)  # a server that is slow is told, too
 
 
 @pytest.fixture

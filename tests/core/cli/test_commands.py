@@ -307,3 +307,40 @@ def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
     result = run("serve", f"--{kind}", "nonsense")
     assert isinstance(result.exception, pc.UnknownPlugin)
     assert f"no {kind} is called 'nonsense'" in str(result.exception)
+
+
+def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are imported for help and for unknown names alone, and replace no command of the core."""
+    import click
+
+    from pacinian.plugins import registry
+
+    class Fakes(registry.Plugins):
+        def load(self, name: str | None = None, kind: Any = None) -> None:
+            for called in ("tune", "serve"):
+                command = click.Command(called, callback=lambda: click.echo("tuned"), help="Tune.")
+                self.commands[called] = registry.CommandOffer(called, command, "tuner", "tuner 1")
+
+    fakes = Fakes([])
+    monkeypatch.setattr(registry, "installed", lambda: fakes)
+    assert CliRunner().invoke(cli, ["serve", "--help"]).exit_code == 0
+    assert not fakes.commands
+    assert CliRunner().invoke(cli, ["tune"]).stdout == "tuned\n"
+    shown = CliRunner().invoke(cli, ["--help"]).stdout
+    assert "  tune " in shown
+    assert shown.count("  serve ") == 1
+    assert "Tune." not in CliRunner().invoke(cli, ["serve", "--help"]).stdout
+
+
+def test_an_unknown_command_tells_of_plugins_that_did_not_load(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from pacinian.plugins import registry
+
+    plugins = registry.Plugins([])
+    plugins.failed["tuner"] = pc.PluginError("plug-in 'tuner' does not load: no numpy")
+    monkeypatch.setattr(registry, "installed", lambda: plugins)
+    result = CliRunner().invoke(cli, ["tune"])
+    assert result.exit_code == 2
+    assert "No such command 'tune'" in result.stderr
+    assert "does not load: no numpy" in result.stderr

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import pacinian as pc
 from pacinian.cli.main import cli
-from pacinian.devices.calibration import write
+from pacinian.devices.calibration import write_calibration
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -218,7 +218,7 @@ def test_bombs_and_files_that_are_none_are_refused(bench: Bench, monkeypatch: An
     assert "is not NPZ" in run("calibrate", bench.file, path)[1]
     monkeypatch.setattr("pacinian.devices.scan.MAX_NPZ_BYTES", 1000)
     assert "is larger" in run("calibrate", bench.file, bench.npz())[1]
-    monkeypatch.setattr("pacinian.devices.scan.LARGEST", 1000)
+    monkeypatch.setattr("pacinian.devices.scan.MAX_BYTES", 1000)
     assert "is larger" in run("calibrate", bench.file, bench.csv())[1]
     assert "not a file" in run("calibrate", bench.file, "/dev/zero.csv")[1]
     (bench.folder / "d.csv").mkdir()
@@ -258,10 +258,10 @@ def test_a_microphone_that_stands_still_is_told(bench: Bench) -> None:
 
 def test_a_calibration_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "c.csv"
-    write(path, {("A", 0): (1.0, 0.5)})
+    write_calibration(path, {("A", 0): (1.0, 0.5)})
     old = path.read_text()
     with pytest.raises(ZeroDivisionError):
-        write(path, _Broken({("A", 0): (1.0, 0.5)}))
+        write_calibration(path, _Broken({("A", 0): (1.0, 0.5)}))
     assert path.read_text() == old
     assert list(tmp_path.iterdir()) == [path]
 

@@ -19,7 +19,7 @@ from PIL import Image
 import pacinian as pc
 from pacinian.cli import device_findings, devices
 from pacinian.cli.main import cli
-from pacinian.cli.udev import rules
+from pacinian.cli.udev import make_rules
 from pacinian.devices.layouts import Grid
 from pacinian.plugins import discovery, registry
 from pacinian.plugins.registry import Offer
@@ -108,7 +108,7 @@ def test_the_list_is_json_for_programs(plugins: Any) -> None:
 
 def test_a_backend_that_fails_to_look_is_told_and_takes_nothing_down(plugins: Any) -> None:
     Mine.shelf[:] = [READY, OSError("no USB here")]
-    (one,) = discovery.connected(plugins)
+    (one,) = discovery.list_connected(plugins)
     assert "OSError: no USB here" in one.problem
 
 
@@ -119,7 +119,7 @@ def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:
         pc.Found("mine", "", "no serial"),
         pc.Found("mine", "", "nor this"),
     ]
-    found = discovery.connected(plugins)
+    found = discovery.list_connected(plugins)
     assert [bool(f.problem) for f in found] == [False, False, True, True]
 
 
@@ -171,7 +171,7 @@ def test_looking_imports_backends_alone() -> None:
 
 def test_a_backend_that_is_not_there_is_an_error(plugins: Any) -> None:
     with pytest.raises(pc.UnknownPlugin, match="mine"):
-        discovery.connected(plugins, "other")
+        discovery.list_connected(plugins, "other")
 
 
 # ------------------------------------------------------------------ check
@@ -290,7 +290,7 @@ def test_the_rule_is_the_one_that_is_shipped() -> None:
     with (ROOT / "pyproject.toml").open("rb") as file:
         ours = tomllib.load(file)["project"]["entry-points"]["pacinian"]
     plugins = pc.Plugins([EntryPoint(name, value, "pacinian") for name, value in ours.items()])
-    text = rules(plugins)
+    text = make_rules(plugins)
     assert not plugins.failed
     (shipped,) = (ROOT / "packaging").glob("*.rules")
     assert shipped.read_text("utf-8") == text

@@ -13,7 +13,7 @@ import zmq
 from zmq.auth.thread import ThreadAuthenticator
 
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import decode_command, decode_control, encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import STATE, State

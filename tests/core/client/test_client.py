@@ -14,7 +14,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import to_scene
 from pacinian.wire.protocol import MAJOR, MINOR
 

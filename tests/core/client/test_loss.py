@@ -13,10 +13,10 @@ import zmq
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.client import dialogue
+from pacinian.client import server_session
 from pacinian.client.emergency import emergency_stop
 from pacinian.wire import commands, control, replies
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.connection import Connection
 
 from ...waiting import PATIENCE
@@ -332,7 +332,7 @@ def test_nothing_that_waited_reaches_a_new_server(server: Fake) -> None:
 def test_closing_does_not_wait_for_a_server_that_hangs(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dialogue, "FAREWELL", 0.2)  # as it is
+    monkeypatch.setattr(server_session, "FAREWELL", 0.2)  # as it is
     client = pc.Client(server.connection, timeout=FOREVER)
     fill(server, client)
     server.deaf = True

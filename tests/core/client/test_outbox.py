@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pacinian.client.outbox import Outbox
 from pacinian.wire import commands
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.objects import Point
 from pacinian.wire.time import Constant
 

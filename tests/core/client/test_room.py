@@ -9,7 +9,7 @@ import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian.wire import commands
 from pacinian.wire.codec import encode
-from pacinian.wire.protocol import LONGEST_COMMAND
+from pacinian.wire.protocol import MAX_COMMAND_BYTES
 
 from .fake import Fake
 
@@ -44,7 +44,7 @@ def test_large_ones_go_in_several_messages_too(server: Fake, client: pc.Client) 
     sent = server.of(commands.Put)
     assert [name for m in sent for name in m.objects] == [item.name for item in many]
     assert [len(m.objects) for m in sent] == [7, 7, 6]
-    assert max(len(encode(m)) for m in sent) < LONGEST_COMMAND
+    assert max(len(encode(m)) for m in sent) < MAX_COMMAND_BYTES
 
 
 @pytest.mark.parametrize("wait", [True, False])

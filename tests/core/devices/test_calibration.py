@@ -136,11 +136,11 @@ def test_the_kernels_know_the_response() -> None:
     scale = np.abs(B).sum(axis=1).max()
     np.testing.assert_allclose(pc.field(uneven, g, q), B @ g, atol=1e-5 * scale)
     propagator = pc.Propagator(uneven, pc.Air())
-    propagator.place(q)
+    propagator.set_points(q)
     np.testing.assert_allclose(propagator.B, B, atol=1e-4 * np.abs(B).max())
     moved = q.copy()
     moved[3] += 0.01
-    assert propagator.place(moved) == 1  # a row alone is weighted alone
+    assert propagator.set_points(moved) == 1  # a row alone is weighted alone
     np.testing.assert_allclose(
         propagator.B, pc.matrix(array, moved) * s, atol=1e-4 * np.abs(B).max()
     )
@@ -172,7 +172,7 @@ def test_a_response_that_cannot_be_is_refused(wrong: Any) -> None:
 @pytest.mark.parametrize("endless", ["/dev/zero", "large.csv"])
 def test_files_without_an_end_are_not_read(device: Path, endless: str) -> None:
     with (device.parent / "large.csv").open("wb") as file:
-        file.truncate(calibration.LARGEST + 1)
+        file.truncate(calibration.MAX_BYTES + 1)
     device.write_text(device.read_text().replace("heard.csv", endless))
     with pytest.raises(pc.SceneFileError, match=r"not a file|larger than"):
         pc.DeviceDescription.load(device)

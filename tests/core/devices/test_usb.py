@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import pacinian as pc
-from pacinian.devices.usb import Seen, UsbKind
+from pacinian.devices.usb import ListedDevice, UsbKind
 from pacinian.devices.usb_errors import advice, has_gone
 from pacinian.testing import UsbBus
 from pacinian.testing.usb_device import error
@@ -19,7 +19,7 @@ NONE = "is not connected; there are: none"
 WHERE = "bus 1, address 2"
 
 
-def told(listed: list[Seen]) -> list[tuple[str, str, str]]:
+def told(listed: list[ListedDevice]) -> list[tuple[str, str, str]]:
     return [(one.serial, one.place, one.problem) for one in listed]
 
 
@@ -28,7 +28,7 @@ def test_those_of_the_vendor_and_product_are_seen_by_serial_and_none_stays_open(
     other = Pad("C")
     other.product = 0x0003
     bus.plug(other)
-    listed = PADS.seen(bus)
+    listed = PADS.list_devices(bus)
     assert told(listed) == [("A", "bus 1, address 3", ""), ("B", WHERE, "")]
     assert bus.open == 0
     assert not bus.calls
@@ -39,7 +39,7 @@ def test_those_of_the_interface_are_seen_whoever_made_them() -> None:
     ours.interface = odd.interface = 0xFF, 0x41, 1
     newer.interface = 0xFF, 0x41, 2
     odd.vendor = 0x16D0
-    assert [one.serial for one in KIND.seen(bus)] == ["A", "C"]
+    assert [one.serial for one in KIND.list_devices(bus)] == ["A", "C"]
 
 
 def test_a_device_whose_descriptors_cannot_be_read_is_none_of_an_interface(
@@ -55,20 +55,20 @@ def test_a_device_whose_descriptors_cannot_be_read_is_none_of_an_interface(
         return read(dev, *at)
 
     monkeypatch.setattr(bus, "get_configuration_descriptor", descriptor)
-    assert [one.serial for one in KIND.seen(bus)] == ["B"]
-    whole = told(PADS.seen(bus))  # their vendor says enough
+    assert [one.serial for one in KIND.list_devices(bus)] == ["B"]
+    whole = told(PADS.list_devices(bus))  # their vendor says enough
     assert whole == [("", WHERE, "[Errno 5] Input/Output Error"), ("B", "bus 1, address 3", "")]
 
 
 def test_one_without_a_serial_number_says_so() -> None:
     bus, _ = plugged(None, "")
     nameless = "it has no serial number, by which it could be chosen"
-    assert {one.problem for one in PADS.seen(bus)} == {nameless}
-    assert {one.serial for one in PADS.seen(bus)} == {""}
+    assert {one.problem for one in PADS.list_devices(bus)} == {nameless}
+    assert {one.serial for one in PADS.list_devices(bus)} == {""}
     kind = UsbKind("pads", PADS.usb, anonymous="give it one")
-    assert {one.problem for one in kind.seen(bus)} == {"give it one"}
+    assert {one.problem for one in kind.list_devices(bus)} == {"give it one"}
     refused(
-        lambda: PADS.picked(PADS.seen(bus), "A"),
+        lambda: PADS.select(PADS.list_devices(bus), "A"),
         f"pads A: {NONE}; {WHERE}: {nameless}; bus 1, address 3: {nameless}",
     )
 
@@ -77,9 +77,9 @@ def test_a_dead_device_that_is_still_listed_is_passed_over() -> None:
     bus, (pad,) = plugged("A")
     bus.stale = True
     pad.unplug()
-    assert not PADS.seen(bus)
+    assert not PADS.list_devices(bus)
     bus.plug(Pad("A"))
-    assert [one.place for one in PADS.seen(bus)] == ["bus 1, address 3"]
+    assert [one.place for one in PADS.list_devices(bus)] == ["bus 1, address 3"]
 
 
 @pytest.mark.parametrize("trouble", [{"mute": True}, {"fault": "hang"}])
@@ -87,7 +87,7 @@ def test_one_that_is_listed_and_answers_nothing(trouble: dict[str, Any]) -> None
     bus, (pad,) = plugged("A")
     vars(pad).update(configured=True, **trouble)
     silent = "it does not answer: unplug it and plug it in again"
-    assert told(PADS.seen(bus)) == [("", WHERE, silent)]
+    assert told(PADS.list_devices(bus)) == [("", WHERE, silent)]
 
 
 def test_without_the_right_or_a_driver_the_problem_says_what_to_do() -> None:
@@ -97,31 +97,31 @@ def test_without_the_right_or_a_driver_the_problem_says_what_to_do() -> None:
         "it has no driver that programs may use: give it WinUSB with Zadig (https://zadig.akeo.ie)"
     )
     place = "bus 1, address 3"
-    assert told(PADS.seen(bus))[:2] == [("", WHERE, UDEV), ("", place, driver)]
+    assert told(PADS.list_devices(bus))[:2] == [("", WHERE, UDEV), ("", place, driver)]
     refused(
-        lambda: PADS.picked(PADS.seen(bus), "A"),
+        lambda: PADS.select(PADS.list_devices(bus), "A"),
         f"pads A: is not connected; there are: C; {WHERE}: {UDEV}; {place}: {driver}",
     )
-    assert PADS.picked(PADS.seen(bus)).serial == "C"
+    assert PADS.select(PADS.list_devices(bus)).serial == "C"
 
 
 def test_it_is_plugged_in_while_the_program_runs() -> None:
     bus, _ = plugged()
-    refused(lambda: PADS.picked(PADS.seen(bus)), f"pads: {NONE}")
+    refused(lambda: PADS.select(PADS.list_devices(bus)), f"pads: {NONE}")
     bus.plug(Pad("A"))
-    assert PADS.picked(PADS.seen(bus)).serial == "A"
+    assert PADS.select(PADS.list_devices(bus)).serial == "A"
 
 
 def test_it_is_picked_by_its_serial_and_without_one_only_if_it_is_alone() -> None:
-    listed = PADS.seen(plugged("B", "A")[0])
-    assert PADS.picked(listed, "B").place == WHERE
-    refused(lambda: PADS.picked(listed, "C"), "pads C: is not connected; there are: A, B")
-    refused(lambda: PADS.picked(listed), "pads: there are several: say which; there are: A, B")
+    listed = PADS.list_devices(plugged("B", "A")[0])
+    assert PADS.select(listed, "B").place == WHERE
+    refused(lambda: PADS.select(listed, "C"), "pads C: is not connected; there are: A, B")
+    refused(lambda: PADS.select(listed), "pads: there are several: say which; there are: A, B")
 
 
 def test_two_with_one_serial_are_an_error() -> None:
     refused(
-        lambda: PADS.picked(PADS.seen(plugged("A", "A")[0]), "A"),
+        lambda: PADS.select(PADS.list_devices(plugged("A", "A")[0]), "A"),
         f"pads A: 2 devices have this serial number, at {WHERE} and bus 1, address 3: unplug one",
     )
 
@@ -134,8 +134,8 @@ def test_no_library(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(usb.core, "find", find)
     missing = "libusb is not installed: `apt install libusb-1.0-0`, or `pip install libusb-package`"
-    refused(PADS.seen, f"pads: {missing}")
-    assert PADS.told("a pad") == [("", "", missing)]
+    refused(PADS.list_devices, f"pads: {missing}")
+    assert PADS.describe("a pad") == [("", "", missing)]
 
 
 def test_a_bus_that_cannot_be_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -145,13 +145,13 @@ def test_a_bus_that_cannot_be_looked_at(monkeypatch: pytest.MonkeyPatch) -> None
     bus = UsbBus()
     monkeypatch.setattr(bus, "enumerate_devices", broken)
     with pytest.raises(pc.BackendError, match=r"pads: looking for devices: .*Input/Output Error"):
-        PADS.seen(bus)
+        PADS.list_devices(bus)
 
 
 def test_what_is_told_of_them() -> None:
     bus, (pad, _) = plugged("B", "A")
     pad.denied = True
-    assert PADS.told("a pad", bus) == [
+    assert PADS.describe("a pad", bus) == [
         ("", f"a pad, {WHERE}", UDEV),
         ("A", "a pad, bus 1, address 3", ""),
     ]

@@ -19,7 +19,7 @@ FRAME = bytes(range(200))
 
 
 def linked(bus: UsbBus, kind: UsbKind = PADS, serial: str = "A") -> UsbLink:
-    return UsbLink(kind, kind.picked(kind.seen(bus), serial))
+    return UsbLink(kind, kind.select(kind.list_devices(bus), serial))
 
 
 @pytest.fixture
@@ -201,7 +201,7 @@ def test_one_that_has_no_endpoint_for_frames(
 def test_one_whose_interface_has_changed_since_it_was_seen(bus: UsbBus, pad: Pad) -> None:
     kind = UsbKind("pads", ((0xFF, 0x41, 1),))
     pad.interface = 0xFF, 0x41, 1
-    one = kind.picked(kind.seen(bus))
+    one = kind.select(kind.list_devices(bus))
     pad.interface = 0xFF, 0x41, 2
     refused(
         lambda: UsbLink(kind, one), "pads A: opening it: it has no endpoint for frames (bulk OUT)"
@@ -209,7 +209,7 @@ def test_one_whose_interface_has_changed_since_it_was_seen(bus: UsbBus, pad: Pad
 
 
 def test_it_goes_between_seeing_and_opening(bus: UsbBus, pad: Pad) -> None:
-    one = PADS.picked(PADS.seen(bus))
+    one = PADS.select(PADS.list_devices(bus))
     pad.unplug()
     refused(lambda: UsbLink(PADS, one), "pads A: it is gone: push it in")
     assert bus.open == 0

@@ -129,7 +129,9 @@ def test_objects_and_hands_have_their_shapes(read: Gltf) -> None:
     assert solid.volume == pytest.approx(4.0 / 3.0 * np.pi * 0.02**3, rel=0.02)
     from pacinian.scene.hands import capsules as flesh
 
-    skin = flesh.distance_to_skin(flesh.capsules(HAND), read.vertices("hand right").astype(float))
+    skin = flesh.distance_to_skin(
+        flesh.make_capsules(HAND), read.vertices("hand right").astype(float)
+    )
     assert np.abs(skin).max() < 1.5e-3
 
 
@@ -210,7 +212,7 @@ def test_every_kind_of_object_has_triangles_on_its_surface(item: Any) -> None:
     assert len(made.faces)
     assert made.faces.max() < len(made.vertices)
     reach = np.sqrt((made.vertices**2).sum(axis=1)).max()
-    assert reach <= item.reach + meshes.DOT + 1e-6
+    assert reach <= item.bounding_radius + meshes.DOT + 1e-6
     if isinstance(item, (pc.Volume, pc.Surface)):
         d = item.distance(made.vertices, np.inf, np.inf)
         assert np.abs(d).max() < 1e-3

@@ -13,11 +13,11 @@ from matplotlib.text import Text
 
 import pacinian as pc
 from pacinian import plot
-from pacinian.bench.report import plain
-from pacinian.bench.rows import Row
-from pacinian.bench.summary import cells
 from pacinian.plot.fronts import FLOOR
 from pacinian.plot.labels import label
+from pacinian_lab.solvers.report import plain
+from pacinian_lab.solvers.rows import Row
+from pacinian_lab.solvers.summary import cells
 
 TIMES = {"auto": (1e-4, 1e-5), "slow": (1e-2, 1e-9), "poor": (5e-5, 0.2), "beaten": (2e-4, 0.1)}
 

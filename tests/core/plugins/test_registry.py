@@ -168,3 +168,53 @@ def test_every_hook_is_documented() -> None:
     for name in hooks:
         assert vars(hookspecs)[name].__doc__
         assert name in (ROOT / "docs" / "plugins.md").read_text()
+
+
+COMMAND = '''
+import click
+import pacinian as pc
+
+@click.command("{name}")
+def tune() -> None:
+    """Tune."""
+
+@pc.hookimpl
+def register_commands():
+    return [{offer}]
+'''
+
+
+def test_a_plugin_offers_commands(write: Any) -> None:
+    plugins = pc.Plugins([write("tuner", COMMAND.format(name="tune", offer="tune"))])
+    plugins.load(kind="solver")
+    assert not plugins.commands
+    plugins.load(kind="command")
+    (offer,) = plugins.commands.values()
+    assert (offer.name, offer.plugin, offer.command.help) == ("tune", "tuner", "Tune.")
+    assert not plugins.list()
+
+
+@pytest.mark.parametrize(
+    ("name", "offer", "problem"),
+    [
+        ("tune", "print", "click commands"),
+        ("", "tune", "name of a command"),
+        ("a b", "tune", "'a b'"),
+    ],
+)
+def test_what_no_user_can_call_is_no_command(
+    write: Any, name: str, offer: str, problem: str
+) -> None:
+    plugins = pc.Plugins([write("tuner", COMMAND.format(name=name, offer=offer))])
+    plugins.load(kind="command")
+    assert problem in str(plugins.failed["tuner"])
+    assert not plugins.commands
+
+
+def test_two_plugins_with_one_command_are_named(write: Any) -> None:
+    points = [write(n, COMMAND.format(name="tune", offer="tune")) for n in ("one", "two")]
+    plugins = pc.Plugins(points)
+    plugins.load(kind="command")
+    assert plugins.commands["tune"].plugin == "one"
+    assert "tune" in str(plugins.failed["two"])
+    assert "plugin_one" in str(plugins.failed["two"])

@@ -10,9 +10,9 @@ import pytest
 from trimesh.creation import icosphere
 
 import pacinian as pc
-from pacinian.rendering.smooth import Smoother
+from pacinian.rendering.slew_limiter import SlewRateLimiter
 from pacinian.scene.hands.skin import skin_of
-from pacinian.scene.sampling.tracks import HandTrack
+from pacinian.scene.sampling.pose_prediction import HandTrack
 from pacinian.testing import ManualClock
 
 ARRAY = pc.autd()
@@ -38,13 +38,13 @@ def render(
 ) -> pc.Report:
     """Two ticks with each scene in turn; all that is asked of the device must be finite and within 1."""
     rows: list[Any] = []
-    follow = Smoother.follow
+    follow = SlewRateLimiter.follow
 
-    def followed(self: Smoother, gains: Any, seconds: float, out: Any, *more: Any) -> None:
+    def followed(self: SlewRateLimiter, gains: Any, seconds: float, out: Any, *more: Any) -> None:
         follow(self, gains, seconds, out, *more)
         rows.append(np.abs(out).max(initial=0.0))
 
-    monkeypatch.setattr(Smoother, "follow", followed)
+    monkeypatch.setattr(SlewRateLimiter, "follow", followed)
     clock = ManualClock(100.0)
     renderer = pc.Renderer(ARRAY, scenes[0], clock=clock, **given)
     with renderer:

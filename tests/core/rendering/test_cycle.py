@@ -12,8 +12,8 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.acoustics.propagation import field
 from pacinian.gallery import SCENES
-from pacinian.rendering.cycle import frames_of
-from pacinian.scene.time.waves import Constant
+from pacinian.rendering.cycle import split_frames
+from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
 
 AIR, PERIOD = pc.Air(), 1e-3
@@ -56,8 +56,15 @@ def off(P: Any, asked: float) -> float:
 
 
 def test_frames_at_most_so_that_each_comes_again_500_times_a_second() -> None:
-    assert [frames_of(4, rate) for rate in (100, 999, 1000, 1999, 2000, 4000)] == [1, 1, 2, 3, 4, 4]
-    assert frames_of(1, 4000.0) == 1
+    assert [split_frames(4, rate) for rate in (100, 999, 1000, 1999, 2000, 4000)] == [
+        1,
+        1,
+        2,
+        3,
+        4,
+        4,
+    ]
+    assert split_frames(1, 4000.0) == 1
 
 
 @pytest.mark.parametrize("most", [1, 4])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.native import rendering as levels
-from pacinian.rendering.drive import SURE, Quantiser, inverse, thresholds
+from pacinian.rendering.quantiser import SURE, Quantiser, dither_thresholds, invert_levels
 
 TURN_ERROR = 6e-6  # [turns] of the kernel's arc tangent
 PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())  # OpenMPD's
@@ -32,7 +32,7 @@ def quantise(
     if can.even:
         levels.quantise(g, phases, top, highest, up, phase, amplitude)
     else:
-        levels.quantise_by(g, phases, *inverse(can.sizes), highest, up, phase, amplitude)
+        levels.quantise_by(g, phases, *invert_levels(can.sizes), highest, up, phase, amplitude)
     return phase.astype(int), amplitude.astype(int)
 
 
@@ -157,7 +157,7 @@ def test_dithering_has_no_bias(amplitudes: Any) -> None:
     amplitudes = TABLES.get(amplitudes, amplitudes)
     sizes = pc.Capability(4, amplitudes).sizes.astype(np.float64)
     N = 997
-    order, rng = thresholds(N), np.random.default_rng(2)
+    order, rng = dither_thresholds(N), np.random.default_rng(2)
     for a in rng.uniform(0.0, 1.0, 300).astype(np.float32).astype(float):
         made = quantise(np.full(N, a), 4, amplitudes, 1.0, order)[1]
         i = min(int(np.searchsorted(sizes, a, "right")) - 1, len(sizes) - 2)
@@ -189,7 +189,7 @@ def test_a_table_of_even_levels_is_as_their_count() -> None:
     g = rng.uniform(0, 1.2, 5000) * np.exp(2j * np.pi * rng.random(5000))
     even = tuple((np.arange(65) / 64).tolist())
     for ceiling in (1.0, 0.7):
-        made = [quantise(g, 128, given, ceiling, thresholds(5000)) for given in (65, even)]
+        made = [quantise(g, 128, given, ceiling, dither_thresholds(5000)) for given in (65, even)]
         np.testing.assert_array_equal(*made)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.rendering.probe import Probe
-from pacinian.solving.felt import Sums
+from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
 
 AIR, ARRAY = pc.Air(), pc.autd()
@@ -32,12 +32,12 @@ def disc(x: float, pressure: float, name: str = "") -> pc.Surface:
 
 
 def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, looks: int) -> Any:
-    probe, sums = Probe(session), dict[str, Sums]()
+    probe, sums = Probe(session), dict[str, FeltSums]()
     for _ in range(looks):
         for name, found in probe.look(
             samples, solution.targets, session.propagator.facing, solution.gains[None]
         ).items():
-            sums[name] = sums.get(name, Sums()).plus(found)
+            sums[name] = sums.get(name, FeltSums()).plus(found)
     return {name: all_.felt for name, all_ in sums.items()}
 
 

@@ -19,9 +19,9 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.time.technique import STM
+from pacinian.scene.modulation.technique import STM
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

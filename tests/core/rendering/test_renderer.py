@@ -14,9 +14,9 @@ import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
 from pacinian.rendering.pipeline import LOOK
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import LM, STM, Simultaneous
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

@@ -14,11 +14,11 @@ from trimesh.creation import box
 import pacinian as pc
 from pacinian.gallery import HAND, SCENES
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.technique import LM, STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import LM, STM
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

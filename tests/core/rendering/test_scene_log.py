@@ -13,21 +13,21 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.scene_log import Asked, Reader, Writer
+from pacinian.rendering.scene_log import Reader, TickInput, Writer
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
+from pacinian.scene.modulation.noise import Noise
+from pacinian.scene.modulation.presets import Preset
+from pacinian.scene.modulation.recorded_wave import Wave
+from pacinian.scene.modulation.technique import AM, LM, STM
+from pacinian.scene.modulation.waves import Pulse
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
 from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.texture import Texture, grating
 from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.noise import Noise
-from pacinian.scene.time.presets import Preset
-from pacinian.scene.time.recorded import Wave
-from pacinian.scene.time.technique import AM, LM, STM
-from pacinian.scene.time.waves import Pulse
 
 bounded = settings(max_examples=60)
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=0.02)
@@ -114,7 +114,7 @@ class Wire:
         self.size = 0
 
     def through(self, scene: pc.Scene) -> pc.Scene:
-        new = self.writer.changes(Asked(scene, self.solver, self.limits))
+        new = self.writer.changes(TickInput(scene, self.solver, self.limits))
         packed = msgpack.packb(new)
         self.size = len(packed)
         return self.reader.next(msgpack.unpackb(packed, strict_map_key=False)).scene

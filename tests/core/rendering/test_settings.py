@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering import recorded_array
-from pacinian.rendering.settings import read, written
-from pacinian.rendering.smooth import Smoothing
+from pacinian.rendering.settings import from_config, to_config
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -19,10 +19,10 @@ bounded = settings(max_examples=60)
 
 def again(renderer: pc.Renderer) -> pc.Renderer:
     """A renderer from its settings as they come out of a file."""
-    plain = msgpack.unpackb(msgpack.packb(written(renderer)), strict_map_key=False)
+    plain = msgpack.unpackb(msgpack.packb(to_config(renderer)), strict_map_key=False)
     array = renderer.session.array
-    array = recorded_array.read(plain, array.positions, array.normals)
-    return read(plain, array, Simulated(rate=1e5), ManualClock())
+    array = recorded_array.from_map(plain, array.positions, array.normals)
+    return from_config(plain, array, Simulated(rate=1e5), ManualClock())
 
 
 def make(array: pc.Array | None = None, **options: Any) -> pc.Renderer:
@@ -69,6 +69,6 @@ def test_the_period_comes_back_to_the_last_bit(rate: float) -> None:
 def test_a_directivity_of_ones_own_cannot_come_back() -> None:
     kind = pc.Transducer(directivity=lambda cosine: cosine**2)
     before = make(pc.lattice(0.03, 0.03, transducer=kind))
-    assert written(before)["transducer"]["directivity"] is None
+    assert to_config(before)["transducer"]["directivity"] is None
     with pytest.raises(ValueError, match="directivity"):
         again(before)

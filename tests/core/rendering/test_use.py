@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.clock import paced
+from pacinian.rendering.clock import pace
 from pacinian.rendering.recording import Recorder
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import STM
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -142,7 +142,7 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
 
 def test_a_loop_that_lags_far_gives_up_catching_up() -> None:
     clock = ManualClock()
-    beats = paced(clock, 0.01, 0.5)
+    beats = pace(clock, 0.01, 0.5)
     assert next(beats) == (0.0, 0)
     clock.advance(0.05)
     assert next(beats) == (0.01, 0)
@@ -160,7 +160,7 @@ def test_every_tick_is_done_or_counted_also_where_a_loop_ends_late(
 ) -> None:
     for at in range(6):
         clock, done, missed, last = ManualClock(), 0, 0, 0.0
-        for due, lost in paced(clock, 0.01, duration):
+        for due, lost in pace(clock, 0.01, duration):
             clock.advance(stall * (done == at))
             done, missed, last = done + 1, missed + lost, due
         assert done + missed == round(duration / 0.01)

@@ -19,14 +19,14 @@ from pacinian.acoustics.pose import Pose
 from pacinian.scene.file import (
     SceneFile,
     Units,
-    schema,
+    make_schema,
 )
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import STM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -272,7 +272,7 @@ def read(folder: Path) -> Callable[..., SceneFile]:
     """Write a scene file and load it."""
 
     def write_and_load(content: str | bytes, suffix: str = ".toml") -> SceneFile:
-        return pc.load(written(folder, content, suffix))
+        return pc.load_scene_file(written(folder, content, suffix))
 
     return write_and_load
 
@@ -292,7 +292,7 @@ def refused(folder: Path) -> Callable[..., pc.SceneFileError]:
     ) -> pc.SceneFileError:
         path = written(folder, content, suffix)
         with pytest.raises(pc.SceneFileError) as caught:
-            pc.load(path)
+            pc.load_scene_file(path)
         error = caught.value
         assert (error.path, error.key) == (path, key)
         assert str(error).startswith(f"{path}: {key}")
@@ -360,7 +360,7 @@ def keys(value: Any) -> Iterator[tuple[str, str]]:
 
 def test_the_full_example_has_every_key_of_the_schema(folder: Path) -> None:
     used = set(keys(msgspec.toml.decode(FULL)))
-    for name, definition in schema()["$defs"].items():
+    for name, definition in make_schema()["$defs"].items():
         known = definition["properties"]
         kind = known["type"]["enum"][0] if "type" in known else ""
         if kind in ("autd", "device"):
@@ -479,7 +479,7 @@ def test_any_scene_comes_back_from_its_file(
 ) -> None:
     file = SceneFile(objects=objects, rate=rate)
     content = as_toml(file) if suffix == ".toml" else msgspec.json.encode(file)
-    back = pc.load(written(folder, content, suffix))
+    back = pc.load_scene_file(written(folder, content, suffix))
     for mine, theirs in zip(back.objects, objects, strict=True):
         if isinstance(theirs, pc.Point):
             assert mine == theirs
@@ -495,7 +495,7 @@ def test_windows_line_ends_are_read(read: Any) -> None:
 
 def test_a_path_may_be_text(folder: Path) -> None:
     path = written(folder, "rate = 100", ".toml")
-    assert pc.load(str(path)) == pc.load(path)
+    assert pc.load_scene_file(str(path)) == pc.load_scene_file(path)
 
 
 def test_a_mesh_is_looked_for_beside_the_scene_file(
@@ -509,7 +509,7 @@ def test_a_mesh_is_looked_for_beside_the_scene_file(
     assert by_name.shape.area == pytest.approx(pc.Box((0.06, 0.04, 0.02)).area)
     (folder / "inner").mkdir(exist_ok=True)
     inner = written(folder / "inner", mesh.format("../hand.stl"), ".toml")
-    assert pc.load(inner).objects[0].pressure == pytest.approx(by_name.pressure)
+    assert pc.load_scene_file(inner).objects[0].pressure == pytest.approx(by_name.pressure)
 
 
 # ------------------------------------------------------------------------------ what is refused
@@ -630,7 +630,7 @@ def test_what_is_not_toml_or_json_is_refused_with_the_file_s_name(
 )
 def test_huge_nesting_is_refused(folder: Path, content: str) -> None:
     with pytest.raises(pc.SceneFileError):
-        pc.load(written(folder, content, ".json"))
+        pc.load_scene_file(written(folder, content, ".json"))
 
 
 @pytest.mark.parametrize("content", ["[]", "null"])
@@ -648,7 +648,7 @@ def test_numbers_beyond_floats_are_refused(refused: Any) -> None:
 def test_a_file_of_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text("")
     with pytest.raises(pc.SceneFileError, match=r"must end in \.toml or \.json") as caught:
-        pc.load(tmp_path / name)
+        pc.load_scene_file(tmp_path / name)
     assert caught.value.path == tmp_path / name
 
 
@@ -657,11 +657,11 @@ def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for name in ("no such.toml", "folder.toml", "file/scene.toml", "nul\0.toml"):
         with pytest.raises(pc.SceneFileError, match="cannot be read") as caught:
-            pc.load(tmp_path / name)
+            pc.load_scene_file(tmp_path / name)
         assert caught.value.path == tmp_path / name
         assert isinstance(caught.value, ValueError)
     with pytest.raises(pc.SceneFileError, match="it is not there"):
-        pc.load(tmp_path / "no such.toml")
+        pc.load_scene_file(tmp_path / "no such.toml")
 
 
 def test_an_enormous_file_is_refused_unread(tmp_path: Path) -> None:
@@ -669,7 +669,7 @@ def test_an_enormous_file_is_refused_unread(tmp_path: Path) -> None:
     with path.open("wb") as file:
         file.truncate((64 << 20) + 1)
     with pytest.raises(pc.SceneFileError, match="larger than 64 MiB"):
-        pc.load(path)
+        pc.load_scene_file(path)
 
 
 @pytest.mark.parametrize(
@@ -705,7 +705,7 @@ def survives(folder: Path, content: str | bytes, suffix: str) -> bool:
     """Load it: a scene, or a SceneFileError that names the file. Returns whether it is a scene."""
     path = written(folder, content, suffix)
     try:
-        file = pc.load(path)
+        file = pc.load_scene_file(path)
     except pc.SceneFileError as error:
         assert str(error).startswith(str(path))  # noqa: PT017
         return False
@@ -781,9 +781,9 @@ def test_one_wrong_value_anywhere_is_refused_as_the_schema_refuses_it_and_never_
 @pytest.fixture(scope="module")
 def validator(need: Callable[..., ModuleType]) -> Any:
     jsonschema = need("jsonschema")
-    json.dumps(schema(), allow_nan=False)
-    jsonschema.Draft202012Validator.check_schema(schema())
-    return jsonschema.Draft202012Validator(schema())
+    json.dumps(make_schema(), allow_nan=False)
+    jsonschema.Draft202012Validator.check_schema(make_schema())
+    return jsonschema.Draft202012Validator(make_schema())
 
 
 def test_the_schema_accepts_every_key(validator: Any) -> None:
@@ -814,15 +814,15 @@ def at(value: Any, place: tuple[Any, ...]) -> Any:
 
 
 def test_the_schema_describes_itself(validator: Any) -> None:
-    for name, definition in schema()["$defs"].items():
+    for name, definition in make_schema()["$defs"].items():
         assert definition.get("description"), name
-    assert np.all([d["additionalProperties"] is False for d in schema()["$defs"].values()])
+    assert np.all([d["additionalProperties"] is False for d in make_schema()["$defs"].values()])
 
 
 def test_the_page_about_scene_files_names_every_key_and_type() -> None:
     page = (Path(__file__).parents[3] / "docs" / "scene-files.md").read_text()
     named = set(re.findall(r"[\w-]+", " ".join(re.findall(r"`([^`]*)`", page))))
-    for name, definition in schema()["$defs"].items():
+    for name, definition in make_schema()["$defs"].items():
         for key, values in definition["properties"].items():
             assert key in named, (name, key)
             assert named >= set(values.get("enum", ())), (name, key)

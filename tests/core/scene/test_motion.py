@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
-from pacinian.scene.motion import LATEST, Motion
+from pacinian.scene.motion import MAX_EXTRAPOLATION, Motion
 
 from .tools import random_pose
 
@@ -19,7 +19,7 @@ spins = st.tuples(*[st.floats(-30.0, 30.0)] * 3)
 seeds = st.integers(0, 2**31)
 
 
-@given(velocity=vectors, spin=spins, seed=seeds, age=st.floats(0.0, LATEST))
+@given(velocity=vectors, spin=spins, seed=seeds, age=st.floats(0.0, MAX_EXTRAPOLATION))
 def test_it_goes_straight_on_at_a_constant_turn(
     velocity: Any, spin: Any, seed: int, age: float
 ) -> None:
@@ -59,11 +59,11 @@ def test_before_it_was_seen_it_is_where_it_was_seen(t: float) -> None:
     assert motion.pose(seen, t).rotation == pytest.approx(seen.rotation)
 
 
-@pytest.mark.parametrize("t", [LATEST, 1e9])
+@pytest.mark.parametrize("t", [MAX_EXTRAPOLATION, 1e9])
 def test_without_an_update_it_stands_still_after_a_while(t: float) -> None:
     motion, seen = Motion((1.0, 0.0, 0.0), (0.0, 0.0, 3.0)), random_pose(2)
-    assert motion.pose(seen, t) == motion.pose(seen, LATEST)
-    assert motion.pose(seen, t).position[0] == pytest.approx(seen.position[0] + LATEST)
+    assert motion.pose(seen, t) == motion.pose(seen, MAX_EXTRAPOLATION)
+    assert motion.pose(seen, t).position[0] == pytest.approx(seen.position[0] + MAX_EXTRAPOLATION)
 
 
 def test_a_still_thing_keeps_its_very_pose() -> None:

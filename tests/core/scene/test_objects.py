@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.material import Material
+from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import SPOT, Particles, Path
 from pacinian.scene.shapes.curves import Circle, Line, Polyline
 from pacinian.scene.shapes.texture import Texture, grating
-from pacinian.scene.time.technique import AM
 
 lengths = st.floats(1e-3, 1.0)
 shells = st.one_of(
@@ -64,7 +64,7 @@ def test_pressure_times_area_is_the_force(forced: Any, force: float) -> None:
 def test_a_force_of_particles_is_that_of_each() -> None:
     crowd = Particles(positions=((0, 0, 0), (0, 0, 1), (0, 1, 0)), radius=0.01, force=0.5)
     assert crowd.pressure * math.pi * 0.01**2 == pytest.approx(0.5)
-    assert crowd.cover(0.01).area.sum() * crowd.pressure == pytest.approx(1.5)
+    assert crowd.sample_surface(0.01).area.sum() * crowd.pressure == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_a_mesh_of_a_file_is_not_read_before_it_is_used() -> None:
 
 def test_an_interior_is_covered_inside_and_a_shell_is_not() -> None:
     shell, inside = (
-        pc.Volume(shape=pc.Sphere(0.04), felt=felt, radiation_pressure=1.0).cover(0.01)
+        pc.Volume(shape=pc.Sphere(0.04), felt=felt, radiation_pressure=1.0).sample_surface(0.01)
         for felt in ("shell", "interior")
     )
     assert np.linalg.norm(shell.points, axis=1) == pytest.approx(np.full(len(shell.points), 0.04))
@@ -245,7 +245,7 @@ def test_every_object_may_have_each_of_what_all_have(make: Any) -> None:
 
 def test_the_interior_of_a_closed_mesh_is_felt_and_an_open_one_has_none() -> None:
     inside = pc.Volume(shape=TETRAHEDRON, felt="interior", radiation_pressure=1.0)
-    points = inside.cover(0.01).points
+    points = inside.sample_surface(0.01).points
     assert len(points) > 20
     assert (points > 0.0).all()
     assert (points.sum(axis=1) < 0.1).all()
@@ -269,7 +269,7 @@ def test_bad_particles_are_refused(positions: Any, said: str) -> None:
 
 def test_no_particles_are_nothing() -> None:
     none = Particles(positions=(), radiation_pressure=1.0)
-    assert none.reach == none.radius
+    assert none.bounding_radius == none.radius
     assert len(pc.Sampler().sample(pc.Scene((none,)))) == 0
 
 

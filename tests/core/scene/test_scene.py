@@ -12,7 +12,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
-from pacinian.scene.motion import LATEST, Motion
+from pacinian.scene.motion import MAX_EXTRAPOLATION, Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.shapes.curves import Circle
 
@@ -110,8 +110,8 @@ def test_a_change_of_hands_shares_the_objects() -> None:
 def test_all_that_is_felt_of_an_object_is_within_its_bound(item: Any, t: float, seed: int) -> None:
     centre, v, (seen, radius) = np.split(pc.Scene((item,)).bounds[0], [3, 6])
     now = item.pose if item.motion is None else item.motion.pose(item.pose, t)
-    points = now.points(item.cover(0.005).points)
-    age = min(max(t - seen, 0.0), LATEST)
+    points = now.points(item.sample_surface(0.005).points)
+    age = min(max(t - seen, 0.0), MAX_EXTRAPOLATION)
     away = np.linalg.norm(points - (centre + age * v), axis=1).max()
     assert away + getattr(item, "radius", 0.0) + item.material.reach <= radius + 1e-9
 
@@ -122,8 +122,8 @@ def test_it_tells_when_all_stand_still() -> None:
     turning = made(1, "turning", (0.0, 0.0, 0.1), Motion((0.0,) * 3, (1.0, 0.0, 0.0), time=4.0))
     assert pc.Scene().moves_until == -math.inf
     assert pc.Scene((still,)).moves_until == -math.inf
-    assert pc.Scene((still, moving)).moves_until == 3.0 + LATEST
-    assert pc.Scene((turning, moving)).moves_until == 4.0 + LATEST
+    assert pc.Scene((still, moving)).moves_until == 3.0 + MAX_EXTRAPOLATION
+    assert pc.Scene((turning, moving)).moves_until == 4.0 + MAX_EXTRAPOLATION
 
 
 # ---------------------------------------------------------------------------------- bad input

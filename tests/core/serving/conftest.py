@@ -15,8 +15,15 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.serving.ipc.logs import configure
-from pacinian.serving.ipc.messages import Device, FrameHead, Permit, Report, Traffic, pack
-from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.messages import (
+    BusStatus,
+    DeviceStatus,
+    FrameHead,
+    Permit,
+    RendererStatus,
+    pack,
+)
+from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Settings
 from pacinian.wire.codec import decode_reply, decode_state, encode
@@ -32,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from pacinian.serving.ipc.child_process import Told
+    from pacinian.serving.ipc.child_process import LaunchConfig
 
 
 class Pretender:
@@ -40,14 +47,14 @@ class Pretender:
 
     stdin, pid = None, 7
 
-    def __init__(self, name: str, told: Told, extra: dict[str, Any]) -> None:
+    def __init__(self, name: str, told: LaunchConfig, extra: dict[str, Any]) -> None:
         self.name, self.told, self.extra = name, told, extra
         self.code: int | None = None
         self.silent = self.killed = False
         self.called: Callable[[], object] = lambda: None
 
-    def latest(self, name: str) -> Latest:
-        return Latest.attach(self.told.path / name)
+    def latest(self, name: str) -> SharedRegister:
+        return SharedRegister.attach(self.told.path / name)
 
     def poll(self) -> int | None:
         if self.code is None and not self.silent:
@@ -62,16 +69,16 @@ class Pretender:
         if self.name == "guard":
             loud = permit.armed != 0 and now < permit.until
             given = {"name": "pretended", "backends": (Plugin(name="pretended"),), **self.extra}
-            value = Device(
+            value = DeviceStatus(
                 generation=1, next=0, phases=16, amplitudes=16, rate=1000.0, watchdog=None, beat=now,
                 sounding=loud, **given,
             )  # fmt: skip
         elif self.name == "bus":
-            value = Traffic(1, now, **self.extra)
+            value = BusStatus(1, now, **self.extra)
         else:
             solvers = Plugin(name="auto"), Plugin(name="gs")
             given = {"state": {"solver": "auto", "ticks": 3}, "solvers": solvers, **self.extra}
-            value = Report(1, now, **given)
+            value = RendererStatus(1, now, **given)
             with self.latest("frame") as file:
                 levels = bytes(range(8)) * 2
                 file.write(FrameHead(1, now, permit.epoch, 1, 2, 2).pack() + levels)
@@ -115,7 +122,7 @@ class Server:
         except BaseException as error:
             self.error = error
 
-    def _start(self, name: str, told: Told) -> Pretender:
+    def _start(self, name: str, told: LaunchConfig) -> Pretender:
         made = Pretender(name, told, self.extra[name])
         made.silent = name in self.silent or told.spare > 0
 

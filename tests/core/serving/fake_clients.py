@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, Any
 
-from pacinian.serving.control.sessions import Sessions
+from pacinian.serving.control.sessions import ClientSessions
 from pacinian.serving.settings import Clients, Safety, Settings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Arm, Hello, Renew
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 LEASE = 0.25
 
 
-class Desk:
+class FakeControl:
     """Sessions with a clock, and clients that speak to them."""
 
     def __init__(self, **safety: Any) -> None:
         self.clock = ManualClock(100.0)
-        self.sessions = Sessions(Settings(safety=Safety(**safety), clients=Clients(most=4)))
+        self.sessions = ClientSessions(Settings(safety=Safety(**safety), clients=Clients(most=4)))
 
     @property
     def permit(self) -> Permit:
@@ -55,7 +55,7 @@ class Desk:
 class Game:
     """One client."""
 
-    def __init__(self, desk: Desk, peer: bytes, welcome: Welcome) -> None:
+    def __init__(self, desk: FakeControl, peer: bytes, welcome: Welcome) -> None:
         self.desk, self.peer, self.welcome = desk, peer, welcome
         self.count = itertools.count(1)
         self.ahead = 5000.0  # [s] that its clock shows more
@@ -76,9 +76,9 @@ class Game:
         self.desk.sessions.handle(self.peer, "user", message, self.desk.clock.time)
 
 
-def armed() -> tuple[Desk, Game]:
+def armed() -> tuple[FakeControl, Game]:
     """A client that owns the output."""
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello()
     game.arm()
     return desk, game

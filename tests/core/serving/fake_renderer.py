@@ -10,34 +10,34 @@ import numpy as np
 
 from pacinian.serving.bus.admission import Client
 from pacinian.serving.bus.conversion import Converter
-from pacinian.serving.bus.shared_scene import Room
+from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import (
     AnyChange,
-    Begin,
     Changes,
+    ChangesAck,
     MoveObject,
     PutObject,
     RemoveObject,
+    ResetScene,
     SessionInfo,
+    SetEnvelope,
     SetHands,
     SetQuiet,
-    Taken,
-    Wrap,
 )
 from pacinian.serving.settings import Settings
 from pacinian.wire import objects
 from pacinian.wire.commands import AnyCommand, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import to_scene
-from pacinian.wire.protocol import LATEST
+from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 from pacinian.wire.time import Constant
 
 if TYPE_CHECKING:
-    from pacinian.serving.bus.change_batcher import Outbox
+    from pacinian.serving.bus.change_batcher import ChangeBatcher
     from pacinian.wire.replies import Reply
 
 KEY = b"k" * 16
 # however late they are, they are not too old
-HEAD: dict[str, Any] = {"session": KEY, "sequence": 1, "time": 0.0, "ttl": LATEST}
+HEAD: dict[str, Any] = {"session": KEY, "sequence": 1, "time": 0.0, "ttl": MAX_TIME_TO_LIVE}
 
 
 class AtOnce(Executor):
@@ -52,12 +52,12 @@ class AtOnce(Executor):
         return future
 
 
-def room_of(settings: Settings | None = None) -> Room:
+def room_of(settings: Settings | None = None) -> SharedScene:
     made = settings or Settings()
-    return Room(made, Converter(made.safety.pressure, AtOnce()))
+    return SharedScene(made, Converter(made.safety.pressure, AtOnce()))
 
 
-def converted(room: Room) -> list[tuple[Client, Reply]]:
+def converted(room: SharedScene) -> list[tuple[Client, Reply]]:
     """Convert all that takes long; what is answered."""
     return list(room._converter.round())
 
@@ -71,25 +71,25 @@ class FakeRenderer:
         self.hands: SetHands | None = None
         self.quiet: SetQuiet | None = None
         self.begins = 0
-        self.last = Taken(0, run, 0)
+        self.last = ChangesAck(0, run, 0)
 
-    def take(self, changes: Changes) -> Taken:
+    def take(self, changes: Changes) -> ChangesAck:
         for change in changes.changes:
             self.apply(change)
-        self.last = Taken(changes.number, self.run, changes.run)
+        self.last = ChangesAck(changes.number, self.run, changes.run)
         return self.last
 
     def apply(self, change: AnyChange) -> None:
-        if isinstance(change, Begin):
+        if isinstance(change, ResetScene):
             self.scene, self.hands, self.quiet = {}, None, None
             self.begins += 1
         elif isinstance(change, PutObject):
             self.scene[change.name] = [change.item, None, None]
-        elif isinstance(change, MoveObject | Wrap) and change.name not in self.scene:
+        elif isinstance(change, MoveObject | SetEnvelope) and change.name not in self.scene:
             pass  # meant for the renderer before, and all comes anew
         elif isinstance(change, MoveObject):
             self.scene[change.name][1] = change.position[0]
-        elif isinstance(change, Wrap):
+        elif isinstance(change, SetEnvelope):
             self.scene[change.name][2] = change.envelope
         elif isinstance(change, RemoveObject):
             self.scene.pop(change.name, None)
@@ -98,15 +98,15 @@ class FakeRenderer:
         else:
             self.quiet = change
 
-    def drain(self, outbox: Outbox) -> None:
+    def drain(self, outbox: ChangeBatcher) -> None:
         """Take until there is nothing new."""
         for _ in range(10_000):
-            if outbox.room is not None:
-                converted(outbox.room)
+            if outbox.scene is not None:
+                converted(outbox.scene)
             changes = outbox.next()
             if changes is not None:
                 outbox.taken(self.take(changes))
-            elif outbox.room is None or not outbox.room.news:
+            elif outbox.scene is None or not outbox.scene.pending:
                 return
         raise AssertionError("it never ends")
 

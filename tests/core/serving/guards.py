@@ -14,8 +14,14 @@ import pytest
 from pacinian.acoustics.array import lattice
 from pacinian.scene.file import Choice, Lattice
 from pacinian.serving.ipc import child_process
-from pacinian.serving.ipc.messages import CAPACITIES, Device, FrameHead, Permit, frame_capacity
-from pacinian.serving.ipc.shared_memory import Latest, folder
+from pacinian.serving.ipc.messages import (
+    CAPACITIES,
+    DeviceStatus,
+    FrameHead,
+    Permit,
+    compute_frame_capacity,
+)
+from pacinian.serving.ipc.shared_memory import SharedRegister, folder
 from pacinian.serving.settings import Safety, Settings
 
 from ...waiting import PATIENCE, eventually
@@ -96,37 +102,37 @@ class Server:
     def __init__(self) -> None:
         self.stack = ExitStack()
         self.folder = self.stack.enter_context(folder())
-        sizes = {**CAPACITIES, "frame": frame_capacity(N)}
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(N)}
         names = "permit", "frame", "orders", "device"
-        self.memory = {n: Latest.create(self.folder / n, sizes[n]) for n in names}
+        self.memory = {n: SharedRegister.create(self.folder / n, sizes[n]) for n in names}
         self.processes: list[child_process.Process] = []
         self.sequence, self.epoch = 0, 1
 
     def make_config(
         self, log: Path | None = None, does: str = "", hung: float = 60.0
-    ) -> child_process.Told:
+    ) -> child_process.LaunchConfig:
         options: dict[str, bool | int | float | str] = {"log": str(log), "does": does}
         settings = Settings(
             array=Lattice(0.05, 0.05),
             backend=Choice("logged", options) if log else "simulated",
             safety=Safety(stale=1.0, hung=hung),
         )
-        return child_process.Told(str(self.folder), settings)
+        return child_process.LaunchConfig(str(self.folder), settings)
 
-    def start(self, told: child_process.Told) -> child_process.Process:
+    def start(self, told: child_process.LaunchConfig) -> child_process.Process:
         self.processes.append(child_process.start("guard", told))
         return self.processes[-1]
 
     @property
-    def device(self) -> Device | None:
+    def device(self) -> DeviceStatus | None:
         read = self.memory["device"].read()
-        return None if read is None else msgspec.msgpack.decode(read[1], type=Device)
+        return None if read is None else msgspec.msgpack.decode(read[1], type=DeviceStatus)
 
     def until(
-        self, so: Callable[[Device], object], each: Callable[[], object] = lambda: None
-    ) -> Device:
+        self, so: Callable[[DeviceStatus], object], each: Callable[[], object] = lambda: None
+    ) -> DeviceStatus:
         """What the device tells once it is so."""
-        told: Device = eventually(lambda: (d := self.device) and so(d) and d, each)
+        told: DeviceStatus = eventually(lambda: (d := self.device) and so(d) and d, each)
         return told
 
     def permit(self, until: float = FOREVER, armed: int = 1, stopped: int = 0) -> None:
@@ -142,7 +148,7 @@ class Server:
         levels = np.full((2, 2, N), 5, np.uint16)
         self.memory["frame"].write(head.pack(), levels.data)
 
-    def sound(self) -> Device:
+    def sound(self) -> DeviceStatus:
         self.until(lambda device: device.generation > 0)
         self.permit()
         return self.until(lambda device: device.sounding, self.frame)

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
-from pacinian.client.keys import found
 from pacinian.errors import ConnectionLost
-from pacinian.serving.ipc.auth import make
+from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.server import RESERVE
 from pacinian.serving.settings import Security
 from pacinian.wire.connection import Connection
@@ -88,15 +88,15 @@ def test_with_curve_the_keys_of_the_file_prove_it_and_those_of_others_go_by_a_co
     start_server: Callable[..., Any], tmp_path: Path
 ) -> None:
     keys = tmp_path / "keys"
-    make(keys, "server", server=True)
-    make(keys, "headset")
+    make_key_pair(keys, "server", server=True)
+    make_key_pair(keys, "headset")
     server = start_server(
         PATIENT.__class__(log=PATIENT.log, safety=PATIENT.safety, security=Security(str(keys)))
     )
     connection = server.connection
     assert not connection.token
     assert request_stop(connection.stop, connection.secret, PATIENCE)
-    assert not found(connection, keys / "headset.key_secret").stop
+    assert not resolve_connection(connection, keys / "headset.key_secret").stop
 
 
 def test_a_datagram_proves_the_secret_and_what_it_says() -> None:

@@ -15,7 +15,7 @@ from pacinian.testing import serving
 from pacinian.wire.codec import encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Stop
-from pacinian.wire.protocol import LONGEST_CONTROL
+from pacinian.wire.protocol import MAX_CONTROL_BYTES
 
 from .processes import PATIENT
 
@@ -33,7 +33,7 @@ def server() -> Iterator[Running]:
         yield running
 
 
-@pytest.mark.parametrize("data", [encode(Stop(id=1)), b"\xc1", bytes(LONGEST_CONTROL // 8)])
+@pytest.mark.parametrize("data", [encode(Stop(id=1)), b"\xc1", bytes(MAX_CONTROL_BYTES // 8)])
 def test_one_that_floods_and_is_gone_takes_no_process_with_it(server: Running, data: bytes) -> None:
     given = Connection.read(server.connection)
     before = server.pids

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from pacinian.acoustics.air import Air
 from pacinian.cli.serve import _with, serve
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.serving.ipc.child_process import Told
+from pacinian.serving.ipc.child_process import LaunchConfig
 from pacinian.serving.settings import Network, Security, Settings, load
 
 EXAMPLE = Path(__file__).parents[3] / "packaging" / "server.toml"
@@ -150,14 +150,14 @@ def test_the_command_names_what_is_wrong_with_its_file(tmp_path: Path) -> None:
 
 
 def test_children_are_told_the_same_settings() -> None:
-    told = Told("/folder", load(EXAMPLE), {"token": "x"})
-    assert msgspec.json.decode(msgspec.json.encode(told), type=Told) == told
+    told = LaunchConfig("/folder", load(EXAMPLE), {"token": "x"})
+    assert msgspec.json.decode(msgspec.json.encode(told), type=LaunchConfig) == told
 
 
 def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
-    from pacinian.rendering.cycle import MOST_FRAMES
+    from pacinian.rendering.cycle import MAX_FRAMES
 
-    assert Settings().cycle == MOST_FRAMES
+    assert Settings().cycle == MAX_FRAMES
 
 
 def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: Path) -> None:
@@ -171,14 +171,14 @@ def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: P
 def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
     from pacinian.acoustics.array import autd
     from pacinian.cli.status import air, describe_air
-    from pacinian.serving.control.status import sound
+    from pacinian.serving.control.status import describe_sound
 
     for medium, said in (
         (Air(temperature=26.0), "26 °C, 347.7 m/s"),
         (Air(speed_of_sound=340.0), "340.0 m/s"),
         (Air(), "22 °C, 345.1 m/s"),
     ):
-        told = sound(autd(), medium)
+        told = describe_sound(autd(), medium)
         assert describe_air(told) == said
         assert air(told) == {
             "temperature": medium.temperature,

@@ -14,10 +14,17 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 import pacinian as pc
-from pacinian.serving.control.process import Control
-from pacinian.serving.guard.device_switcher import Devices
-from pacinian.serving.guard.watchdog import Guard
-from pacinian.serving.ipc.messages import FrameHead, Orders, Permit, Report, Traffic, pack
+from pacinian.serving.control.process import ControlLoop
+from pacinian.serving.guard.device_switcher import DeviceSwitcher
+from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.ipc.messages import (
+    BusStatus,
+    FrameHead,
+    Permit,
+    RendererStatus,
+    RequestedSettings,
+    pack,
+)
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Arm, Choice, Disarm, Hello, Renew, Reset, Select, Stop
@@ -40,7 +47,7 @@ METHODS = "open", "send", "silence", "close"
 
 
 class Memory:
-    """A `Latest`, in this process."""
+    """A `SharedRegister`, in this process."""
 
     def __init__(self) -> None:
         self.number, self.data = 0, b""
@@ -105,7 +112,7 @@ class Status(RuleBasedStateMachine):
         )
         memory: Any = self.memory
         doors: Any = Doors()
-        self.control = Control(SETTINGS, doors, memory, supervisor, self.clock.now)
+        self.control = ControlLoop(SETTINGS, doors, memory, supervisor, self.clock.now)
         self.session = b""
         self.begin()
         self.run_threads()
@@ -130,16 +137,18 @@ class Status(RuleBasedStateMachine):
 
     def begin(self) -> None:
         self.guarded, self.started = True, self.clock.now()
-        self.guard = Guard(N, gain=1.0, stale=0.02, clock=self.clock.now)
+        self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=self.clock.now)
         made: Any = lambda choice: Breaks(self.broken)  # noqa: E731
-        self.devices = Devices(
+        self.devices = DeviceSwitcher(
             self.guard, ARRAY, Choice(name="a"), 1000.0, made, self.threads.append
         )
         self.devices.begin(self.orders)
 
     @property
-    def orders(self) -> Orders:
-        return msgspec.msgpack.decode(self.memory["orders"].data or pack(Orders()), type=Orders)
+    def orders(self) -> RequestedSettings:
+        return msgspec.msgpack.decode(
+            self.memory["orders"].data or pack(RequestedSettings()), type=RequestedSettings
+        )
 
     @rule()
     def guard_turns(self) -> None:
@@ -213,11 +222,11 @@ class Status(RuleBasedStateMachine):
         if self.reset != wanted and not device.fault:
             self.reset, self.halted = wanted, ""
             self.results[f"reset {wanted}"] = ""
-        report = Report(
+        report = RendererStatus(
             1, self.clock.now(), {}, self.results, self.halted, {}, (Plugin(name="auto"),)
         )
         self.memory["report"].write(pack(report))
-        self.memory["traffic"].write(pack(Traffic(1, self.clock.now())))
+        self.memory["traffic"].write(pack(BusStatus(1, self.clock.now())))
         self.told_halted = self.halted
 
     # clients

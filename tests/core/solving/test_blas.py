@@ -5,7 +5,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import pacinian as pc
-from pacinian.solving.blas import MANY, one_thread
+from pacinian.solving.blas import MAX_ELEMENTS, one_thread
 
 
 def threads() -> set[int]:
@@ -31,7 +31,7 @@ def test_small_problems_have_one_thread_and_large_ones_what_there_was() -> None:
         assert threads() == {1}
         b.__exit__(None, None, None)
         assert threads() == before
-        with one_thread(MANY):
+        with one_thread(MAX_ELEMENTS):
             assert threads() == before
         with pytest.raises(ZeroDivisionError), one_thread():
             1 / 0  # noqa: B018

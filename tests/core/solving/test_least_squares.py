@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pacinian.solving.equal import Shares
-from pacinian.solving.least_squares import TRUSTED, LeastSquares, Normal, Reduced, refined
+from pacinian.solving.column_groups import ColumnGroups
+from pacinian.solving.least_squares import TRUSTED, LeastSquares, Normal, Reduced, refine
 
 CUT = 1e-11
 SIZES = st.integers(1, 20)
@@ -155,11 +155,11 @@ def test_a_factor_that_will_not_do_is_found_out(shape: tuple[int, int]) -> None:
     B, p = matrix(*shape, 0), targets(shape[0], 0)
     factor = Normal.of(B)
     best = np.linalg.pinv(B) @ p
-    near = refined(B, Normal(factor.upper * 1.01, 1.0), p)
+    near = refine(B, Normal(factor.upper * 1.01, 1.0), p)
     assert near is not None
     np.testing.assert_allclose(near, best, rtol=0, atol=1e-13 * norm(best))
-    assert refined(B, Normal(factor.upper * 1.1, 1.0), p) is None
-    assert refined(B, Normal(factor.upper * 0.1, 1.0), p) is None
+    assert refine(B, Normal(factor.upper * 1.1, 1.0), p) is None
+    assert refine(B, Normal(factor.upper * 0.1, 1.0), p) is None
 
 
 @given(M=SIZES, N=SIZES, kinds=st.integers(1, 12), seed=SEEDS)
@@ -168,7 +168,7 @@ def test_equal_columns_share(M: int, N: int, kinds: int, seed: int) -> None:
     kind = rng.integers(-1, kinds, N)
     B = np.c_[normal(rng, M, kinds), np.zeros(M)][:, kind] * (1.0 + 1e-15 * rng.random(N))
     r = len(np.unique(kind[kind >= 0]))
-    shares = Shares.of(B, 1e-13)
+    shares = ColumnGroups.of(B, 1e-13)
     S = shares.spread(np.eye(r, dtype=complex)).T
     np.testing.assert_allclose(S.conj().T @ S, np.eye(r), atol=1e-14)
     np.testing.assert_allclose(B @ S @ S.conj().T, B, atol=1e-13)
@@ -180,7 +180,7 @@ def test_equal_columns_share(M: int, N: int, kinds: int, seed: int) -> None:
 
 def test_columns_in_a_chain_are_not_all_equal() -> None:
     B = np.ones((3, 1000)) * (1.0 + 1e-3 * np.arange(1000.0))
-    shares = Shares.of(B.astype(complex), 2e-3)
+    shares = ColumnGroups.of(B.astype(complex), 2e-3)
     S = shares.spread(np.eye(len(shares.kept), dtype=complex)).T
     assert np.abs(B @ S @ S.T - B).max() < 2e-2
 

@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.solving.factor import Factor
-from pacinian.solving.propagator import gram
+from pacinian.solving.propagator import gram_matrix
 
 ARRAY = pc.lattice(0.05, 0.05)
 
 
 def cold(points: np.ndarray) -> pc.Propagator:
     propagator = pc.Propagator(ARRAY, pc.Air())
-    propagator.place(points)
+    propagator.set_points(points)
     return propagator
 
 
@@ -27,7 +27,7 @@ def test_moves_leave_what_a_cold_start_gives(moves: list[list[int]], seed: int) 
     for moved in moves:
         points = points.copy()
         points[moved] = rng.uniform(0.05, 0.15, (len(moved), 3))
-        warm.place(points)
+        warm.set_points(points)
         fresh = cold(points)
         np.testing.assert_array_equal(warm.B, fresh.B)
         np.testing.assert_allclose(warm.gram, fresh.gram, rtol=2e-6, atol=1e-6 * fresh.power)
@@ -39,11 +39,11 @@ def test_only_rows_whose_point_moved_are_rebuilt() -> None:
     propagator = cold(points)
     first = propagator.factor(1.0)
     assert (propagator.work.rows_built, propagator.work.rows_kept) == (8, 0)
-    assert propagator.place(points.copy()) == 0
+    assert propagator.set_points(points.copy()) == 0
     assert propagator.factor(1.0) is first
     points = points.copy()
     points[3] += 0.001
-    assert propagator.place(points) == 1
+    assert propagator.set_points(points) == 1
     assert (propagator.work.rows_built, propagator.work.rows_kept) == (9, 15)
     assert propagator.factor(1.0) is not first
     np.testing.assert_allclose(
@@ -59,9 +59,9 @@ def test_after_a_point_on_a_transducer_nothing_stale_is_left() -> None:
     bad = points.copy()
     bad[1] = ARRAY.positions[7]
     with pytest.raises(pc.PointOnTransducer) as caught:
-        propagator.place(bad)
+        propagator.set_points(bad)
     assert caught.value.indices in ((0,), (1,))
-    assert propagator.place(points) == 3
+    assert propagator.set_points(points) == 3
     np.testing.assert_array_equal(propagator.B, cold(points).B)
 
 
@@ -72,7 +72,7 @@ def test_the_gram_kernel_equals_the_product(M: int, N: int) -> None:
     B = (rng.normal(size=(M, N)) + 1j * rng.normal(size=(M, N))).astype(np.complex64)
     wide = B.astype(np.complex128)
     exact = wide @ wide.conj().T
-    for made in (gram(B), gram(wide)):
+    for made in (gram_matrix(B), gram_matrix(wide)):
         np.testing.assert_allclose(made, exact, atol=1e-6 * np.abs(exact).max())
         np.testing.assert_array_equal(made, made.conj().T)
 

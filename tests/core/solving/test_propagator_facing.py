@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
+from pacinian.acoustics.skin_facing import SkinFacing
 
 ARRAY = pc.lattice(0.05, 0.05) + pc.lattice(0.05, 0.05).moved(
     pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.2))
@@ -23,9 +23,9 @@ HAND = np.array(
 )
 
 
-def cold(points: np.ndarray, facing: Facing | None) -> pc.Propagator:
+def cold(points: np.ndarray, facing: SkinFacing | None) -> pc.Propagator:
     propagator = pc.Propagator(ARRAY, pc.Air())
-    propagator.place(points, facing)
+    propagator.set_points(points, facing)
     return propagator
 
 
@@ -45,7 +45,7 @@ def test_whatever_changes_the_rows_are_those_of_a_cold_start(changes: list[str],
     rng = np.random.default_rng(seed)
     q, n = scattered(rng, M)
     hand, edge = HAND.copy(), 0.002
-    warm = cold(q, Facing(n, hand))
+    warm = cold(q, SkinFacing(n, hand))
     assert warm.gram is not None
     for change in changes:
         which = rng.integers(M, size=2)
@@ -60,8 +60,8 @@ def test_whatever_changes_the_rows_are_those_of_a_cold_start(changes: list[str],
             hand = HAND[: rng.integers(4)]
         elif change == "edge":
             edge *= 1.1
-        facing = None if change == "off" else Facing(n, hand, edge)
-        warm.place(q, facing)
+        facing = None if change == "off" else SkinFacing(n, hand, edge)
+        warm.set_points(q, facing)
         fresh = cold(q, facing)
         np.testing.assert_array_equal(warm.B, fresh.B)
         np.testing.assert_allclose(warm.gram, fresh.gram, rtol=2e-6, atol=2e-6 * fresh.power)
@@ -72,33 +72,33 @@ def test_only_rows_for_which_other_sound_counts_are_rebuilt() -> None:
     n[:] = [0.0, 0.0, 1.0]
     q[:, 2] = 0.1
     hand = [[0.0, 0.0, z, 0.05, 0.0, z, 0.01, 0.01] for z in (0.05, 0.15)]
-    propagator, facing = cold(q, Facing(n, hand)), Facing(n, hand)
+    propagator, facing = cold(q, SkinFacing(n, hand)), SkinFacing(n, hand)
     work = propagator.work
     assert propagator.facing is not None
-    assert propagator.place(q, facing) == 0  # the same, in other arrays
+    assert propagator.set_points(q, facing) == 0  # the same, in other arrays
     assert propagator.facing is facing
     n[3] = [0.0, 1.0, 0.0]
-    assert propagator.place(q, Facing(n, hand)) == 1
+    assert propagator.set_points(q, SkinFacing(n, hand)) == 1
     hand[0][6] = 0.02  # below all tangent planes but one
     version = propagator.version
-    assert propagator.place(q, Facing(n, hand)) == 1
+    assert propagator.set_points(q, SkinFacing(n, hand)) == 1
     assert propagator.version == version + 1
     hand[1][6] = 0.02  # above all
-    assert propagator.place(q, Facing(n, hand)) == 8
+    assert propagator.set_points(q, SkinFacing(n, hand)) == 8
     q[5] += 0.001
-    assert propagator.place(q, Facing(n, hand)) == 1
+    assert propagator.set_points(q, SkinFacing(n, hand)) == 1
     assert (work.rows_built, work.rows_kept) == (19, 29)
-    assert propagator.place(q) == 8  # without it all counts
-    assert propagator.place(q, Facing(n, hand)) == 8
+    assert propagator.set_points(q) == 8  # without it all counts
+    assert propagator.set_points(q, SkinFacing(n, hand)) == 8
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
 def test_all_that_follows_from_b_is_weighted(precision: pc.acoustics.propagation.Precision) -> None:
     rng = np.random.default_rng(0)
     q, n = scattered(rng, M)
-    facing = Facing(n, HAND)
+    facing = SkinFacing(n, HAND)
     propagator = pc.Propagator(ARRAY, pc.Air(), precision)
-    propagator.place(q, facing)
+    propagator.set_points(q, facing)
     B = pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
     off = 1e-4 if precision == "single" else 1e-12
     size = np.abs(B).max()
@@ -109,22 +109,22 @@ def test_all_that_follows_from_b_is_weighted(precision: pc.acoustics.propagation
     y = rng.normal(size=M) + 1j * rng.normal(size=M)
     np.testing.assert_allclose(propagator.adjoint(y), B.conj().T @ y, atol=off * size * M)
     q[2] += 0.001
-    assert propagator.place(q, facing) == 1
+    assert propagator.set_points(q, facing) == 1
     B = pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
     assert np.abs(propagator.B - B).max() < off * size
 
 
 def test_as_many_normals_as_points_are_needed() -> None:
     q, n = scattered(np.random.default_rng(0), M)
-    facing = Facing(n)
+    facing = SkinFacing(n)
     propagator = cold(q, facing)
     for wrong in (q[:3], np.tile(q, (2, 1))):
         with pytest.raises(pc.ArgumentError, match="facing"):
-            propagator.place(wrong, facing)
-    assert propagator.place(q, facing) == 0
+            propagator.set_points(wrong, facing)
+    assert propagator.set_points(q, facing) == 0
     q[0] = ARRAY.positions[0]
     with pytest.raises(pc.PointOnTransducer):
-        propagator.place(q, facing)
+        propagator.set_points(q, facing)
     q[0] += 0.05
-    assert propagator.place(q, facing) == M
+    assert propagator.set_points(q, facing) == M
     np.testing.assert_array_equal(propagator.B, cold(q, facing).B)

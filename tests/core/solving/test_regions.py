@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.felt import Places
+from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import settle
+from pacinian.solving.regions import settle_phases
 
 ARRAY = pc.autd()
 AIR = pc.Air(speed_of_sound=340.0, density=1.2)
@@ -28,8 +28,8 @@ def patch(x=0.0, y=0.0, z=0.15, count=4, spacing=0.0034):
 def settled(q, regions, amplitudes=None, phases=None, warm=None, array=ARRAY):
     t = np.ones(len(q)) if amplitudes is None else amplitudes
     propagator = Propagator(array, AIR)
-    propagator.place(q)
-    return settle(propagator, Targets.checked(len(q), t, phases, "exact", regions), warm)
+    propagator.set_points(q)
+    return settle_phases(propagator, Targets.checked(len(q), t, phases, "exact", regions), warm)
 
 
 def off(a, b):
@@ -121,7 +121,7 @@ def test_the_strength_of_a_region_only_scales_the_last_solution():
 
 def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
     q, targets = patch(), Targets.checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int))
-    places = Places.of(q, targets, None)
+    places = FeltPlaces.of(q, targets, None)
     away = np.sqrt(((places.points[:, None] - q) ** 2).sum(axis=2)).min(axis=1)
     inside, beside = ~places.beside, places.beside
     assert (np.abs(places.points[inside, :2]) <= 1.5 * 0.0034 + 1e-12).all()
@@ -137,10 +137,10 @@ def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
 def test_the_figures_of_what_is_felt():
     q = np.concatenate([patch(), patch(0.05)])
     targets = Targets.checked(32, np.repeat([3.0, 0.0], 16), None, "exact", np.repeat([0, 1], 16))
-    places = Places.of(q, targets, None)
+    places = FeltPlaces.of(q, targets, None)
     own = places.region == 0
     p = np.where(places.beside, 1.5, 3.0) + 0j
-    assert places.felt(p) == (pc.Felt(1.0, 0.0, 0.0, 0.25), pc.Felt())
+    assert places.felt(p) == (pc.FeltRegion(1.0, 0.0, 0.0, 0.25), pc.FeltRegion())
     p[np.flatnonzero(own & ~places.beside)[::2]] = 0.0
     count = int((own & ~places.beside).sum())
     gone = math.ceil(count / 2) / count

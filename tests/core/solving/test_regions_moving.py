@@ -12,9 +12,9 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics.propagation import field
-from pacinian.bench.skin import _fine as fine_skin
 from pacinian.scene.sampling.sources import FINEST
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.skin import _fine as fine_skin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -190,7 +190,7 @@ def on_skin(array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int) -> 
         samples = samples.only(samples.regions >= 0)
         area, asked = samples.area, samples.radiation_pressure
         assert samples.capsules is not None
-        propagator.place(samples.positions, pc.Facing(samples.normals, samples.capsules))
+        propagator.set_points(samples.positions, pc.SkinFacing(samples.normals, samples.capsules))
         made = pc.radiation_pressure(propagator.apply(gains), AIR)
         holes = float(area[made < 0.5 * asked].sum() / area.sum())
         found.append(Skin(float(asked @ area), float(made @ area), holes))

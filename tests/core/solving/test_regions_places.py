@@ -144,11 +144,11 @@ def test_a_region_that_faces_away_is_left_and_said_to_be_unreachable(
     """Skin that faces up hears nothing of an array below; the region beside it is as ever."""
     parts = [square(0.012, 0.003, x) for x in (-0.015, 0.015)]
     down, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
-    alone = solve(array, parts[:1], [P], facing=pc.Facing(np.tile(up, (25, 1))))
+    alone = solve(array, parts[:1], [P], facing=pc.SkinFacing(np.tile(up, (25, 1))))
     assert alone.status is pc.Status.unreachable
     assert not alone.gains.any()
-    assert alone.felt == (pc.Felt(0.0, 1.0, 1.0, 0.0),)
-    facing = pc.Facing(np.repeat([down, up], 25, axis=0))
+    assert alone.felt == (pc.FeltRegion(0.0, 1.0, 1.0, 0.0),)
+    facing = pc.SkinFacing(np.repeat([down, up], 25, axis=0))
     found = solve(array, parts, [P, P], facing=facing)
     assert found.status is pc.Status.unreachable
     assert found.felt[0].even

@@ -11,9 +11,9 @@ import pytest
 
 import pacinian as pc
 from pacinian.plugins.registry import installed
-from pacinian.solving.phases import choose
+from pacinian.solving.phases import choose_phases
 from pacinian.testing import NotConforming, check_solver, conformance_solver
-from pacinian.testing.problems import named
+from pacinian.testing.problems import find_problem
 
 SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
 RIGHT = pc.solver("pseudo-inverse")
@@ -131,7 +131,7 @@ def ignores_regions(given: Given) -> None:
     """As if all phases of their points were free."""
     if given.targets.regions is not None:
         free = dataclasses.replace(given.targets, phases=np.full(len(given.targets.phases), np.nan))
-        solve_again(given, np.angle(choose(given.propagator, free, None)))
+        solve_again(given, np.angle(choose_phases(given.propagator, free, None)))
 
 
 def solve_again(given: Given, phases: Any) -> None:
@@ -185,8 +185,8 @@ def test_a_right_one_passes() -> None:
 
 @pytest.mark.parametrize("how", WRONG)
 def test_a_wrong_one_is_caught(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    few = [problem for problem in named(ARRAY) if len(problem[1].q) <= 4]
-    monkeypatch.setattr(conformance_solver, "named", lambda _: few)
+    few = [problem for problem in find_problem(ARRAY) if len(problem[1].q) <= 4]
+    monkeypatch.setattr(conformance_solver, "find_problem", lambda _: few)
     rule, given = WRONG[how]
     with pytest.raises(NotConforming) as raised:
         check_solver(make_wrong(given), ARRAY)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.wire import bulk
+from pacinian.wire import binary_arrays
 from pacinian.wire.commands import Field, HandFrame, Move
 from pacinian.wire.objects import Particles, Texture
 from pacinian.wire.replies import Shown
@@ -25,7 +25,7 @@ numbers = st.floats(-11.0, 11.0, width=32) | st.just(float("nan")) | st.just(flo
 @given(st.lists(numbers, min_size=7, max_size=7), st.integers(1, 5))
 def test_few_numbers_and_many_are_checked_alike(pose: list[float], count: int) -> None:
     """Few are looked at one by one, many all at once."""
-    poses = bulk.pack([pose] * count)
+    poses = binary_arrays.pack([pose] * count)
     names = tuple("abcde"[:count])
     x = np.array(pose)
     if ((x >= -10.0) & (x <= 10.0)).all():
@@ -39,8 +39,8 @@ def test_few_numbers_and_many_are_checked_alike(pose: list[float], count: int) -
 
 HEAD: dict[str, Any] = {"session": b"k" * 16, "sequence": 1, "time": 0.0}
 SHOWN: dict[str, Any] = {"scene": "a", "version": 1, "names": ("a",) * 3, "objects": {}}
-STILL = bulk.pack(np.zeros((3, 7)))
-FACE = bulk.pack_indices([0, 1, 2])
+STILL = binary_arrays.pack(np.zeros((3, 7)))
+FACE = binary_arrays.pack_indices([0, 1, 2])
 # what holds so many numbers, these [m, m/s, rad/s, 0..1 or as scaled], and from where to where they may be
 BOUNDED: dict[str, tuple[Callable[[bytes], object], int, float, float]] = {
     "poses": (lambda x: Move(**HEAD, names=("a",) * 3, poses=x), 21, -10.0, 10.0),
@@ -68,13 +68,13 @@ def test_bulk_numbers_may_be_all_that_the_bounds_hold_and_nothing_beyond(what: s
     make, count, low, high = BOUNDED[what]
     inside = np.linspace(low, high, count, dtype=np.float32)
     assert (inside[0], inside[-1]) == (low, high)
-    make(bulk.pack(inside))
+    make(binary_arrays.pack(inside))
     for end, beyond in ((low, -math.inf), (high, math.inf)):
         for place in (0, count // 2, count - 1):
             outside = inside.copy()
             outside[place] = np.nextafter(np.float32(end), np.float32(beyond))
             with pytest.raises(ValueError, match="must be from"):
-                make(bulk.pack(outside))
+                make(binary_arrays.pack(outside))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_a_hand_has_a_row_for_each_joint_or_none_or_one_velocity_for_all(
     name: str, width: int, counts: set[int]
 ) -> None:
     for count in range(30):
-        given: dict[str, Any] = {name: bulk.pack(np.full((count, width), np.nan))}
+        given: dict[str, Any] = {name: binary_arrays.pack(np.full((count, width), np.nan))}
         if count in counts | {0}:  # NaN: the tracker has lost it
             assert getattr(HandFrame(**given), name) == given[name]
         else:

@@ -20,14 +20,14 @@ from pacinian.wire.codec import (
     encode,
     id_of,
 )
-from pacinian.wire.examples import examples
-from pacinian.wire.vectors import DECODE
+from pacinian_lab.vectors.examples import make_examples
+from pacinian_lab.vectors.vectors import DECODE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-EXAMPLES = list(examples())
+EXAMPLES = list(make_examples())
 PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in EXAMPLES]
 STOP = encode(control.Stop(id=5))
 CLEAR = encode(commands.Clear(session=bytes(16), sequence=1, time=0.0))
@@ -108,9 +108,9 @@ def test_too_many_of_anything_are_refused_before_they_are_read() -> None:
 
 
 def test_a_message_of_many_small_things_takes_a_few_times_its_length() -> None:
-    parts = (shapes.Placed(shapes.Sphere(0.1), shapes.Pose((0.1, 0.2, 0.3))),) * protocol.MOST_PARTS
+    parts = (shapes.Placed(shapes.Sphere(0.1), shapes.Pose((0.1, 0.2, 0.3))),) * protocol.MAX_PARTS
     item = objects.Volume(shape=shapes.Union(parts), force=1.0)
-    many = {str(i): item for i in range(protocol.MOST_OBJECTS)}
+    many = {str(i): item for i in range(protocol.MAX_OBJECTS)}
     data = encode(commands.Put(session=bytes(16), sequence=1, time=0.0, objects=many))
     least = data.replace(b"\xcb\x00" + bytes(7), b"\x00")  # zeros in one byte: as short as can be
     with allocating(8 * len(least)):
@@ -221,10 +221,10 @@ def test_what_is_no_message_is_refused(data: bytes) -> None:
 
 
 def test_what_is_too_long_is_refused_unread() -> None:
-    long = bytes(protocol.LONGEST_COMMAND + 1)
+    long = bytes(protocol.MAX_COMMAND_BYTES + 1)
     for decode in DECODE.values():
         assert "1,04" in refused(decode, long).problem or "65,536" in refused(decode, long).problem
-    refused(decode_control, STOP + bytes(protocol.LONGEST_CONTROL))
+    refused(decode_control, STOP + bytes(protocol.MAX_CONTROL_BYTES))
     assert id_of(long) == 0
 
 

@@ -13,8 +13,8 @@ from pacinian.wire.codec import (
     encode,
     id_of,
 )
-from pacinian.wire.examples import examples
-from pacinian.wire.vectors import DECODE
+from pacinian_lab.vectors.examples import make_examples
+from pacinian_lab.vectors.vectors import DECODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 bounded = settings(max_examples=400)
 
-PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in examples()]
+PLAIN = [(socket, msgpack.unpackb(encode(message))) for _, socket, message in make_examples()]
 
 
 def changed(value: Any, path: tuple[Any, ...], new: object) -> Any:

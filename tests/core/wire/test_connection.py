@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.wire.connection import VARIABLE, Connection, where
+from pacinian.wire.connection import VARIABLE, Connection, locate_connection
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -123,11 +123,11 @@ def test_only_its_own_file_is_removed(tmp_path: Path) -> None:
 
 def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, str(tmp_path / "a.json"))
-    assert where() == tmp_path / "a.json"
-    assert where(tmp_path / "b.json") == tmp_path / "b.json"
+    assert locate_connection() == tmp_path / "a.json"
+    assert locate_connection(tmp_path / "b.json") == tmp_path / "b.json"
     monkeypatch.delenv(VARIABLE)
-    assert where().name == "connection.json"
-    assert "pacinian" in str(where())
+    assert locate_connection().name == "connection.json"
+    assert "pacinian" in str(locate_connection())
 
 
 def test_secrets_are_not_shown() -> None:

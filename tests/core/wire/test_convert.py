@@ -12,17 +12,7 @@ from msgspec.structs import fields
 
 from pacinian.acoustics.pose import Pose
 from pacinian.scene.material import FIRM, Material
-from pacinian.scene.motion import Motion
-from pacinian.scene.objects import SPOT, WAVELENGTH, Particles, Path, Point, Surface, Volume
-from pacinian.scene.shapes import flat
-from pacinian.scene.shapes import round as rounds
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
-from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
-from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.shapes.texture import Texture
-from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.envelope import (
+from pacinian.scene.modulation.envelope import (
     STEADY,
     Constant,
     Noise,
@@ -32,7 +22,17 @@ from pacinian.scene.time.envelope import (
     Square,
     Wave,
 )
-from pacinian.scene.time.technique import AM, LM, SIMULTANEOUS, STM
+from pacinian.scene.modulation.technique import AM, LM, SIMULTANEOUS, STM
+from pacinian.scene.motion import Motion
+from pacinian.scene.objects import SPOT, WAVELENGTH, Particles, Path, Point, Surface, Volume
+from pacinian.scene.shapes import planar
+from pacinian.scene.shapes import sphere_capsule as rounds
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
+from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
+from pacinian.scene.shapes.height_map import HeightMap
+from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.texture import Texture
+from pacinian.scene.shapes.voxels import Voxels
 from pacinian.wire import commands, objects, protocol, shapes, time
 from pacinian.wire.codec import decode_command, encode
 from pacinian.wire.convert import (
@@ -81,7 +81,7 @@ curves: st.SearchStrategy[Any] = st.one_of(
 meshes = st.builds(lambda scale: Mesh(scale=scale, vertices=CORNERS, faces=SIDES), length)
 primitives: st.SearchStrategy[Any] = st.one_of(
     st.builds(rounds.Sphere, length),
-    st.builds(flat.Box, st.tuples(length, length, length)),
+    st.builds(planar.Box, st.tuples(length, length, length)),
     st.builds(rounds.Capsule, length, length),
     meshes,
     st.builds(
@@ -99,8 +99,8 @@ solids = st.one_of(
     st.builds(Difference, parts, several),
 )
 shells: st.SearchStrategy[Any] = st.one_of(
-    st.builds(flat.Rectangle, length, length),
-    st.builds(flat.Disc, length),
+    st.builds(planar.Rectangle, length, length),
+    st.builds(planar.Disc, length),
     st.builds(rounds.Sphere, length),
     meshes,
     st.builds(HeightMap, heights=grids(3, 2), width=length, height=length, depth=length),
@@ -171,7 +171,7 @@ def test_an_object_is_the_same_after_the_wire(kind: str, data: st.DataObject) ->
 
 
 def test_forces_come_over_too() -> None:
-    item = Surface(shape=flat.Disc(0.02), force=0.01, name="a")
+    item = Surface(shape=planar.Disc(0.02), force=0.01, name="a")
     assert to_scene("a", to_wire(item)) == item
 
 
@@ -263,6 +263,6 @@ def test_no_class_of_the_wire_holds_a_file() -> None:
 
 
 def test_what_is_largest_still_fits_in_a_message() -> None:
-    item = objects.Particles(positions=bytes(12 * protocol.MOST_PARTICLES), force=1.0)
+    item = objects.Particles(positions=bytes(12 * protocol.MAX_PARTICLES), force=1.0)
     put = commands.Put(session=bytes(16), sequence=1, time=0.0, objects={"a": item})
     assert isinstance(decode_command(encode(put)), commands.Put)

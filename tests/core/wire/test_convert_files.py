@@ -7,14 +7,14 @@ import pytest
 from scipy.io import wavfile
 
 from pacinian.errors import WireError
+from pacinian.scene.modulation.envelope import (
+    Wave,
+)
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.texture import Texture
 from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.envelope import (
-    Wave,
-)
 from pacinian.wire.convert import (
     to_scene,
     to_wire,

@@ -7,22 +7,22 @@ import pytest
 
 import pacinian as pc
 from pacinian.errors import ArgumentError, WireError
-from pacinian.scene.objects import Point, Surface, Volume
-from pacinian.scene.shapes import round as rounds
-from pacinian.scene.shapes.combine import Difference, Placed, Union
-from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.time.envelope import (
+from pacinian.scene.modulation.envelope import (
     Function,
     Sine,
     Wave,
 )
-from pacinian.scene.time.technique import AM
+from pacinian.scene.modulation.technique import AM
+from pacinian.scene.objects import Point, Surface, Volume
+from pacinian.scene.shapes import sphere_capsule as rounds
+from pacinian.scene.shapes.csg import Difference, Placed, Union
+from pacinian.scene.shapes.mesh import Mesh
 from pacinian.wire import objects, shapes, time
 from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
-from pacinian.wire.within import within
+from pacinian.wire.error_path import locate_errors
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 SIDES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -145,7 +145,7 @@ def test_what_is_wrong_is_told_in_its_own_words(error: Exception, told: str) -> 
         raise error
 
     with pytest.raises(WireError) as caught:
-        within("$.objects[a]", convert, objects.Point(position=(0.0, 0.0, 0.2)))
+        locate_errors("$.objects[a]", convert, objects.Point(position=(0.0, 0.0, 0.2)))
     assert caught.value.problem == told
     below = ".shape" if isinstance(error, WireError) else ""
     assert caught.value.path == "$.objects[a]" + below

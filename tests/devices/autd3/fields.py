@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
-from pacinian.rendering.drive import Quantiser
+from pacinian.rendering.quantiser import Quantiser
 
 from .playing import SOURCE, Emulated, field
 

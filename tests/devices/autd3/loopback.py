@@ -11,7 +11,7 @@ import numpy as np
 import pacinian as pc
 from pacinian_plugins.backends.autd3 import Autd3
 from pacinian_plugins.backends.autd3.levels import LEVELS
-from pacinian_plugins.backends.autd3.udp import UdpLine
+from pacinian_plugins.backends.autd3.udp import UdpTransport
 
 from ...waiting import PATIENCE, eventually
 
@@ -54,8 +54,8 @@ class Played:
         self._sequence = 0
 
     @property
-    def line(self) -> UdpLine:
-        assert isinstance(self.backend.line, UdpLine)
+    def line(self) -> UdpTransport:
+        assert isinstance(self.backend.line, UdpTransport)
         return self.backend.line
 
     def frame(self, phase: int | None = None) -> pc.Frame:

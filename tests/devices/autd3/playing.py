@@ -11,7 +11,7 @@ from autd3_emulator import Grid, RmsRecordOption
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.autd3 import Autd3
-from pacinian_plugins.backends.autd3.emulated import EmulatedLine
+from pacinian_plugins.backends.autd3.emulated import EmulatedTransport
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats, Levels
@@ -30,8 +30,8 @@ class Emulated:
         self._sequence = 0
 
     @property
-    def line(self) -> EmulatedLine:
-        assert isinstance(self.backend.line, EmulatedLine)
+    def line(self) -> EmulatedTransport:
+        assert isinstance(self.backend.line, EmulatedTransport)
         return self.backend.line
 
     def send(self, phase: ArrayLike, amplitude: ArrayLike) -> int:

@@ -12,7 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian_plugins.backends.autd3 import Autd3
-from pacinian_plugins.backends.autd3.udp import UdpLine
+from pacinian_plugins.backends.autd3.udp import UdpTransport
 
 from .loopback import PATIENT
 
@@ -50,14 +50,14 @@ def test_what_cannot_be_reached_says_what_to_do(case: str) -> None:
 def test_another_number_of_units_than_there_is_says_what_to_do() -> None:
     from autd3 import Duration, UdpEmulator, UdpOption
 
-    from pacinian_plugins.backends.autd3.units import of_array
+    from pacinian_plugins.backends.autd3.units import layout_of_array
 
     emulated = UdpEmulator(3)
     patient = Duration.from_secs(4)  # all of which it takes; the machine may be busy
     option = UdpOption(iface=emulated.option().iface, response_timeout=patient)
-    geometry = of_array(pc.autd(2, 1)).geometry()
+    geometry = layout_of_array(pc.autd(2, 1)).geometry()
     with pytest.raises(pc.BackendError, match="2 devices but 3 are attached: make the array of as"):
-        UdpLine(geometry, option, PATIENT["watchdog"], PATIENT["timeout"], time.perf_counter)
+        UdpTransport(geometry, option, PATIENT["watchdog"], PATIENT["timeout"], time.perf_counter)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.smooth import Smoothing
-from pacinian_plugins.backends.autd3.cycles import Cycles
+from pacinian.rendering.slew_limiter import Smoothing
 from pacinian_plugins.backends.autd3.levels import INTENSITY, LEVELS, WIDTHS
+from pacinian_plugins.backends.autd3.repeat_detector import RepeatDetector
 
 from .playing import Emulated
 
@@ -167,7 +167,7 @@ def test_what_the_loop_renders_again_and_again_is_soon_not_sent_any_more(name: s
 def test_the_shortest_period_is_found_that_was_just_seen_twice(
     before: list[int], motif: list[int]
 ) -> None:
-    cycles, rows = Cycles(8), before + motif * 3
+    cycles, rows = RepeatDetector(8), before + motif * 3
     for index, digest in enumerate(rows):
         cycles.see(index, digest)
         seen = rows[: index + 1]
@@ -183,14 +183,14 @@ def test_the_shortest_period_is_found_that_was_just_seen_twice(
 
 @given(st.lists(st.integers(0, 1 << 40), min_size=1, max_size=60, unique=True))
 def test_rows_that_never_come_again_are_no_cycle(rows: list[int]) -> None:
-    cycles = Cycles(32)
+    cycles = RepeatDetector(32)
     for index, digest in enumerate(rows):
         cycles.see(index, digest)
         assert not cycles.found()
 
 
 def test_a_longer_gap_than_a_cycle_ends_what_was_seen() -> None:
-    cycles = Cycles(8)
+    cycles = RepeatDetector(8)
     for index in (0, 1, 2, 3):
         cycles.see(index, index % 2)
     assert cycles.found() == 2

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_plugins.backends.autd3.troubles import LOST
+from pacinian_plugins.backends.autd3.error_advice import LOST
 
 from ...waiting import PATIENCE, eventually
 from .loopback import Played, played, refusal

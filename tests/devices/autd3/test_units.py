@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian_plugins.backends.autd3.units import Layout, of_array, of_description
+from pacinian_plugins.backends.autd3.units import Layout, layout_of_array, layout_of_description
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -37,7 +37,7 @@ def turned(k: int, axis: str, angle: float, position: tuple[float, float, float]
     ],
 )
 def test_whole_units_are_found(array: pc.Array) -> None:
-    layout = of_array(array)
+    layout = layout_of_array(array)
     np.testing.assert_allclose(theirs(layout), array.positions, atol=1e-6)
     np.testing.assert_array_equal(layout.places, np.arange(len(array)))
 
@@ -51,7 +51,7 @@ def test_a_unit_is_found_wherever_it_is(
 ) -> None:
     q = np.array(turn) / np.sqrt(sum(v * v for v in turn))
     array = BOARD.moved(pc.Pose(position, tuple(q.tolist())))
-    np.testing.assert_allclose(theirs(of_array(array)), array.positions, atol=1e-6)
+    np.testing.assert_allclose(theirs(layout_of_array(array)), array.positions, atol=1e-6)
 
 
 NO_UNITS: dict[str, tuple[pc.Array, str]] = {
@@ -78,7 +78,7 @@ NO_UNITS: dict[str, tuple[pc.Array, str]] = {
 def test_what_is_not_made_of_units_is_refused(case: str) -> None:
     array, problem = NO_UNITS[case]
     with pytest.raises(pc.BackendError, match=problem):
-        of_array(array)
+        layout_of_array(array)
 
 
 def test_a_description_says_where_units_are_and_what_is_dead() -> None:
@@ -89,7 +89,7 @@ def test_a_description_says_where_units_are_and_what_is_dead() -> None:
     )
     description = pc.DeviceDescription(boards)
     array = description.array()
-    layout = of_description(description, array)
+    layout = layout_of_description(description, array)
     np.testing.assert_allclose(theirs(layout)[layout.places], array.positions, atol=1e-6)
     assert len(array) == 3 * 249 - 3
     assert set(range(3 * 249)) - set(layout.places.tolist()) == {0, 17, 248}
@@ -98,14 +98,14 @@ def test_a_description_says_where_units_are_and_what_is_dead() -> None:
 def test_a_description_must_be_of_units_and_of_this_array() -> None:
     unit = pc.DeviceDescription((pc.Board(),))
     with pytest.raises(pc.BackendError, match="not that of the `description`"):
-        of_description(unit, pc.autd(2, 1))
+        layout_of_description(unit, pc.autd(2, 1))
     with pytest.raises(pc.BackendError, match="not that of the `description`"):
-        of_description(unit, pc.autd().moved(pc.Pose((0.0, 0.0, 0.01))))
+        layout_of_description(unit, pc.autd().moved(pc.Pose((0.0, 0.0, 0.01))))
     reversed_ = pc.DeviceDescription((pc.Board(order=tuple(range(248, -1, -1))),))
     with pytest.raises(pc.BackendError, match="must have no `order`"):
-        of_description(reversed_, reversed_.array())
+        layout_of_description(reversed_, reversed_.array())
     from pacinian.devices.layouts import Grid
 
     grid = pc.DeviceDescription((pc.Board(layout=Grid()),))
     with pytest.raises(pc.BackendError, match=r"must have the layout"):
-        of_description(grid, grid.array())
+        layout_of_description(grid, grid.array())

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.openmpd import OpenMpd, protocol
-from pacinian_plugins.backends.openmpd.protocol import Packer, divider, off
+from pacinian_plugins.backends.openmpd.protocol import Packer, encode_divider, encode_off
 
 from .fpga import Fpga
 
@@ -44,7 +44,7 @@ def test_what_silences_by_hand(case: dict[str, Any]) -> None:
     want = bytearray(3 * 512)
     for at in case["flags"]:
         want[512 + at] = 0x80
-    assert off(case["divide"], case["led"]).tobytes() == want
+    assert encode_off(case["divide"], case["led"]).tobytes() == want
 
 
 @settings(max_examples=30)
@@ -99,20 +99,20 @@ def test_channels_of_boards_in_their_own_order_and_the_dead_are_silent() -> None
 
 @given(st.floats(100.0, 10_000.0))
 def test_boards_play_a_little_faster_than_frames_come(rate: float) -> None:
-    n = divider(rate)
+    n = encode_divider(rate)
     assert 1 <= n <= 255
     assert 40_000.0 / n > rate
     assert n == 255 or 40_000.0 / (n + 1) <= rate
 
 
 def test_dividers_of_usual_rates() -> None:
-    assert [divider(rate) for rate in (100.0, 1000.0, 2000.0, 10_000.0)] == [255, 39, 19, 3]
+    assert [encode_divider(rate) for rate in (100.0, 1000.0, 2000.0, 10_000.0)] == [255, 39, 19, 3]
 
 
 def test_light_and_divider_reach_the_board() -> None:
     clock = ManualClock()
     board = Fpga(clock.now)
-    board.take(off(39, (1, 2, 128)).tobytes())
+    board.take(encode_off(39, (1, 2, 128)).tobytes())
     clock.advance(0.01)
     assert not board.waiting
     assert (board.divider, board.colour) == (39, 0x800201)
@@ -127,7 +127,7 @@ def test_what_silences_does_so_wherever_frames_or_a_silence_were_cut(cut: int, s
     board = Fpga(clock.now)
     frames = random.integers(0, 128, 4 * 512, np.uint8)
     frames[::512] |= 128
-    quiet = off(19, (0, 0, 0)).tobytes()
+    quiet = encode_off(19, (0, 0, 0)).tobytes()
     board.take((frames.tobytes() + quiet)[:cut])
     board.take(quiet)
     clock.advance(12 * 19 / 40_000)

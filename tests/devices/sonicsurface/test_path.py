@@ -12,8 +12,8 @@ import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 from pacinian_plugins.backends.sonicsurface import SonicSurface
-from pacinian_plugins.backends.sonicsurface.feed import Feed
 from pacinian_plugins.backends.sonicsurface.protocol import SELECT, Packer
+from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
 from ...waiting import eventually
 from .adapters import ARRAY, Terminal
@@ -91,7 +91,7 @@ def test_a_square_envelope_is_played_by_swaps() -> None:
         ARRAY, pc.Scene((blink,)), backend=Simulated(phases=32, amplitudes=2), clock=clock
     )
     ALL = np.arange(256)
-    packer, feed, board = Packer([pc.Wiring("", 256, ALL, ALL)]), Feed(1, SELECT), Board()
+    packer, feed, board = Packer([pc.Wiring("", 256, ALL, ALL)]), WriteScheduler(1, SELECT), Board()
     sizes: list[int] = []
     late = 0
     with shown:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian_plugins.backends.sonicsurface import SonicSurface
-from pacinian_plugins.backends.sonicsurface.protocol import SELECT, Packer, framed
+from pacinian_plugins.backends.sonicsurface.protocol import SELECT, Packer, frame_message
 
 from .fpga import Board
 
@@ -35,15 +35,15 @@ def test_frames_by_hand(case: dict[str, Any]) -> None:
     want = bytearray([case["fill"]]) * 256
     for at, byte in case["bytes"].items():
         want[int(at)] = byte
-    assert framed(pattern, SELECT) == b"\xfe" + want + b"\xfd"
+    assert frame_message(pattern, SELECT) == b"\xfe" + want + b"\xfd"
 
 
 def test_two_boards_by_hand() -> None:
     one, two = bytes([5]) * 256, bytes([32]) * 256
     want = b"\xc0\xfe" + one + b"\xc1\xfe" + two + b"\xfd"
-    assert framed(one + two, SELECT) == want
+    assert frame_message(one + two, SELECT) == want
     as_the_readme_has_it = b"\xc0\xfe" + one + b"\xc0\xfe" + two + b"\xfd"
-    assert framed(one + two, (0xC0, 0xC0)) == as_the_readme_has_it
+    assert frame_message(one + two, (0xC0, 0xC0)) == as_the_readme_has_it
 
 
 @settings(max_examples=50)
@@ -55,7 +55,7 @@ def test_the_board_emits_the_gains_that_the_levels_stand_for(seed: int) -> None:
     order = random.permutation(256)
     wirings = [pc.Wiring("A", 256, ALL, order), pc.Wiring("B", 256, ALL, 256 + ALL)]
     boards = Board(), Board(secondary=True)
-    data = framed(Packer(wirings).pack(phase, amplitude), SELECT)
+    data = frame_message(Packer(wirings).pack(phase, amplitude), SELECT)
     for board in boards:
         board.take(data)
     want = pc.Frame(0, 0.0, phase[None], amplitude[None]).gains(SonicSurface().capability)[0]
@@ -75,8 +75,8 @@ def test_dead_channels_are_off() -> None:
 def test_a_frame_that_was_cut_costs_itself_alone() -> None:
     board = Board()
     old, new = bytes([1]) * 256, bytes([2]) * 256
-    board.take(framed(old, SELECT))
-    board.take(framed(new, SELECT)[:100])
+    board.take(frame_message(old, SELECT))
+    board.take(frame_message(new, SELECT)[:100])
     assert (board.heard == 1).all()
-    board.take(framed(new, SELECT))
+    board.take(frame_message(new, SELECT))
     assert (board.heard == 2).all()

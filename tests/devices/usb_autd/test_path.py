@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.clock import paced
+from pacinian.rendering.clock import pace
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.shapes.curves import Circle
-from pacinian.scene.time.technique import STM
 from pacinian.testing import ManualClock, UsbBus
 from pacinian_plugins.backends.simulated import Simulated
 from pacinian_plugins.backends.usb_autd import UsbAutd
@@ -129,7 +129,7 @@ def test_unplugged_while_a_scene_plays_it_is_a_fault_and_comes_back_when_told() 
     bus = UsbBus(plugged)
     ours = UsbAutd(library=bus)
     renderer = pc.Renderer(array, pc.Scene((STILL,)), backend=ours, clock=clock)
-    beats = paced(clock, 1e-3)
+    beats = pace(clock, 1e-3)
     with renderer:
         for _, (due, _) in zip(range(10), beats, strict=False):
             renderer.tick(due)

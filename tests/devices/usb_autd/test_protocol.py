@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pacinian_plugins.backends.usb_autd import protocol
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
-from pacinian_plugins.backends.usb_autd.protocol import FULL, Frame, State, Verdict, newer
+from pacinian_plugins.backends.usb_autd.protocol import FULL, Frame, State, Verdict, is_newer
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 
 WORDS = st.integers(0, 0xFFFFFFFF)
@@ -101,9 +101,9 @@ def test_what_a_newer_minor_version_adds_to_a_report_is_left_out() -> None:
 @given(WORDS, st.integers(1, (1 << 31) - 1))
 def test_sequence_numbers_begin_anew(than: int, ahead: int) -> None:
     later = (than + ahead) & 0xFFFFFFFF
-    assert newer(later, than)
-    assert not newer(than, later)
-    assert not newer(than, than)
+    assert is_newer(later, than)
+    assert not is_newer(than, later)
+    assert not is_newer(than, than)
 
 
 @given(st.binary(max_size=300))

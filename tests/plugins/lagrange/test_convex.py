@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian_plugins.solvers.lagrange.convex import least_squares, strongest
+from pacinian_plugins.solvers.lagrange.convex import least_squares, maximise_scale
+from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
-from pacinian_plugins.solvers.lagrange.convex.rows import Rows
 
 from ..problems import optimum
 
@@ -136,7 +136,7 @@ def test_it_is_the_optimum(limits: set[str], level: float, single: bool) -> None
 def test_it_is_the_strongest(limits: set[str], seed: int) -> None:
     A, c, more = problem(limits, 1.0, seed, True)
     del more["mu"]
-    answer = strongest(A, c, **more)
+    answer = maximise_scale(A, c, **more)
     best = reference(A, c, more, c)
     assert answer.kept
     check_limits(answer, A, answer.strength * c, {**more, "exact": np.ones(len(c), bool)})
@@ -206,7 +206,7 @@ def test_promises_are_kept_whatever_is_asked(
 @pytest.mark.parametrize("along", [False, True])
 def test_the_slope_is_that_of_the_dual(power: float | None, along: bool) -> None:
     A, p, more = problem({"exact", "quiet"}, 0.7, 3, False)
-    rows = Rows.of(p, more["exact"], more["quiet"]).smoothed(1.0)
+    rows = Constraints.of(p, more["exact"], more["quiet"]).smoothed(1.0)
     dual = Dual.of(A, rows, more["mu"], True, power)
     rng = np.random.default_rng(0)
     y, d = rng.normal(size=(2, len(A), 2)) @ [1, 1j]
@@ -232,7 +232,9 @@ def test_what_smoothing_adds_to_the_dual_is_spared_and_no_more(
 ) -> None:
     """Against the dual of the strongest without smoothing: -P^(1/2) ||x||, or -sum |x_n|, less q |y|."""
     A, c, more = problem({"quiet"}, 1.0, seed, False)
-    rows = replace(Rows.of(c, np.ones(len(c), bool), more["quiet"]), p=np.zeros(len(A), complex))
+    rows = replace(
+        Constraints.of(c, np.ones(len(c), bool), more["quiet"]), p=np.zeros(len(A), complex)
+    )
     dual = Dual.of(A, rows, 1e-15, True, power)
     along = np.concatenate([c, np.zeros(len(A) - len(c))])
     rng = np.random.default_rng(seed)
@@ -313,7 +315,7 @@ def test_one_place_twice(same: bool, gain: bool) -> None:
     answer = least_squares(A, p, mu=1e-4 * power_of(A), exact=exact, gain=gain)
     assert answer.kept is same
     assert answer.impossible is not same
-    most = strongest(A, p)
+    most = maximise_scale(A, p)
     assert (most.strength > 0.5) if same else (most.strength < 1e-6)
 
 
@@ -326,9 +328,9 @@ def test_rows_of_zeros() -> None:
     assert silent.kept
     assert least_squares(A, p, mu=1.0, exact=np.array([True, False])).impossible
     assert least_squares(A, p, mu=1.0, exact=np.array([False, True])).kept
-    assert strongest(A, p).strength == 0.0
+    assert maximise_scale(A, p).strength == 0.0
     with pytest.raises(pc.ArgumentError):
-        strongest(A, p, gain=False)
+        maximise_scale(A, p, gain=False)
 
 
 @pytest.mark.parametrize("ticks", [0, 1, 3])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian_plugins.solvers.lagrange import constrained
-from pacinian_plugins.solvers.lagrange.convex import strongest
+from pacinian_plugins.solvers.lagrange.convex import maximise_scale
 
 from ..problems import optimum, points, reachable
 
@@ -143,9 +143,9 @@ def test_where_the_strongest_is_not_proven_it_is_not_called_ok(
     q, t = apart(8, 0.005, 3)
 
     def hasty(*given: Any, **named: Any) -> Any:
-        return strongest(*given, **{**named, "steps": 1})
+        return maximise_scale(*given, **{**named, "steps": 1})
 
-    monkeypatch.setattr(constrained, "strongest", hasty)
+    monkeypatch.setattr(constrained, "maximise_scale", hasty)
     solution = pc.solve(ARRAY, q, t, 0.0, solver="lagrange", scale="max")
     assert solution.status is pc.Status.approximate
 

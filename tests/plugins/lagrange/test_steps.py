@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.native import solving as passes
 from pacinian.native.solving import choose
-from pacinian.solving.phases import beginning
+from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange import double
-from pacinian_plugins.solvers.lagrange.polish import Polish
-from pacinian_plugins.solvers.lagrange.room import Room
+from pacinian_plugins.solvers.lagrange import reference
+from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
 f4 = np.float32
 
@@ -70,7 +70,7 @@ def test_what_multipliers_make(size: tuple[int, int], seed: int, share: float) -
         x = wide.conj().T @ y
         np.testing.assert_allclose(h[0] + 1j * h[1], x / np.abs(x), atol=1e-3)
         return
-    exact, length, c = double.saturate(wide.conj().T @ y, mu)
+    exact, length, c = reference.saturate(wide.conj().T @ y, mu)
     np.testing.assert_allclose(h[0] + 1j * h[1], exact, atol=1e-5)
     np.testing.assert_allclose(h[2], length, atol=1e-5 * length.max())
     np.testing.assert_allclose(made[0] + 1j * made[1], wide @ exact, atol=1e-4 * np.abs(y).max())
@@ -101,7 +101,7 @@ def test_the_curvature_is_what_finite_differences_give(
     for j in range(M):
         step = np.zeros(M, complex)
         step[j] = eps * u[j]
-        up, down = (double.saturate(wide.conj().T @ (y + s), mu)[0] for s in (step, -step))
+        up, down = (reference.saturate(wide.conj().T @ (y + s), mu)[0] for s in (step, -step))
         exact[:, j] = ((wide @ (up - down)) * u.conj()).real / (2 * eps)
     np.testing.assert_allclose(np.tril(A[:M, :M]), np.tril(exact), atol=2e-3 * np.abs(exact).max())
 
@@ -140,7 +140,7 @@ def test_the_start_in_one_kernel_is_that_of_lapack(M: int, seed: int) -> None:
         array.flags.writeable = False
     mu = 1e-6 * float(np.trace(G).real) / M
     made, y, free = np.empty(M, complex), np.empty(M, complex), np.empty(M, bool)
-    first, steps = beginning(M, None)
+    first, steps = initial_phases(M, None)
     found = np.zeros(8)
     kernels.begin(
         G, t, phi, first, steps, mu, 1e-6, 0.5, 40, made, free, y, np.empty((M, M), complex), found
@@ -166,15 +166,15 @@ def test_the_steps_are_those_of_double_precision(
     B, G, p = problem(M, 150, seed, level)
     free = np.arange(M) >= fixed
     mu = 1e-5 * float(np.trace(G).real) / M
-    room = Room.of(M, 150)
+    room = Workspace.of(M, 150)
     y = mu * np.linalg.solve(G + mu * np.eye(M), p)
     room.y[:] = y
     sealed = G.copy()
     sealed.flags.writeable = False
     out = np.empty(150, np.complex64)
-    polish = Polish(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out)
+    polish = PhaseFreeSolve(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out)
     end = polish.run()
-    exact = double.newton(B.astype(np.complex128), G, p, free, mu, y, 60)
+    exact = reference.solve_newton(B.astype(np.complex128), G, p, free, mu, y, 60)
     made = B.astype(complex) @ exact.h
     missed = np.where(free, np.abs(p) - np.abs(made), np.abs(p - made))
     if np.linalg.norm(missed) < 1e-3 * np.linalg.norm(p):  # the steps converge, also in double
@@ -197,7 +197,7 @@ def test_few_steps_in_double_precision_end_where_their_equations_hold(
     B, free = B.astype(np.complex128), np.arange(M) >= fixed
     mu = 1e-4 * float(np.trace(G).real) / M
     y = mu * np.linalg.solve(G + mu * np.eye(M), p)
-    found = double.newton(B, G, p, free, mu, y, 8)
+    found = reference.solve_newton(B, G, p, free, mu, y, 8)
     x = B.conj().T @ found.y
     np.testing.assert_allclose(found.h, x / np.maximum(np.abs(x), mu), atol=1e-12)
     made = B @ found.h
@@ -271,11 +271,11 @@ def test_a_nearest_answer_cannot_be_improved_by_small_changes() -> None:
     B, G, p = problem(6, 120, 3, level=1.4)
     free = np.ones(6, bool)
     mu = 1e-6 * float(np.trace(G).real) / 6
-    room, out = Room.of(6, 120), np.empty(120, np.complex64)
+    room, out = Workspace.of(6, 120), np.empty(120, np.complex64)
     room.y[:] = mu * np.linalg.solve(G, p)
     sealed = G.copy()
     sealed.flags.writeable = False
-    Polish(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out).run()
+    PhaseFreeSolve(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out).run()
     wide, t = B.astype(np.complex128), np.abs(p)
 
     def cost(g: Any) -> float:

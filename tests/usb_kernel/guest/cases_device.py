@@ -69,14 +69,14 @@ def test_unplugged_in_the_middle_of_a_write(it: Playing) -> None:
     it.refused(lambda: it.play(1), GONE)
     it.backend.silence()
     it.backend.close()
-    until(lambda: not DEVICES.seen())
+    until(lambda: not DEVICES.list_devices())
     it.refused(it.open, "usb-autd: is not connected; there are: none")
 
 
 def test_plugged_in_again_it_is_silent_until_it_is_opened_by_its_serial(it: Playing) -> None:
     before = it.places()
     it.device.unplug()
-    until(lambda: not DEVICES.seen())
+    until(lambda: not DEVICES.list_devices())
     it.refused(lambda: it.play(1), GONE)
     it.device.plug()
     assert it.places() != before

@@ -30,10 +30,10 @@ def device() -> Iterator[Plugged]:
     """A device with a clock of its own."""
     made = Plugged("PUA-1")
     made.plug()
-    until(DEVICES.seen)
+    until(DEVICES.list_devices)
     yield made
     made.unplug()
-    until(lambda: not DEVICES.seen())
+    until(lambda: not DEVICES.list_devices())
 
 
 def test_a_server_that_is_killed_is_survived_by_its_guard_which_silences(
@@ -61,7 +61,7 @@ def test_unplugged_it_plays_again_after_a_reset_and_when_the_guard_is_killed_its
         device.unplug()
         assert server.until(lambda told: told.fault, playing=True).fault == GONE
         device.plug()
-        until(DEVICES.seen)
+        until(DEVICES.list_devices)
         server.play()
         assert device.model.status().state == State.DISARMED
         server.reset()

@@ -70,13 +70,13 @@ class Playing:
         self.backend.close()
         for one in self.plugged:
             one.unplug()
-        until(lambda: not DEVICES.seen())
+        until(lambda: not DEVICES.list_devices())
 
     def places(self) -> list[str]:
         """Where they are, by serial, once the system has found them all."""
         serials = sorted(one.serial for one in self.plugged)
-        until(lambda: [one.serial for one in DEVICES.seen()] == serials)
-        return [one.place for one in DEVICES.seen()]
+        until(lambda: [one.serial for one in DEVICES.list_devices()] == serials)
+        return [one.place for one in DEVICES.list_devices()]
 
     def open(self) -> Playing:
         """Silent until something is played."""

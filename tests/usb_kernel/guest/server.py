@@ -15,11 +15,11 @@ from pacinian.scene.file import Choice, Units
 from pacinian.serving.ipc import child_process, shared_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
-    Device,
+    DeviceStatus,
     FrameHead,
-    Orders,
     Permit,
-    frame_capacity,
+    RequestedSettings,
+    compute_frame_capacity,
     pack,
 )
 from pacinian.serving.settings import Safety, Settings
@@ -53,18 +53,20 @@ class Server:
     def __init__(self) -> None:
         self._stack = ExitStack()
         self.folder = self._stack.enter_context(shared_memory.folder())
-        sizes = {**CAPACITIES, "frame": frame_capacity(UNIT)}
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(UNIT)}
         names = "permit", "frame", "orders", "device"
-        self.files = {n: shared_memory.Latest.create(self.folder / n, sizes[n]) for n in names}
+        self.files = {
+            n: shared_memory.SharedRegister.create(self.folder / n, sizes[n]) for n in names
+        }
         options: dict[str, bool | int | float | str] = {"timeout": TIMEOUT, "lead": LEAD}
         settings = Settings(
             array=Units(1, 1),
             backend=Choice("usb-autd", options),
             safety=Safety(stale=1.0, hung=60.0),
         )
-        self.told = child_process.Told(str(self.folder), settings)
+        self.told = child_process.LaunchConfig(str(self.folder), settings)
         # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels
-        before = Device(
+        before = DeviceStatus(
             generation=0, next=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, beat=0.0, sounding=False,
             backends=(Plugin(name="usb-autd"),),
         )  # fmt: skip
@@ -86,11 +88,11 @@ class Server:
         self.until(lambda device: device.generation > 0)
         return self._process
 
-    def device(self) -> Device:
+    def device(self) -> DeviceStatus:
         """What the guard tells."""
         read = self.files["device"].read()
         assert read is not None
-        return msgspec.msgpack.decode(read[1], type=Device)
+        return msgspec.msgpack.decode(read[1], type=DeviceStatus)
 
     def play(self) -> None:
         """A permit, and the next frame."""
@@ -103,13 +105,13 @@ class Server:
     def reset(self) -> None:
         """What a client's reset becomes."""
         self._resets += 1
-        self.files["orders"].write(pack(Orders(reset=self._resets)))
+        self.files["orders"].write(pack(RequestedSettings(reset=self._resets)))
         self.until(lambda device: f"reset {self._resets}" in device.results)
 
-    def until(self, so: Callable[[Device], object], *, playing: bool = False) -> Device:
+    def until(self, so: Callable[[DeviceStatus], object], *, playing: bool = False) -> DeviceStatus:
         """What the guard tells once it is so; meanwhile, frames go on or not."""
 
-        def look() -> Device | None:
+        def look() -> DeviceStatus | None:
             if self._process is not None:
                 assert self._process.poll() is None, f"the guard ended: {self._process.returncode}"
             if playing:
@@ -117,7 +119,7 @@ class Server:
             device = self.device()
             return device if so(device) else None
 
-        found: Device = until(look)
+        found: DeviceStatus = until(look)
         return found
 
     def __enter__(self) -> Server:

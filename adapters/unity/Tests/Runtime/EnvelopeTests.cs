@@ -60,7 +60,7 @@ namespace Pacinian.Haptics.Tests
         {
             string problem;
             Wave wave = AudioWave.Of(Tone(8000, 1, 300000), out problem);
-            Assert.AreEqual(Protocol.MostValues, wave.Samples.Numbers);
+            Assert.AreEqual(Protocol.MaxValues, wave.Samples.Numbers);
             Assert.AreEqual("its wave is cut after 25 s", problem);
             _envelope.Kind = EnvelopeKind.Wave;
             Assert.IsTrue(_envelope.Message is Constant);

@@ -11,8 +11,15 @@ from pacinian.native import scene as kernels
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.levels import FINEST, GRAIN, SPACINGS, Surface, gathered, spread
 from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin_lod import (
+    FINEST,
+    GRAIN,
+    SPACINGS,
+    SkinNodes,
+    gather_pressure,
+    spread_pressure,
+)
 from pacinian.scene.shapes import Capsule
 
 if TYPE_CHECKING:
@@ -41,12 +48,12 @@ class CapsuleSkin(Skin):
     """
 
     def __init__(self, spacing: float = FINEST, grain: float = GRAIN) -> None:
-        shapes = flesh.capsules(Hand.open())
+        shapes = flesh.make_capsules(Hand.open())
         every = [_around(shapes, c, grain) for c in range(len(shapes))]
         shown = [part.only(_shown(shapes, c, part.points)) for c, part in enumerate(every)]
         backs = [part.only(_back(shapes, c, part)) for c, part in enumerate(every)]
         kinds = [_Spread.of(parts, spacing) for parts in (shown, backs)]
-        surface = Surface(
+        surface = SkinNodes(
             *(np.concatenate(v) for v in zip(*(k.surface for k in kinds), strict=True))
         )
         apart, area, bone, along, axial, sides = (
@@ -65,9 +72,9 @@ class CapsuleSkin(Skin):
         """Where the points are on a hand of this kind, which is not lost."""
         if hand.joints is None:
             raise ArgumentError("hand", "must have joints")
-        K, shapes = len(self), flesh.capsules(hand)
+        K, shapes = len(self), flesh.make_capsules(hand)
         placed = Placed(
-            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), shapes, flesh.bounds(shapes)
+            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), shapes, flesh.find_bounds(shapes)
         )
         kernels.place_on_capsules(
             hand.joints.copy(), -1.0 if hand.side == "left" else 1.0, shapes, PARENTS,
@@ -78,11 +85,11 @@ class CapsuleSkin(Skin):
 
     def exposed(self, placed: Placed, which: Indices) -> Flags:
         """Which of the points `which`, (I,), are not deeper inside of other flesh than their slack, (I,)."""
-        return ~flesh.buried(placed.capsules, placed.points, self.bone, self.slack, which)
+        return ~flesh.are_buried(placed.capsules, placed.points, self.bone, self.slack, which)
 
     def closest(self, hand: Hand, points: Floats) -> flesh.Nearest:
         """The hand's nearest skin to points, (P, 3) [m]."""
-        return flesh.closest(flesh.capsules(hand), points)
+        return flesh.find_closest(flesh.make_capsules(hand), points)
 
 
 class _Around(NamedTuple):
@@ -107,7 +114,7 @@ class _Around(NamedTuple):
 class _Spread(NamedTuple):
     """K points that are evenly spread, as for `Skin`, each with its place on its bone's capsule."""
 
-    surface: Surface
+    surface: SkinNodes
     apart: Floats
     area: Floats
     bone: Indices
@@ -120,9 +127,9 @@ class _Spread(NamedTuple):
         """Choose among points around each bone."""
         bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
         points, normals, area, *place = map(np.concatenate, zip(*parts, strict=True))
-        surface = Surface(points, normals, FINGERS[bone])
-        order, apart, nearest = spread(surface, spacing)
-        area = gathered(nearest, area)
+        surface = SkinNodes(points, normals, FINGERS[bone])
+        order, apart, nearest = spread_pressure(surface, spacing)
+        area = gather_pressure(nearest, area)
         return cls(surface.only(order), apart, area, bone[order], *(v[order] for v in place))
 
 
@@ -131,7 +138,7 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
     a, b, radii = shapes[c, :3], shapes[c, 3:6], shapes[c, 6:]
     length, mean = float(np.linalg.norm(b - a)), float(radii.mean())
     shape = Capsule(mean, length)
-    local = shape.cover(grain)
+    local = shape.sample_surface(grain)
     axial = local.normals[:, 2]
     along = np.where(
         axial == 0.0, local.points[:, 2] / length + 0.5, np.where(axial < 0.0, 0.0, 1.0)

@@ -32,7 +32,7 @@ class Nearest(NamedTuple):
     bone: Indices
 
 
-def capsules(hand: Hand) -> Floats:
+def make_capsules(hand: Hand) -> Floats:
     """A hand's C capsules, (C, 8) [m]: both ends of the axis, and the radius at either, the mean of its joints'."""
     if hand.joints is None:
         return np.empty((0, 8))
@@ -41,7 +41,7 @@ def capsules(hand: Hand) -> Floats:
     return out
 
 
-def bounds(capsules: Floats) -> Floats:
+def find_bounds(capsules: Floats) -> Floats:
     """A sphere around each capsule: its centre and radius, (C, 4) [m]."""
     out = np.empty((len(capsules), 4))
     kernels.bounds(capsules, out)
@@ -57,7 +57,7 @@ def distance_to_skin(capsules: Floats, points: Floats) -> Floats:
     return _found(capsules, points, 0).distance
 
 
-def closest(capsules: Floats, points: Floats) -> Nearest:
+def find_closest(capsules: Floats, points: Floats) -> Nearest:
     """The nearest skin of the union of the capsules to points, (P, 3).
 
     Exact outside. From inside, the way goes out of the capsule that the point is deepest in, and on out
@@ -68,14 +68,16 @@ def closest(capsules: Floats, points: Floats) -> Nearest:
 
 
 def _found(capsules: Floats, points: Floats, steps: int) -> Nearest:
-    """`closest` in at most so many steps; with 0 the distances alone are to be used."""
+    """`find_closest` in at most so many steps; with 0 the distances alone are to be used."""
     P = len(points)
     out = Nearest(np.empty((P, 3)), np.empty((P, 3)), np.empty(P), np.empty(P, dtype=np.intp))
     kernels.nearest(np.ascontiguousarray(capsules), np.ascontiguousarray(points), steps, *out)
     return out
 
 
-def buried(capsules: Floats, points: Floats, bone: Indices, slack: Floats, which: Indices) -> Flags:
+def are_buried(
+    capsules: Floats, points: Floats, bone: Indices, slack: Floats, which: Indices
+) -> Flags:
     """Whether each of the points `which`, (K,), lies inside of a capsule, deeper than its slack, (K,).
 
     points: (P, 3). bone: each point's own capsule, which does not count, (P,). slack: (P,) [m].

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import kind, number, numbers
+from pacinian.checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.hands import rest
+from pacinian.scene.hands import rest_pose
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats, Indices
 
 Side = Literal["left", "right"]
 
-LARGEST = 1.0  # [m] across; nothing longer is a hand
-SMALLEST = 0.01  # [m] across; nothing smaller is
-FARTHEST = 1e6  # [m], or [m/s]; what is farther or faster was not measured
-THICKEST = 0.1  # [m]
+MAX_SIZE = 1.0  # [m] across; nothing longer is a hand
+MIN_SIZE = 0.01  # [m] across; nothing smaller is
+MAX_COORDINATE = 1e6  # [m], or [m/s]; what is farther or faster was not measured
+MAX_RADIUS = 0.1  # [m]
 HERE = Pose()
 PALM, WRIST, KNUCKLE = (
     0,
@@ -73,7 +73,9 @@ class Hand:
             raise ArgumentError("vertices", "and `faces` must be given together")
         if joints is None and vertices is None:
             raise ArgumentError("joints", "or `vertices` and `faces` must be given")
-        J, lost = (None, False) if joints is None else _measured("joints", joints, (rest.JOINTS, 3))
+        J, lost = (
+            (None, False) if joints is None else _measured("joints", joints, (rest_pose.JOINTS, 3))
+        )
         V, gone = (None, False) if vertices is None else _measured("vertices", vertices, (None, 3))
         lost = lost or (J is not None and _collapsed("joints", J))
         gone = gone or (V is not None and _collapsed("vertices", V))
@@ -82,7 +84,7 @@ class Hand:
             radii=RADII if radii is None or (J is not None and lost) else _radii(radii),
             side=side,
             velocities=None if velocities is None else _velocities(velocities),
-            time=None if time is None else number("time", time),
+            time=None if time is None else check_number("time", time),
             vertices=V,
             faces=None if faces is None or V is None else _faces(faces, len(V)),
             name=name or side,
@@ -97,8 +99,8 @@ class Hand:
         rotation the hand looks down on an array that sends up; seen from above the thumb of the right
         hand is at -x, of the left at +x. given: radii, velocities, time or name.
         """
-        kind("pose", pose, Pose)
-        local = rest.joints()
+        check_kind("pose", pose, Pose)
+        local = rest_pose.rest_joints()
         if side == "left":
             local[:, 0] *= -1.0
         return cls(pose.points(local), side=side, **given)
@@ -118,8 +120,8 @@ class Hand:
         lies a little beside LEAP_PALM's. given: velocities, time or name.
         """
         B, lost = _measured("bones", bones, (5, 4, 2, 3))
-        W = np.full((5, 4), 0.02) if lost else numbers("widths", widths, (5, 4))
-        joints, radii = np.zeros((rest.JOINTS, 3)), RADII.copy()
+        W = np.full((5, 4), 0.02) if lost else check_numbers("widths", widths, (5, 4))
+        joints, radii = np.zeros((rest_pose.JOINTS, 3)), RADII.copy()
         joints[WRIST] = _measured("wrist", wrist, (3,))[0]
         first = 2
         for digit in range(5):
@@ -196,28 +198,28 @@ class Hand:
 def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tuple[Floats, bool]:
     """A copy of `value` as numbers of that shape, with NaN for each that is none, and whether any is."""
     try:
-        known = np.abs(cast("Floats", value)) < FARTHEST  # not if NaN
+        known = np.abs(cast("Floats", value)) < MAX_COORDINATE  # not if NaN
     except (TypeError, ValueError):
-        return numbers(name, value, shape).copy(), False
-    array = numbers(name, np.where(known, cast("Floats", value), 0.0), shape)
+        return check_numbers(name, value, shape).copy(), False
+    array = check_numbers(name, np.where(known, cast("Floats", value), 0.0), shape)
     return np.where(known, array, np.nan), not known.all()
 
 
 def _collapsed(name: str, points: Floats) -> bool:
     """Whether this is too small for a hand. Refuses what is too large, so was meant in millimetres."""
     across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
-    if across > LARGEST:  # not if NaN
+    if across > MAX_SIZE:  # not if NaN
         raise ArgumentError(
             name, f"span {across:.4g} m: lengths are in metres (were millimetres given?)"
         )
-    return across < SMALLEST
+    return across < MIN_SIZE
 
 
 def _radii(value: ArrayLike) -> Floats:
-    radii = numbers("radii", value, (rest.JOINTS,)).copy()
+    radii = check_numbers("radii", value, (rest_pose.JOINTS,)).copy()
     if radii.min() <= 0.0:
         raise ArgumentError("radii", f"must be more than 0, not {radii.min():g}")
-    if radii.max() > THICKEST:
+    if radii.max() > MAX_RADIUS:
         raise ArgumentError(
             "radii", f"reach {radii.max():.4g} m: lengths are in metres (were millimetres given?)"
         )
@@ -226,18 +228,18 @@ def _radii(value: ArrayLike) -> Floats:
 
 def _velocities(value: ArrayLike) -> Floats | None:
     try:
-        shape = (3,) if np.ndim(value) == 1 else (rest.JOINTS, 3)
+        shape = (3,) if np.ndim(value) == 1 else (rest_pose.JOINTS, 3)
     except ValueError:  # ragged
-        shape = (rest.JOINTS, 3)
+        shape = (rest_pose.JOINTS, 3)
     v, unknown = _measured("velocities", value, shape)
-    return None if unknown else np.broadcast_to(v, (rest.JOINTS, 3)).copy()
+    return None if unknown else np.broadcast_to(v, (rest_pose.JOINTS, 3)).copy()
 
 
 def _faces(value: ArrayLike, vertices: int) -> Indices:
-    faces = numbers("faces", value, (None, 3))
+    faces = check_numbers("faces", value, (None, 3))
     if not len(faces) or (faces % 1.0).any() or faces.min() < 0 or faces.max() >= vertices:
         raise ArgumentError("faces", f"must be whole numbers from 0 to {vertices - 1}, of vertices")
     return faces.astype(np.intp)
 
 
-RADII = rest.radii()
+RADII = rest_pose.rest_radii()

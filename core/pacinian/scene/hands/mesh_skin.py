@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import count
+from pacinian.checks import check_count
 from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
-from pacinian.scene.hands.levels import GRAIN, Surface, gathered, spread
 from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin_lod import GRAIN, SkinNodes, gather_pressure, spread_pressure
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
@@ -46,12 +46,12 @@ class MeshSkin(Skin):
             raise ArgumentError("faces", "must have an area")
         middle = corners.mean(axis=1)
         self.outward = 1.0 if ((middle - V.mean(axis=0)) * across).sum() >= 0.0 else -1.0
-        N = max(1, round(count(total, GRAIN, 2)))
+        N = max(1, round(check_count(total, GRAIN, 2)))
         points, face = sample_surface(Trimesh(V, F, process=False), N, seed=0)[:2]
         points, face = np.ascontiguousarray(points), np.asarray(face, dtype=np.intp)
         normals = self.outward * across[face] / self.doubled[face, None]
-        surface = Surface(points, normals, np.zeros(N, dtype=np.intp))
-        order, apart, nearest = spread(surface)
+        surface = SkinNodes(points, normals, np.zeros(N, dtype=np.intp))
+        order, apart, nearest = spread_pressure(surface)
         surface, self.face = surface.only(order), face[order]
         self.coordinates: Floats = points_to_barycentric(corners[self.face], surface.points)  # type: ignore[no-untyped-call]
         away = np.linalg.norm(middle[:, None] - surface.points[:PATCHES], axis=2)
@@ -59,7 +59,7 @@ class MeshSkin(Skin):
         area = np.full(N, total / N)
         bone = self.patch[self.face]
         super().__init__(
-            surface, apart, gathered(nearest, area), bone, np.zeros(len(bone), np.bool_)
+            surface, apart, gather_pressure(nearest, area), bone, np.zeros(len(bone), np.bool_)
         )
 
     def place(self, hand: Hand) -> Placed:

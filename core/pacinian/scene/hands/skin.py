@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.scene.hands.levels import SPACINGS, gathered, share
+from pacinian.scene.hands.skin_lod import SPACINGS, gather_pressure, share_pressure
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.capsules import Nearest
     from pacinian.scene.hands.hand import Hand
-    from pacinian.scene.hands.levels import Surface
+    from pacinian.scene.hands.skin_lod import SkinNodes
     from pacinian.types import Flags, Floats, Indices
 
 CREASE = 5e-4  # [m]; what lies deeper within another part of the hand is not skin
@@ -47,12 +47,12 @@ class Skin(ABC):
     levels: Floats = SPACINGS
 
     def __init__(
-        self, surface: Surface, apart: Floats, area: Floats, bone: Indices, hidden: Flags
+        self, surface: SkinNodes, apart: Floats, area: Floats, bone: Indices, hidden: Flags
     ) -> None:
         self.surface, self.area, self.bone, self.hidden = surface, area, bone, hidden
         self.slack = np.where(hidden, 0.0, CREASE)
         self.counts = tuple(int((apart >= spacing).sum()) for spacing in self.levels)
-        self.share = tuple(share(surface, count) for count in self.counts)
+        self.share = tuple(share_pressure(surface, count) for count in self.counts)
 
     def __len__(self) -> int:
         return len(self.area)
@@ -68,7 +68,7 @@ class Skin(ABC):
         shown = np.where(self.hidden, 0.0, self.area)[:, None]
         coarser = zip(self.share[1:], self.counts[1:], strict=True)
         return self.area[: self.counts[0]], *(
-            gathered(indices.ravel(), (weights * shown).ravel(), count)
+            gather_pressure(indices.ravel(), (weights * shown).ravel(), count)
             for (indices, weights), count in coarser
         )
 

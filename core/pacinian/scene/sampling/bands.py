@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 BLEND = 0.15  # of a band's samples, to either side of its edge: there both bands press
 WIDER = 1.0 + 2.0 * BLEND  # so many times its own samples sound in a band
-SMALL = 32  # samples of a region that is never divided
+MIN_DIVIDED_SAMPLES = 32  # samples of a region that is never divided
 STEADY = 0.7  # of the longest side: bands stay across a side that is no shorter
 FADING = 1.1  # of the budget: samples that fade come on top of it, for some ticks, and need no band
 SPARE = 0.9  # of the budget, within which fewer bands must fit before there are fewer
@@ -36,7 +36,7 @@ class Bands:
             self._count = 1
             return np.ones((len(samples), 1))
         regions, counts = np.unique(samples.regions, return_counts=True)
-        large = regions[(regions >= 0) & (counts > SMALL)]
+        large = regions[(regions >= 0) & (counts > MIN_DIVIDED_SAMPLES)]
         divided = np.isin(samples.regions, large)
         many = int(divided.sum())
         few = len(samples) - many

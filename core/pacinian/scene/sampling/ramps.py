@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import KDTree
 
-from pacinian.scene.sampling.samples import Samples, joined, nothing
+from pacinian.scene.sampling.samples import Samples, join_samples, no_samples
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
@@ -22,7 +22,7 @@ MIN_PRESSURE = 1e-300  # [Pa], that is divided by
 SLACK = 1e-6  # of a ramp, for rounding: it ends in time
 
 
-class Ramps:
+class PressureRamps:
     """Follows the samples asked for, no pressure changing faster than from 0 to its most in `ramp` [s].
 
     On this way it is a raised cosine over time, so that its slope begins and ends at 0.
@@ -34,7 +34,7 @@ class Ramps:
     def __init__(self, ramp: float) -> None:
         self.ramp = ramp
         self._asked: Samples | None = None
-        self._last = nothing()
+        self._last = no_samples()
         self._time = -math.inf
         self._ghosts = 0
 
@@ -155,7 +155,7 @@ def _with(asked: Samples, going: Samples) -> Samples:
     if extra:
         items = (*items, *extra)
     going = replace(going, objects=used[objects], items=items)
-    return joined([replace(asked, items=items), going])
+    return join_samples([replace(asked, items=items), going])
 
 
 def _alike(item: Object, other: Object) -> bool:

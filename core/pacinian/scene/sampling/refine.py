@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from pacinian.scene.objects import Volume
-from pacinian.scene.sampling.covers import estimate
-from pacinian.scene.sampling.resolving import COARSER
-from pacinian.scene.sampling.sources import apart, dense
+from pacinian.scene.sampling.array_resolution import COARSER
+from pacinian.scene.sampling.sample_cache import estimate_samples
+from pacinian.scene.sampling.sources import is_dense, measure_spacing
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.sources import Source
@@ -25,13 +25,14 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
     A disc of 12 mm, nine units at half of their strength, at places that the solver was not given: 20 samples make it
     to rms 0.11, 108 to 0.03 (decision 33).
     """
-    regions = sum(dense(source.item) for source, _ in sources)
+    regions = sum(is_dense(source.item) for source, _ in sources)
     if not 0 < regions <= SHARED:
         return sources
     few = min(ENOUGH, SHARED // regions)
     finer = [(source, _finer(source, spacing, few)) for source, spacing in sources]
     count = sum(
-        1.0 if apart(source.item) else estimate(source.item, spacing) for source, spacing in finer
+        1.0 if measure_spacing(source.item) else estimate_samples(source.item, spacing)
+        for source, spacing in finer
     )
     return finer if MARGIN * count <= budget else sources
 
@@ -39,9 +40,9 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
 def _finer(source: Source, spacing: float, few: int) -> float:
     """How far apart the samples of a source are [m], if it is to have so few at least."""
     item = source.item
-    if not dense(item):
+    if not is_dense(item):
         return spacing
     dimensions = 3.0 if isinstance(item, Volume) and item.felt == "interior" else 2.0
-    share = (estimate(item, spacing) / few) ** (1.0 / dimensions)
+    share = (estimate_samples(item, spacing) / few) ** (1.0 / dimensions)
     steps = round(math.log(share) / math.log(COARSER))
     return spacing * COARSER ** min(0, max(-STEPS, steps))

@@ -10,33 +10,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import FAR, integer, length, number
+from pacinian.checks import FAR, check_integer, check_length, check_number
 from pacinian.native.scene import merge
+from pacinian.scene.modulation.technique import AM
+from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Point, Surface, Volume
-from pacinian.scene.sampling.allot import allot
-from pacinian.scene.sampling.broad import near
-from pacinian.scene.sampling.covers import Covers
-from pacinian.scene.sampling.distances import Distances
-from pacinian.scene.sampling.perception import faintest
-from pacinian.scene.sampling.ramps import Ramps
+from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
+from pacinian.scene.sampling.broad_phase import cull
+from pacinian.scene.sampling.budget import allot_budget
+from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.pose_prediction import HandTrack, PosePredictor
+from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.resolving import COARSER, Resolving
-from pacinian.scene.sampling.samples import ISOLATED, Samples, joined, nothing
+from pacinian.scene.sampling.sample_cache import SampleCache
+from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
     FINEST,
     Contact,
-    Lone,
+    PointContacts,
+    SinglePoint,
     Source,
-    Spots,
-    Whole,
-    apart,
-    contact,
-    dense,
+    WholeObject,
+    find_contact,
+    is_dense,
+    measure_spacing,
 )
 from pacinian.scene.sampling.surround import add_surround
-from pacinian.scene.sampling.tracks import HandTrack, Tracks
-from pacinian.scene.time.technique import AM
-from pacinian.scene.time.waves import Constant
+from pacinian.scene.sampling.thresholds import lowest_threshold
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.scene.hands.skin import Skin
     from pacinian.scene.objects import Object
-    from pacinian.scene.sampling.touchable import Touchable
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.scene import Scene, Workspace
     from pacinian.types import Floats
 
@@ -60,7 +60,7 @@ ENOUGH = 128  # samples of a contact
 STEADY = 1.3  # a contact that grows or shrinks by less keeps its spacing
 MERGED = 0.5  # of the spacing: isolated samples of different objects that are nearer are one
 SAME = 1e-6  # [m]: samples of different regions that are nearer are one
-MOST = 2048  # samples that are looked at for that
+MAX_MERGE_SAMPLES = 2048  # samples that are looked at for that
 
 
 class Sampler:
@@ -87,11 +87,11 @@ class Sampler:
         ramp: float = 0.0,
         perception: bool = True,
     ) -> None:
-        self.budget = self.allowed = integer("budget", budget, low=1)
+        self.budget = self.allowed = check_integer("budget", budget, low=1)
         if spacing is not None:
-            spacing = number("spacing", length("spacing", spacing), low=FINEST)
+            spacing = check_number("spacing", check_length("spacing", spacing), low=FINEST)
         self.spacing = spacing
-        self.ramp = number("ramp", ramp, low=0.0, high=10.0)
+        self.ramp = check_number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
         self.bands = 1
         """So many at most that sound in turn, each within the budget; the loop sets it."""
@@ -105,16 +105,16 @@ class Sampler:
         """What was left out, by reason."""
         self.skin: Skin | None = None
         """Of hands of joints, in place of the usual one; set it before the first sample."""
-        self._resolving: Resolving | None = None
+        self._resolving: ArrayResolution | None = None
         self.reset()
 
     def reset(self) -> None:
         """Forget what was sampled: the next scene begins from silence."""
-        self._tracks, self._hands = Tracks(), dict[str, HandTrack]()
-        self._covers, self._distances = Covers(), Distances()
-        self._ramps = Ramps(self.ramp)
+        self._tracks, self._hands = PosePredictor(), dict[str, HandTrack]()
+        self._covers, self._distances = SampleCache(), DistanceCache()
+        self._ramps = PressureRamps(self.ramp)
         self._asked: tuple[object, ...] = ()
-        self._target = nothing()
+        self._target = no_samples()
         self._levels: dict[int, int] = {}
         self._wanted: dict[int, float] = {}  # spacing of each contact [m]
         self._still = False
@@ -122,7 +122,7 @@ class Sampler:
 
     def prepare(self, array: Array, medium: Air) -> None:
         """Sample for this array from now on."""
-        self._resolving = Resolving(array, medium)
+        self._resolving = ArrayResolution(array, medium)
         self.reset()
 
     def changed(self) -> None:
@@ -143,7 +143,7 @@ class Sampler:
         hands = self._touching(scene, t)
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
-        found = near(scene.bounds, t, boxes).tolist()
+        found = cull(scene.bounds, t, boxes).tolist()
         self.skipped["objects out of reach"] += len(scene.objects) - len(found)
         sources = self._sources(scene, t, found, hands, skin)
         self._still = (
@@ -151,10 +151,10 @@ class Sampler:
             and not any(track.moving(t) for track in self._hands.values())
         )  # fmt: skip
         if not sources:
-            return nothing(scene.objects, capsules)
-        solid = any(dense(source.item) for source, _ in sources)
+            return no_samples(scene.objects, capsules)
+        solid = any(is_dense(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
-        parts = allot(
+        parts = allot_budget(
             sources,
             budget,
             self._levels,
@@ -182,8 +182,8 @@ class Sampler:
         which = np.flatnonzero([item.focal for item in items])
         if not len(which):
             return samples
-        single = np.array([apart(items[i]) for i in which])
-        together = len(items) - sum(map(apart, items))
+        single = np.array([measure_spacing(items[i]) for i in which])
+        together = len(items) - sum(map(measure_spacing, items))
         P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
         for even in (True, False):
             rows = which[(np.where(single, 1, together) <= self.even) == even]
@@ -200,13 +200,13 @@ class Sampler:
         P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
         return replace(samples, radiation_pressure=P, most=most, area=area)
 
-    def _touching(self, scene: Scene, t: float) -> list[tuple[Touchable, float]]:
+    def _touching(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
         """The hands that are there, each with the share of its pressures."""
         tracks = {
             hand.name: self._hands.get(hand.name) or HandTrack(self.skin) for hand in scene.hands
         }
         self._hands = tracks
-        there: list[tuple[Touchable, float]] = []
+        there: list[tuple[PosedSkin, float]] = []
         for hand in scene.hands:
             now, share = tracks[hand.name].at(hand, t)
             if now is None:
@@ -215,7 +215,7 @@ class Sampler:
                 there.append((tracks[hand.name].touchable(now), share))
         return there
 
-    def _boxes(self, scene: Scene, hands: list[tuple[Touchable, float]], skin: bool) -> Floats:
+    def _boxes(self, scene: Scene, hands: list[tuple[PosedSkin, float]], skin: bool) -> Floats:
         """Where an object must be to be felt, lower and upper corners, (boxes, 6) [m]."""
         room = self._room(scene.workspace)
         if not skin:
@@ -243,7 +243,7 @@ class Sampler:
         return room
 
     def _sources(
-        self, scene: Scene, t: float, found: list[int], hands: list[tuple[Touchable, float]],
+        self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]],
         skin: bool,
     ) -> list[tuple[Source, float]]:  # fmt: skip
         """What gives samples, highest priority first, each with the spacing wanted [m]."""
@@ -255,16 +255,16 @@ class Sampler:
                 continue
             name, pose = _name(item, i), self._tracks.pose(item, t)
             if not skin:
-                of = Lone if isinstance(item, Point) else Whole
+                of = SinglePoint if isinstance(item, Point) else WholeObject
                 whole = of(item, i, name, pose, self._covers, objects)
                 sources.append((whole, self._spacing(item, pose.position)))
                 continue
-            least = faintest(_vibration(item)) if self.perception else 0.0
+            least = lowest_threshold(_vibration(item)) if self.perception else 0.0
             for hand, share in hands:
                 own = (name + hand.salt) % NAMES
                 source: Source | None
                 if isinstance(item, (Surface, Volume)):
-                    source = contact(
+                    source = find_contact(
                         item,
                         pose,
                         i,
@@ -277,7 +277,7 @@ class Sampler:
                         self._distances,
                     )
                 else:
-                    source = Spots(
+                    source = PointContacts(
                         item,
                         i,
                         own,
@@ -291,7 +291,7 @@ class Sampler:
                     )
                 if source is not None:
                     spacing = self._spacing(item, hand.centre)
-                    if isinstance(source, Contact) and self.spacing is None and dense(item):
+                    if isinstance(source, Contact) and self.spacing is None and is_dense(item):
                         spacing = _fitting(source.extent, spacing / DENSE, wanted.get(own))
                         self._wanted[own] = source.fine = spacing
                     sources.append((source, spacing))
@@ -303,7 +303,7 @@ class Sampler:
         if self.spacing is not None:
             return self.spacing
         resolved = WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
-        return DENSE * resolved if dense(item) else resolved
+        return DENSE * resolved if is_dense(item) else resolved
 
     def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
         """What leaves out the samples outside of a workspace."""
@@ -323,8 +323,8 @@ class Sampler:
 
     def _merged(self, items: list[Object], parts: list[Samples]) -> Samples:
         """All samples; those of different `items` in one voice that the array cannot tell apart as one."""
-        whole = joined(parts)
-        if len(whole) > MOST:
+        whole = join_samples(parts)
+        if len(whole) > MAX_MERGE_SAMPLES:
             return whole
         counts = [len(part) for part in parts]
         source = np.repeat(np.arange(len(parts)), counts)

@@ -85,7 +85,7 @@ class Samples:
         return replace(self, radiation_pressure=radiation_pressure)
 
 
-def nothing(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> Samples:
+def no_samples(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> Samples:
     """No samples."""
     return Samples(
         np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0),
@@ -94,7 +94,7 @@ def nothing(items: tuple[Object, ...] = (), capsules: Floats | None = None) -> S
     )  # fmt: skip
 
 
-def joined(parts: list[Samples]) -> Samples:
+def join_samples(parts: list[Samples]) -> Samples:
     """All of several samples of the same objects, in order; at least one part."""
     if len(parts) == 1:
         return parts[0]

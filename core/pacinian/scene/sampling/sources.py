@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.scene.objects import Body
-from pacinian.scene.sampling.resolving import grazing
+from pacinian.scene.sampling.array_resolution import grazing
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
-    from pacinian.scene.felt import Felt
+    from pacinian.scene.haptic_object import HapticObject
     from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
-    from pacinian.scene.sampling.covers import Covers
-    from pacinian.scene.sampling.distances import Distances
-    from pacinian.scene.sampling.resolving import Resolving
-    from pacinian.scene.sampling.touchable import Touchable
+    from pacinian.scene.sampling.array_resolution import ArrayResolution
+    from pacinian.scene.sampling.distance_cache import DistanceCache
+    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.sampling.sample_cache import SampleCache
     from pacinian.types import Floats, Indices, Longs
 
 
@@ -49,14 +49,14 @@ class Source(Protocol):
 
 
 @dataclass
-class Whole:
+class WholeObject:
     """An object rendered whole, without a hand. index: in the scene. name: of its samples' keys."""
 
     item: Object
     index: int
     name: int
     pose: Pose
-    covers: Covers
+    covers: SampleCache
     items: tuple[Object, ...]
     faint: int = 0
 
@@ -71,13 +71,13 @@ class Whole:
             P *= texture.at(local.points)
         return Samples(
             local.points @ R + self.pose.position, P, normals, local.area,
-            np.full(K, self.index), keys(self.name, _apart(item, spacing), np.arange(K)),
-            np.full(K, item.pressure), np.full(K, region(item, self.name)), self.items,
+            np.full(K, self.index), make_keys(self.name, _apart(item, spacing), np.arange(K)),
+            np.full(K, item.pressure), np.full(K, number_region(item, self.name)), self.items,
         )  # fmt: skip
 
 
-class Lone(Whole):
-    """A point without a hand: as `Whole`, in a fifth of the time, as scenes have many that move."""
+class SinglePoint(WholeObject):
+    """A point without a hand: as `WholeObject`, in a fifth of the time, as scenes have many that move."""
 
     def at(self, spacing: float) -> Samples:
         """As for every source."""
@@ -90,18 +90,18 @@ class Lone(Whole):
 
 
 @dataclass
-class Spots:
+class PointContacts:
     """Points, paths and particles where they touch a hand: each on the skin where that is nearest."""
 
     item: Point | Path | Particles
     index: int
     name: int
     pose: Pose
-    covers: Covers
+    covers: SampleCache
     items: tuple[Object, ...]
-    hand: Touchable
+    hand: PosedSkin
     share: float
-    resolving: Resolving | None
+    resolving: ArrayResolution | None
     least: float
     faint: int = 0
 
@@ -121,7 +121,7 @@ class Spots:
         self.faint = int((P > 0.0).sum()) - len(kept)
         return Samples(
             on[kept], P[kept], normals[kept], local.area[near[kept]],
-            np.full(len(kept), self.index), keys(self.name, _apart(item, spacing), near[kept]),
+            np.full(len(kept), self.index), make_keys(self.name, _apart(item, spacing), near[kept]),
             np.full(len(kept), item.pressure), np.full(len(kept), ISOLATED),
             self.items, self.hand.capsules,
         )  # fmt: skip
@@ -140,7 +140,7 @@ class Contact:
     item: Surface | Volume
     index: int
     name: int
-    hand: Touchable
+    hand: PosedSkin
     items: tuple[Object, ...]
     touched: Indices
     force: Floats
@@ -167,14 +167,14 @@ class Contact:
             nodes, P, area = nodes[felt], P[felt], area[felt]
         return Samples(
             hand.points[nodes], P, hand.normals[nodes], area, np.full(K, self.index),
-            keys(self.name, 0.0, nodes), np.full(K, self.item.pressure),
-            np.full(K, region(self.item, self.name)), self.items, self.hand.capsules,
+            make_keys(self.name, 0.0, nodes), np.full(K, self.item.pressure),
+            np.full(K, number_region(self.item, self.name)), self.items, self.hand.capsules,
         )  # fmt: skip
 
 
-def contact(
-    item: Surface | Volume, pose: Pose, index: int, name: int, hand: Touchable,
-    items: tuple[Object, ...], share: float, least: float, resolving: Resolving | None, distances: Distances,
+def find_contact(
+    item: Surface | Volume, pose: Pose, index: int, name: int, hand: PosedSkin,
+    items: tuple[Object, ...], share: float, least: float, resolving: ArrayResolution | None, distances: DistanceCache,
 ) -> Contact | None:  # fmt: skip
     """What of a hand touches `item`, pressed by its material's law, along the skin's normal.
 
@@ -184,7 +184,7 @@ def contact(
     material, most = item.material, item.pressure
     reach = material.reach
     corners = ANYWHERE if resolving is None else resolving.corners
-    which, local = hand.near(pose, item.reach + reach, corners)
+    which, local = hand.near(pose, item.bounding_radius + reach, corners)
     if not len(which):
         return None
     d = distances.of(item, name, hand, which, local, reach, material.enough(most))
@@ -201,7 +201,7 @@ def contact(
     return Contact(item, index, name, hand, items, which[inside], force, least)
 
 
-def keys(name: int, spacing: float, which: Indices) -> Longs:
+def make_keys(name: int, spacing: float, which: Indices) -> Longs:
     """Keys of samples: what they belong to, how far apart [m] (0 where that is all the same), which, (K,)."""
     level = 1 + round(2.0 * math.log2(spacing / FINEST)) if spacing else 0
     return (name << 31) + (level << 25) + which.astype(np.int64)
@@ -211,16 +211,16 @@ def _apart(item: Object, spacing: float) -> float:
     return spacing if hasattr(item, "shape") else 0.0
 
 
-def dense(item: Felt) -> bool:
+def is_dense(item: HapticObject) -> bool:
     """Whether an object's samples are of one surface that all sounds at once, so that they are a region."""
-    return isinstance(item, Body) and not apart(item)
+    return isinstance(item, Body) and not measure_spacing(item)
 
 
-def region(item: Felt, name: int) -> int:
+def number_region(item: HapticObject, name: int) -> int:
     """The region of an object's samples, `name` being a number of its own; -1 if they are isolated."""
-    return name if dense(item) else ISOLATED
+    return name if is_dense(item) else ISOLATED
 
 
-def apart(item: Felt) -> bool:
+def measure_spacing(item: HapticObject) -> bool:
     """Whether an object's samples are sounded one at a time, so that many of them cost little."""
     return bool(getattr(item.technique, "single", False))

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.samples import BESIDE, joined
-from pacinian.scene.sampling.sources import keys
+from pacinian.scene.sampling.samples import BESIDE, join_samples
+from pacinian.scene.sampling.sources import make_keys
 
 if TYPE_CHECKING:
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.sampling.touchable import Touchable
     from pacinian.types import Floats, Indices
 
 INNER, OUTER = 0.25, 0.9  # of what the array resolves: how far from its region a silent sample is
@@ -26,7 +26,7 @@ MOST_OF_SMALL = 24  # silent samples, where that share is less
 
 
 def add_surround(
-    samples: Samples, hands: list[Touchable], centre: Floats, resolved: float, most: int
+    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int
 ) -> Samples:
     """Add silent samples on the skin beside the regions that touch it.
 
@@ -45,10 +45,10 @@ def add_surround(
         nodes, nearest = nodes[:most], nearest[:most]
         if len(nodes):
             silent = _silent(samples, of[nearest], hand.points[nodes], hand.normals[nodes])
-            silent.keys[:] = keys(hand.salt % (1 << 31), APART * resolved, nodes)
+            silent.keys[:] = make_keys(hand.salt % (1 << 31), APART * resolved, nodes)
             every.append(silent)
             most -= len(nodes)
-    return joined(every)
+    return join_samples(every)
 
 
 def _silent(samples: Samples, beside: Indices, points: Floats, normals: Floats) -> Samples:

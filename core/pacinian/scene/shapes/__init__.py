@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pacinian.scene.shapes.flat import Box, Disc, Rectangle
-from pacinian.scene.shapes.local import Local
-from pacinian.scene.shapes.round import Capsule, Sphere
+from pacinian.scene.shapes.local_samples import LocalSamples
+from pacinian.scene.shapes.planar import Box, Disc, Rectangle
+from pacinian.scene.shapes.sphere_capsule import Capsule, Sphere
 
-__all__ = ["Box", "Capsule", "Disc", "Local", "Rectangle", "Sphere"]
+__all__ = ["Box", "Capsule", "Disc", "LocalSamples", "Rectangle", "Sphere"]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import numbers
+from pacinian.checks import check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     Array = np.ndarray[Any, np.dtype[Any]]
 
-LARGEST = 100_000_000  # numbers
+MAX_NUMBERS = 100_000_000  # numbers
 
 
-def packed(name: str, values: ArrayLike | None, file: str, dimension: int) -> bytes | None:
+def encode_array(name: str, values: ArrayLike | None, file: str, dimension: int) -> bytes | None:
     """Numbers as the bytes of a .npy file; none if they are in `file`. Raises ArgumentError."""
     if (values is None) == (not file):
         raise ArgumentError(name, "or `file` must be given, and not both")
@@ -36,8 +36,8 @@ def packed(name: str, values: ArrayLike | None, file: str, dimension: int) -> by
     return out.getvalue()
 
 
-def unpacked(name: str, values: ArrayLike | None, file: str, dimension: int) -> Array:
-    """The array: of bytes that `packed` made, or read from `file`. Raises ArgumentError."""
+def decode_array(name: str, values: ArrayLike | None, file: str, dimension: int) -> Array:
+    """The array: of bytes that `pack` made, or read from `file`. Raises ArgumentError."""
     try:
         return _checked(name, _read(file), dimension) if file else _array(values)
     except Exception as error:
@@ -45,7 +45,7 @@ def unpacked(name: str, values: ArrayLike | None, file: str, dimension: int) -> 
         raise ArgumentError(name, f"of {file} do not load: {problem}") from error
 
 
-def within(name: str, array: Array) -> None:
+def check_within(name: str, array: Array) -> None:
     """Refuse numbers that are not all in 0..1."""
     low, high = float(array.min()), float(array.max())
     if low < 0.0 or high > 1.0:
@@ -57,12 +57,12 @@ def _array(values: Any) -> Array:
 
 
 def _checked(name: str, array: Array, dimension: int) -> Array:
-    """A copy in memory, of at most `LARGEST` real and finite numbers."""
+    """A copy in memory, of at most `MAX_NUMBERS` real and finite numbers."""
     if array.ndim != dimension or not array.size:
         raise ArgumentError(name, f"must have {dimension} dimensions, not shape {array.shape}")
-    if array.size > LARGEST:
-        raise ArgumentError(name, f"are {array.size:,} numbers: keep to {LARGEST:,}")
-    real = numbers(name, array, (None,) * dimension)
+    if array.size > MAX_NUMBERS:
+        raise ArgumentError(name, f"are {array.size:,} numbers: keep to {MAX_NUMBERS:,}")
+    real = check_numbers(name, array, (None,) * dimension)
     return np.array(array if array.dtype.kind in "biuf" else real, order="C")
 
 
@@ -73,7 +73,7 @@ def _read(file: str) -> Array:
     from PIL import Image
 
     with Image.open(file) as image:
-        if image.width * image.height > LARGEST:
+        if image.width * image.height > MAX_NUMBERS:
             raise ValueError(f"{image.width} x {image.height} pixels are too many")
         if image.mode.startswith("I"):  # 16 bits
             return np.asarray(image, dtype=np.float64) / 65535.0

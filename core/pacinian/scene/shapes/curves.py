@@ -11,16 +11,23 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import FAR, count, integer, length, number, numbers
+from pacinian.checks import (
+    FAR,
+    check_count,
+    check_integer,
+    check_length,
+    check_number,
+    check_numbers,
+)
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.local import EDGE, Local
-from pacinian.scene.shapes.pieces import Pieces
+from pacinian.scene.shapes.local_samples import EDGE, LocalSamples
+from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MOST = 100_000  # points of a polyline
-SHORTEST = 1e-6  # [m]
+MAX_POINTS = 100_000  # points of a polyline
+MIN_LENGTH = 1e-6  # [m]
 TURNS = 100  # at most, of a Lissajous figure
 FINE = 512  # points for each turn
 
@@ -31,10 +38,10 @@ class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
     length: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "length", length("length", self.length))
+        force_setattr(self, "length", check_length("length", self.length))
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.length / 2.0
 
@@ -44,14 +51,16 @@ class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
         points[:, 0] = self.length * (_there_and_back(u) - 0.5)
         return points
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
         return _cover(self, spacing, 0.5)
 
     def distance(self, points: Floats) -> Floats:
         """Distance of points, (K, 3), (K,) [m]."""
         x, y, z = points.T
-        return np.asarray(np.hypot(np.hypot(x - np.clip(x, -self.reach, self.reach), y), z))
+        return np.asarray(
+            np.hypot(np.hypot(x - np.clip(x, -self.bounding_radius, self.bounding_radius), y), z)
+        )
 
 
 class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="circle"):
@@ -60,7 +69,7 @@ class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     radius: float
 
     def __post_init__(self) -> None:
-        force_setattr(self, "radius", length("radius", self.radius))
+        force_setattr(self, "radius", check_length("radius", self.radius))
 
     @property
     def length(self) -> float:
@@ -68,7 +77,7 @@ class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         return 2.0 * math.pi * self.radius
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self.radius
 
@@ -77,7 +86,7 @@ class Circle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         phi = 2.0 * np.pi * u
         return self.radius * np.stack([np.cos(phi), np.sin(phi), np.zeros_like(phi)], axis=-1)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
         return _cover(self, spacing)
 
@@ -103,15 +112,15 @@ class Lissajous(
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        force_setattr(self, "width", length("width", self.width))
-        force_setattr(self, "height", length("height", self.height))
-        a, b = integer("a", self.a, low=1), integer("b", self.b, low=1)
+        force_setattr(self, "width", check_length("width", self.width))
+        force_setattr(self, "height", check_length("height", self.height))
+        a, b = check_integer("a", self.a, low=1), check_integer("b", self.b, low=1)
         divisor = math.gcd(a, b)
         for name, turns in (("a", a // divisor), ("b", b // divisor)):
             if turns > TURNS:
                 raise ArgumentError(name, f"must be at most {TURNS}, not {turns}")
             force_setattr(self, name, turns)
-        force_setattr(self, "phase", number("phase", self.phase))
+        force_setattr(self, "phase", check_number("phase", self.phase))
 
     @property
     def length(self) -> float:
@@ -119,7 +128,7 @@ class Lissajous(
         return float(self._arc[1][-1])
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m], at most."""
         return math.hypot(self.width, self.height) / 2.0
 
@@ -128,7 +137,7 @@ class Lissajous(
         s, arc = self._arc
         return self._points(np.interp((u % 1.0) * arc[-1], arc, s))
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
         return _cover(self, spacing)
 
@@ -152,8 +161,8 @@ class Lissajous(
         return s, np.concatenate([[0.0], np.cumsum(steps)])
 
     @functools.cached_property
-    def _pieces(self) -> Pieces:
-        return Pieces(self._points(self._arc[0]))
+    def _pieces(self) -> Polyline3D:
+        return Polyline3D(self._points(self._arc[0]))
 
 
 class Polyline(
@@ -168,13 +177,13 @@ class Polyline(
     closed: bool = False
 
     def __post_init__(self) -> None:
-        points = numbers("points", self.points, (None, 3))
-        if not 2 <= len(points) <= MOST:
-            raise ArgumentError("points", f"must be 2 to {MOST}, not {len(points)}")
+        points = check_numbers("points", self.points, (None, 3))
+        if not 2 <= len(points) <= MAX_POINTS:
+            raise ArgumentError("points", f"must be 2 to {MAX_POINTS}, not {len(points)}")
         if np.abs(points).max() > FAR:
             raise ArgumentError("points", "must be in metres (millimetres given?)")
         force_setattr(self, "points", tuple(map(tuple, points.tolist())))
-        if not self.length >= SHORTEST:
+        if not self.length >= MIN_LENGTH:
             raise ArgumentError("points", "must not all be the same")
 
     @property
@@ -183,7 +192,7 @@ class Polyline(
         return self._pieces.length
 
     @functools.cached_property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return float(np.sqrt((np.array(self.points) ** 2).sum(axis=1).max()))
 
@@ -192,7 +201,7 @@ class Polyline(
         share = u % 1.0 if self.closed else _there_and_back(u)
         return self._pieces.at(share * self.length)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points, `spacing` [m] apart or a little more; each stands for a square of that side."""
         return _cover(self, spacing, 1.0 if self.closed else 0.5)
 
@@ -201,9 +210,9 @@ class Polyline(
         return self._pieces.distance(points)
 
     @functools.cached_property
-    def _pieces(self) -> Pieces:
+    def _pieces(self) -> Polyline3D:
         points = np.array(self.points)
-        return Pieces(np.concatenate([points, points[:1]]) if self.closed else points)
+        return Polyline3D(np.concatenate([points, points[:1]]) if self.closed else points)
 
 
 Curve = Line | Circle | Lissajous | Polyline
@@ -221,8 +230,8 @@ def _there_and_back(u: Floats) -> Floats:
     return np.asarray(1.0 - np.abs(1.0 - 2.0 * (u % 1.0)))
 
 
-def _cover(curve: _Path, spacing: float, once: float = 1.0) -> Local:
+def _cover(curve: _Path, spacing: float, once: float = 1.0) -> LocalSamples:
     """Points in the middle of equal pieces of a curve that is passed once while u goes to `once`."""
-    K = max(1, math.floor(count(curve.length, spacing, 1) + EDGE))
+    K = max(1, math.floor(check_count(curve.length, spacing, 1) + EDGE))
     points = curve.at(np.asarray(once * (np.arange(K) + 0.5) / K, dtype=np.float64))
-    return Local(points, np.zeros_like(points), np.full(K, (curve.length / K) ** 2))
+    return LocalSamples(points, np.zeros_like(points), np.full(K, (curve.length / K) ** 2))

@@ -11,12 +11,12 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import length
+from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.arrays import packed, unpacked
-from pacinian.scene.shapes.flat import Rectangle, beside, outside
-from pacinian.scene.shapes.local import Local
-from pacinian.scene.shapes.solids import scaled
+from pacinian.scene.shapes.arrays import decode_array, encode_array
+from pacinian.scene.shapes.local_samples import LocalSamples
+from pacinian.scene.shapes.planar import Rectangle, distance_beside, distance_outside
+from pacinian.scene.shapes.sdf import scale_shell
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
@@ -53,20 +53,20 @@ class HeightMap(
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "depth"):
-            force_setattr(self, name, length(name, getattr(self, name)))
-        force_setattr(self, "heights", packed("heights", self.heights, self.file, 2))
+            force_setattr(self, name, check_length(name, getattr(self, name)))
+        force_setattr(self, "heights", encode_array("heights", self.heights, self.file, 2))
         if not self.file:
             _ = self.z
 
     @cached_property
     def z(self) -> Floats:
         """Its heights, (R, C) [m]; y grows with the row, x with the column."""
-        given = unpacked("heights", self.heights, self.file, 2)
+        given = decode_array("heights", self.heights, self.file, 2)
         R, C = given.shape
         if min(R, C) < 2:
             raise ArgumentError("heights", f"must be at least 2 x 2, not {R} x {C}")
         z = self.depth * given[::-1].astype(np.float64)
-        length("heights", 1e-30 + float(np.abs(z).max()))
+        check_length("heights", 1e-30 + float(np.abs(z).max()))
         z.setflags(write=False)
         return z
 
@@ -83,7 +83,7 @@ class HeightMap(
         return stretch * self.width * self.height
 
     @cached_property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         R, C = self.z.shape
         x, y = np.linspace(-0.5, 0.5, C) * self.width, np.linspace(-0.5, 0.5, R) * self.height
@@ -96,15 +96,15 @@ class HeightMap(
         """
         z, x, y = self._at(points)
         d = (points[:, 2] - z) / np.sqrt(1.0 + x * x + y * y)
-        return beside(outside(points, self.width, self.height), d)
+        return distance_beside(distance_outside(points, self.width, self.height), d)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """A grid in x and y with the outline in it, at most `spacing` [m] apart: farther on a slope."""
-        points, _, area = Rectangle(self.width, self.height).cover(spacing)
+        points, _, area = Rectangle(self.width, self.height).sample_surface(spacing)
         points[:, 2], x, y = self._at(points)
         stretch = np.sqrt(1.0 + x * x + y * y)
         normals = np.stack([-x, -y, np.ones_like(x)], axis=-1) / stretch[:, None]
-        return Local(points, normals, scaled(area * stretch, self.area))
+        return LocalSamples(points, normals, scale_shell(area * stretch, self.area))
 
     def _at(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Height at points [m], or at those of the outline next to them, and its slopes in x and y, (K,)."""

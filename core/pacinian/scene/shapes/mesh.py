@@ -13,12 +13,12 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import count, length, numbers
+from pacinian.checks import check_count, check_length, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.local import Local
-from pacinian.scene.shapes.solids import scaled, shares
-from pacinian.scene.shapes.thin import APART, thin
-from pacinian.scene.shapes.triangles import Triangles, read
+from pacinian.scene.shapes.local_samples import LocalSamples
+from pacinian.scene.shapes.poisson_disk import APART, thin_out
+from pacinian.scene.shapes.sdf import scale_shell, share_area
+from pacinian.scene.shapes.triangles import Triangles, read_mesh
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -49,9 +49,9 @@ class Mesh(
     faces: tuple[tuple[int, int, int], ...] = ()
 
     def __post_init__(self) -> None:
-        force_setattr(self, "scale", length("scale", self.scale))
-        vertices = numbers("vertices", self.vertices, (None, 3))
-        faces = numbers("faces", self.faces, (None, 3))
+        force_setattr(self, "scale", check_length("scale", self.scale))
+        vertices = check_numbers("vertices", self.vertices, (None, 3))
+        faces = check_numbers("faces", self.faces, (None, 3))
         if self.file:
             if len(vertices) or len(faces):
                 raise ArgumentError("mesh", "needs either a file or vertices and faces, not both")
@@ -71,9 +71,9 @@ class Mesh(
         return self.triangles.area
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
-        return self.triangles.reach
+        return self.triangles.bounding_radius
 
     @property
     def extent(self) -> Vector:
@@ -103,22 +103,22 @@ class Mesh(
         """
         return self.triangles.distance(points, beyond, deep)
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Random samples (always the same), thinned to about `spacing` [m], those of an open mesh's rim first."""
         from trimesh import Trimesh
         from trimesh.sample import sample_surface
 
         t = self.triangles
-        tries = TRIES * max(1, round(count(TRIES * t.area, spacing, 2) / TRIES))
+        tries = TRIES * max(1, round(check_count(TRIES * t.area, spacing, 2) / TRIES))
         mesh = Trimesh(t.vertices, t.faces, process=False)
         points, face = sample_surface(mesh, tries, face_weight=t.areas, seed=0)[:2]
         rim, of = t.rim(spacing / RIM)
         every = np.concatenate([rim, np.asarray(points, dtype=np.float64)])
         face = np.concatenate([of, np.asarray(face, dtype=np.int64)])
-        kept = thin(every, APART * spacing, len(rim))
+        kept = thin_out(every, APART * spacing, len(rim))
         whole = np.repeat([0.0, t.area / tries], [len(rim), tries])
-        area = scaled(shares(every, whole, kept), t.area)
-        return Local(every[kept], t.normals[face[kept]], area)
+        area = scale_shell(share_area(every, whole, kept), t.area)
+        return LocalSamples(every[kept], t.normals[face[kept]], area)
 
     @property
     def triangles(self) -> Triangles:
@@ -142,7 +142,7 @@ class Mesh(
             return Triangles.of(vertices, np.array(self.faces, dtype=np.int64), "given here")
         key = self.file, self.scale, stamp
         if (made := _read.get(key)) is None:
-            made = _read[key] = read(self.file, self.scale)
+            made = _read[key] = read_mesh(self.file, self.scale)
         return made
 
 

@@ -79,13 +79,13 @@ class Bounds:
         part = np.asarray(ndimage.label(self.gap > 0.0)[0])
         first = np.unique(part, return_index=True)[1]
         cells = np.stack(np.unravel_index(first, part.shape), axis=1)
-        turns = winding(t, self.low + (cells + 0.5) * self.size)
+        turns = winding_number(t, self.low + (cells + 0.5) * self.size)
         sign = np.where(turns > 0.5, -1.0, 1.0)
         sign[0] = 1.0  # near the surface
         self.gap *= sign[part]
 
 
-def winding(t: Triangles, points: Floats) -> Floats:
+def winding_number(t: Triangles, points: Floats) -> Floats:
     """How often the triangles wind around each of a few points, (K, 3) [m], (K,): 1 inside, 0 outside.
 
     The sum of their solid angles by A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE

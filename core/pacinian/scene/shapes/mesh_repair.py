@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Longs
 
 
-def merged(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
+def merge_vertices(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
     """Vertices and faces without repetition.
 
     Vertices within 10 nm are one, and so are faces of the same vertices, whichever side they face. Faces
@@ -26,7 +26,7 @@ def merged(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
     return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
 
 
-def outward(vertices: Floats, faces: Longs) -> Longs:
+def orient_outward(vertices: Floats, faces: Longs) -> Longs:
     """Faces of a closed mesh, with those bodies turned that are wound inside out.
 
     A body wound inside out within another is a cavity, and stays.

@@ -9,9 +9,9 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import length, number
+from pacinian.checks import check_length, check_number
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.arrays import packed, unpacked, within
+from pacinian.scene.shapes.arrays import check_within, decode_array, encode_array
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
@@ -42,16 +42,16 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
             width, height = self.size
         except (TypeError, ValueError):
             raise ArgumentError("size", f"must be two lengths, not {self.size!r}") from None
-        force_setattr(self, "size", (length("size", width), length("size", height)))
-        force_setattr(self, "values", packed("values", self.values, self.file, 2))
+        force_setattr(self, "size", (check_length("size", width), check_length("size", height)))
+        force_setattr(self, "values", encode_array("values", self.values, self.file, 2))
         if not self.file:
             _ = self.factors
 
     @cached_property
     def factors(self) -> Floats:
         """Its values, (R, C); y grows with the row, x with the column."""
-        values = unpacked("values", self.values, self.file, 2)
-        within("values", values)
+        values = decode_array("values", self.values, self.file, 2)
+        check_within("values", values)
         factors = values[::-1].astype(np.float64)
         factors.setflags(write=False)
         return factors
@@ -71,6 +71,6 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
 
 def grating(period: float, duty: float = 0.5) -> Texture:
     """Stripes along y, `period` [m] apart in x, of which a share `duty` presses. Raises ArgumentError."""
-    pressed = number("duty", duty, low=0.0, high=1.0) * LINES
+    pressed = check_number("duty", duty, low=0.0, high=1.0) * LINES
     stripe = np.clip(pressed - np.arange(LINES), 0.0, 1.0)
-    return Texture(values=stripe[None], size=(length("period", period), period))
+    return Texture(values=stripe[None], size=(check_length("period", period), period))

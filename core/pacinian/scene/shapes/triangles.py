@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import length
+from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.mesh_repair import merged, outward, volume
+from pacinian.scene.shapes.mesh_repair import merge_vertices, orient_outward, volume
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Longs
 
 FORMATS = "obj", "stl", "ply", "off", "glb", "gltf"  # none that is packed: it could be any size
-LARGEST = 256 << 20  # [bytes] of a file
-MOST = 1_000_000  # triangles
+MAX_FILE_BYTES = 256 << 20  # [bytes] of a file
+MAX_TRIANGLES = 1_000_000  # triangles
 THIN = 1e-7  # share of the reach: what is lower is the rounding of single precision
 
 
@@ -48,7 +48,7 @@ class Triangles:
         return float(self.areas.sum())
 
     @cached_property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of the farthest point from the origin [m]."""
         return _reach(self.vertices)
 
@@ -85,20 +85,22 @@ class Triangles:
         """Make triangles of vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError about `name`."""
         if not len(faces):
             raise ArgumentError("mesh", f"{name} has no triangles")
-        if len(faces) > MOST:
-            raise ArgumentError("mesh", f"{name} has {len(faces):,} triangles: keep to {MOST:,}")
+        if len(faces) > MAX_TRIANGLES:
+            raise ArgumentError(
+                "mesh", f"{name} has {len(faces):,} triangles: keep to {MAX_TRIANGLES:,}"
+            )
         if faces.min() < 0 or faces.max() >= len(vertices):
             raise ArgumentError("mesh", f"{name} has faces with vertices that are not there")
         if not np.isfinite(vertices).all():
             raise ArgumentError("mesh", f"{name} has vertices that are not finite")
-        length("mesh", 1e-30 + float(np.abs(vertices).max()))
-        vertices, faces = merged(vertices, faces)
+        check_length("mesh", 1e-30 + float(np.abs(vertices).max()))
+        vertices, faces = merge_vertices(vertices, faces)
         normals, areas = _normals(vertices, faces)
         if not areas.any():
             raise ArgumentError("mesh", f"{name} has no area")
         edges, sharing, flaw = _edges(vertices, faces, float(areas.sum()))
         if not flaw:
-            turned = outward(vertices, faces)
+            turned = orient_outward(vertices, faces)
             swap = (turned != faces).any(axis=1, keepdims=True)
             faces = turned
             normals, edges = (
@@ -141,7 +143,7 @@ def _reach(vertices: Floats) -> float:
     return math.sqrt(float((vertices**2).sum(axis=1).max(initial=0.0)))
 
 
-def read(file: str, scale: float) -> Triangles:
+def read_mesh(file: str, scale: float) -> Triangles:
     """Triangles of a file in one of `FORMATS`, `scale` [m] per unit. Raises ArgumentError, which names the file."""
     import trimesh
 
@@ -152,8 +154,10 @@ def read(file: str, scale: float) -> Triangles:
             raise ArgumentError("mesh", f"{file} cannot be read: it is not there, or not a file")
         if kind not in FORMATS:
             raise ArgumentError("mesh", f"{file} must end in one of .{', .'.join(FORMATS)}")
-        if (size := path.stat().st_size) > LARGEST:
-            raise ArgumentError("mesh", f"{file} is {size >> 20} MiB: keep to {LARGEST >> 20}")
+        if (size := path.stat().st_size) > MAX_FILE_BYTES:
+            raise ArgumentError(
+                "mesh", f"{file} is {size >> 20} MiB: keep to {MAX_FILE_BYTES >> 20}"
+            )
         loaded: Any = trimesh.load_mesh(path, process=False)
         if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
             raise ArgumentError("mesh", f"{file} has no triangles, or is damaged")

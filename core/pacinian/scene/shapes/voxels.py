@@ -10,14 +10,14 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import length, number
+from pacinian.checks import check_length, check_number
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.arrays import packed, unpacked, within
-from pacinian.scene.shapes.solids import shell
+from pacinian.scene.shapes.arrays import check_within, decode_array, encode_array
+from pacinian.scene.shapes.sdf import sample_solid
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
-    from pacinian.scene.shapes.local import Local
+    from pacinian.scene.shapes.local_samples import LocalSamples
     from pacinian.types import ArrayLike, Floats, Singles
 
     Values = ArrayLike
@@ -28,7 +28,7 @@ RIM = 2  # empty voxels around the grid
 BAND = 2  # voxels from the shell, within which distances are exact
 
 
-class Field(NamedTuple):
+class DistanceField(NamedTuple):
     """Distances [m] at the voxels and the rim around them, and the shell's size [m^2], [m]."""
 
     distances: Singles
@@ -59,9 +59,11 @@ class Voxels(
     file: str = ""
 
     def __post_init__(self) -> None:
-        force_setattr(self, "pitch", length("pitch", self.pitch))
-        force_setattr(self, "level", number("level", self.level, low=0.0, high=1.0, above=True))
-        force_setattr(self, "values", packed("values", self.values, self.file, 3))
+        force_setattr(self, "pitch", check_length("pitch", self.pitch))
+        force_setattr(
+            self, "level", check_number("level", self.level, low=0.0, high=1.0, above=True)
+        )
+        force_setattr(self, "values", encode_array("values", self.values, self.file, 3))
         if not self.file:
             self._filled()
 
@@ -76,7 +78,7 @@ class Voxels(
         return self._field.extent
 
     @property
-    def reach(self) -> float:
+    def bounding_radius(self) -> float:
         """Distance of its farthest point from its origin [m]."""
         return self._field.reach
 
@@ -96,12 +98,12 @@ class Voxels(
         x, y, z = self.pitch * (at - held)
         return np.asarray(d + np.sqrt(x * x + y * y + z * z))
 
-    def cover(self, spacing: float) -> Local:
+    def sample_surface(self, spacing: float) -> LocalSamples:
         """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
-        return shell(self, spacing)
+        return sample_solid(self, spacing)
 
     @cached_property
-    def _field(self) -> Field:
+    def _field(self) -> DistanceField:
         """Exact near the shell; farther away to the point of it that is nearest to the nearest voxel there."""
         import igl
         from scipy import ndimage
@@ -126,14 +128,16 @@ class Voxels(
         V = self.pitch * (V - (np.array(v.shape) - 1.0) / 2.0)
         x, y, z = np.abs(V).max(axis=0).tolist()
         area = float(np.asarray(igl.doublearea(V, F)).sum()) / 2.0
-        return Field(D.astype(np.float32), area, (x, y, z), math.sqrt((V * V).sum(axis=1).max()))
+        return DistanceField(
+            D.astype(np.float32), area, (x, y, z), math.sqrt((V * V).sum(axis=1).max())
+        )
 
     def _filled(self) -> Floats:
-        values = unpacked("values", self.values, self.file, 3)
-        within("values", values)
+        values = decode_array("values", self.values, self.file, 3)
+        check_within("values", values)
         inside = values > self.level
         if not inside.any() or inside.all():
             are = "all" if inside.all() else "none"
             raise ArgumentError("values", f"have no shell: {are} is above the level {self.level:g}")
-        length("pitch", self.pitch * max(values.shape))
+        check_length("pitch", self.pitch * max(values.shape))
         return values.astype(np.float64)

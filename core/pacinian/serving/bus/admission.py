@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.clocks import Allowance, ClientClock
+from pacinian.serving.ipc.clocks import ClockOffsetEstimator, TokenBucket
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ class Client:
         self.commands = self.errors = self.dropped = 0
         self.age = 0.0
         self._sequence = 0
-        self._clock = ClientClock()
-        self._telling = Allowance(TOLD)
+        self._clock = ClockOffsetEstimator()
+        self._telling = TokenBucket(TOLD)
 
     def owns(self, peer: bytes, user: str) -> bool:
         """Whether this is the connection that used the session first, of the user who has it."""
@@ -71,12 +71,12 @@ class Client:
         return bool(error.id) or self._telling.take(now)
 
 
-class Peers:
+class PeerRateLimiter:
     """How many messages each connection may send: the longest quiet are forgotten."""
 
     def __init__(self, rate: float, most: int) -> None:
         self._rate, self._most = rate, most
-        self._peers: dict[bytes, tuple[Allowance, Allowance]] = {}
+        self._peers: dict[bytes, tuple[TokenBucket, TokenBucket]] = {}
 
     def __len__(self) -> int:
         return len(self._peers)
@@ -89,10 +89,10 @@ class Peers:
         """Whether a connection that has no session, or sends too much, is told so."""
         return self._of(peer)[1].take(now)
 
-    def _of(self, peer: bytes) -> tuple[Allowance, Allowance]:
+    def _of(self, peer: bytes) -> tuple[TokenBucket, TokenBucket]:
         known = self._peers.get(peer)
         if known is None:
             if len(self._peers) >= self._most:
                 del self._peers[next(iter(self._peers))]
-            known = self._peers[peer] = Allowance(self._rate), Allowance(TOLD)
+            known = self._peers[peer] = TokenBucket(self._rate), TokenBucket(TOLD)
         return known

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 
 from pacinian.serving.bus.pending_changes import MOVED, WRAPPED
 from pacinian.serving.bus.stored_object import AT_ONCE
-from pacinian.serving.ipc.messages import Begin, Changes, PutObject, RemoveObject, Wrap
+from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, ResetScene, SetEnvelope
 
 if TYPE_CHECKING:
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.bus.shared_scene import Room
-    from pacinian.serving.bus.stored_object import Thing
-    from pacinian.serving.ipc.messages import AnyChange, Taken
+    from pacinian.serving.bus.shared_scene import SharedScene
+    from pacinian.serving.bus.stored_object import StoredObject
+    from pacinian.serving.ipc.messages import AnyChange, ChangesAck
     from pacinian.wire.replies import Error
 
-MOST = 64  # objects in one batch
+MAX_BATCH_OBJECTS = 64  # objects in one batch
 LIGHT = 48  # of which are only moved, wrapped or removed while others wait to be put
 BYTES = 1 << 20  # of one batch, but for a single object that is larger
 
 
-class Outbox:
+class ChangeBatcher:
     """Batches of changes for the renderer, each only when the one before was taken.
 
     Objects come in the order in which they were put, but for those that take long to convert.
@@ -32,19 +32,19 @@ class Outbox:
 
     def __init__(self, run: int) -> None:
         self.run = run
-        self.room: Room | None = None
+        self.scene: SharedScene | None = None
         self.errors: list[tuple[Client, Error]] = []
         self._number = 0
         self._renderer: int | None = None
         self._waits = False
 
-    def feel(self, room: Room) -> None:
+    def feel(self, room: SharedScene) -> None:
         """From now on this is felt."""
-        if room is not self.room:
-            self.room = room
+        if room is not self.scene:
+            self.scene = room
             self._begin()
 
-    def taken(self, taken: Taken) -> None:
+    def taken(self, taken: ChangesAck) -> None:
         """What the renderer has taken last. Another renderer than before knows nothing."""
         known, self._renderer = self._renderer, taken.run
         mine = taken.bus == self.run and taken.number == self._number
@@ -62,16 +62,16 @@ class Outbox:
     @property
     def waits(self) -> bool:
         """Whether there is more to send, as soon as the last batch is taken."""
-        return self.room is not None and len(self.room.news) > 0
+        return self.scene is not None and len(self.scene.pending) > 0
 
     def next(self) -> Changes | None:
         """The next batch, or None if the last was not taken or nothing is new. It must be published."""
-        room = self.room
-        if self._waits or room is None or not len(room.news):
+        room = self.scene
+        if self._waits or room is None or not len(room.pending):
             return None
         batch = Batch()
         _first(room, batch)
-        _light(room, batch)
+        _is_light(room, batch)
         self._puts(room, batch)
         if not batch.changes:
             return None
@@ -80,14 +80,14 @@ class Outbox:
         return Changes(self._number, self.run, tuple(batch.changes))
 
     def _begin(self) -> None:
-        if self.room is not None:
-            self.room.news.all(list(self.room.things))
+        if self.scene is not None:
+            self.scene.pending.all(list(self.scene.objects))
 
-    def _puts(self, room: Room, batch: Batch) -> None:
-        news, fresh = room.news, 0
+    def _puts(self, room: SharedScene, batch: Batch) -> None:
+        news, fresh = room.pending, 0
         for name in list(news.puts):
-            thing = room.things[name]
-            if batch.objects >= MOST:
+            thing = room.objects[name]
+            if batch.objects >= MAX_BATCH_OBJECTS:
                 return
             if thing.heavy:
                 continue  # it is being converted
@@ -106,12 +106,12 @@ class Outbox:
             if (move := thing.move()) is not None:
                 batch.changes.append(move)
             if thing.wrapped and batch.fits(len(thing.wrapped)):
-                batch.changes.append(Wrap(name, thing.wrapped))
+                batch.changes.append(SetEnvelope(name, thing.wrapped))
             elif thing.wrapped:
                 news.new(name, WRAPPED)
             batch.objects += 1
 
-    def _pack(self, room: Room, thing: Thing) -> bool:
+    def _pack(self, room: SharedScene, thing: StoredObject) -> bool:
         error = room.pack(thing)
         if error is not None:
             self.errors.append((thing.owner, error))
@@ -134,10 +134,10 @@ class Batch:
         return True
 
 
-def _first(room: Room, batch: Batch) -> None:
-    news = room.news
+def _first(room: SharedScene, batch: Batch) -> None:
+    news = room.pending
     if news.begin:
-        batch.changes.append(Begin(room.number))
+        batch.changes.append(ResetScene(room.number))
     if news.quiet:
         batch.changes.append(room.all_quiet())
     if news.hands:
@@ -145,10 +145,10 @@ def _first(room: Room, batch: Batch) -> None:
     news.begin = news.quiet = news.hands = False
 
 
-def _light(room: Room, batch: Batch) -> None:
-    news = room.news
-    for name in list(islice(news.light, LIGHT if news.puts else MOST)):
-        what, thing = news.light[name], room.things.get(name)
+def _is_light(room: SharedScene, batch: Batch) -> None:
+    news = room.pending
+    for name in list(islice(news.light, LIGHT if news.puts else MAX_BATCH_OBJECTS)):
+        what, thing = news.light[name], room.objects.get(name)
         if thing is None:
             news.known.discard(name)
             batch.changes.append(RemoveObject(name))
@@ -156,7 +156,7 @@ def _light(room: Room, batch: Batch) -> None:
             if what & WRAPPED:
                 if not batch.fits(len(thing.wrapped)):
                     return
-                batch.changes.append(Wrap(name, thing.wrapped))
+                batch.changes.append(SetEnvelope(name, thing.wrapped))
             if what & MOVED and (move := thing.move()) is not None:
                 batch.changes.append(move)
         del news.light[name]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import Hand
 from pacinian.serving.ipc.messages import HandInfo, SetHands
-from pacinian.wire.bulk import unpack
+from pacinian.wire.binary_arrays import unpack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import HandFrame, Hands
 
 
-class Tracked(NamedTuple):
+class TrackedHands(NamedTuple):
     """A client's hands. sequence: of their command; sent: by its clock; received: by ours [s]."""
 
     hands: tuple[HandInfo, ...]
@@ -24,7 +24,7 @@ class Tracked(NamedTuple):
     received: float
 
     @staticmethod
-    def together(tracked: Iterable[Tracked], felt: bool) -> SetHands:
+    def together(tracked: Iterable[TrackedHands], felt: bool) -> SetHands:
         """All clients' hands, with what is known of the newest of them."""
         all_of = list(tracked)
         if not all_of:
@@ -34,7 +34,7 @@ class Tracked(NamedTuple):
         return SetHands(hands, felt, newest.sequence, newest.sent, newest.received)
 
 
-def tracked(number: int, command: Hands, seen: float, now: float) -> Tracked:
+def track_hands(number: int, command: Hands, seen: float, now: float) -> TrackedHands:
     """The hands of the client of that number, seen at `seen` and received at `now` [s]. Raises WireError."""
     names: set[str] = set()
     hands: list[HandInfo] = []
@@ -46,7 +46,7 @@ def tracked(number: int, command: Hands, seen: float, now: float) -> Tracked:
         _check(hand, i)
         name = f"{name}@{number}"
         hands.append(HandInfo(hand.side, name, hand.joints, hand.radii, hand.velocities, seen))
-    return Tracked(tuple(hands), command.sequence, command.time, now)
+    return TrackedHands(tuple(hands), command.sequence, command.time, now)
 
 
 def _check(hand: HandFrame, index: int) -> None:

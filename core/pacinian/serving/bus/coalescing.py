@@ -35,7 +35,7 @@ class _Glance(Struct):
 _decoder = msgspec.msgpack.Decoder(_Glance)
 
 
-def newest(messages: list[Message]) -> tuple[list[Message], Counter[bytes]]:
+def coalesce(messages: list[Message]) -> tuple[list[Message], Counter[bytes]]:
     """Those that are to be done, in their order; how many of each session were replaced by another of its own.
 
     One that is to be answered is always done, and so is what cannot be read.

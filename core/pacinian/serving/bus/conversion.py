@@ -10,7 +10,7 @@ import msgspec
 
 from pacinian.errors import WireError, describe_error
 from pacinian.serving.bus.pending_changes import WRAPPED
-from pacinian.serving.bus.stored_object import made, refused
+from pacinian.serving.bus.stored_object import encode_object, make_error_reply
 from pacinian.wire.convert import envelope_to_scene
 from pacinian.wire.replies import Ok
 
@@ -19,27 +19,33 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.bus.shared_scene import Room
-    from pacinian.serving.bus.stored_object import Thing
+    from pacinian.serving.bus.shared_scene import SharedScene
+    from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.wire.replies import Reply
     from pacinian.wire.time import Envelope
 
-Converted = list[tuple["Thing", bytes]]
+Converted = list[tuple["StoredObject", bytes]]
 
 
 class Job(ABC):
     """What one command asks for that takes long. things: those that wait for it."""
 
-    def __init__(self, room: Room, things: list[Thing], client: Client, id: int) -> None:  # noqa: A002
-        self.room, self.things, self.client, self.id = room, things, client, id
+    def __init__(
+        self,
+        room: SharedScene,
+        things: list[StoredObject],
+        client: Client,
+        id: int,  # noqa: A002
+    ) -> None:
+        self.scene, self.objects, self.client, self.id = room, things, client, id
 
     def trim(self) -> bool:
         """Without what is gone, or has something newer in its place; whether anything is left."""
-        self.things = [thing for thing in self.things if self.awaited(thing)]
-        return bool(self.things)
+        self.objects = [thing for thing in self.objects if self.awaited(thing)]
+        return bool(self.objects)
 
     @abstractmethod
-    def awaited(self, thing: Thing) -> bool:
+    def awaited(self, thing: StoredObject) -> bool:
         """Whether this is still the newest that came for it."""
 
     @abstractmethod
@@ -47,7 +53,7 @@ class Job(ABC):
         """Convert for those that still wait. most: radiation pressure [Pa]. Raises WireError."""
 
     @abstractmethod
-    def take(self, thing: Thing, packed: bytes) -> None:
+    def take(self, thing: StoredObject, packed: bytes) -> None:
         """What came of it, for one that still waits."""
 
     @abstractmethod
@@ -55,53 +61,55 @@ class Job(ABC):
         """It cannot be meant."""
 
 
-class Objects(Job):
+class ObjectConversion(Job):
     """Objects that were put."""
 
-    def awaited(self, thing: Thing) -> bool:
+    def awaited(self, thing: StoredObject) -> bool:
         """Whether it is there, and not converted."""
         return thing.item is not None
 
     def work(self, most: float) -> Converted:
         """Convert those that are still there. Raises WireError."""
-        items = [(t, t.item) for t in self.things]
-        return [(t, made(t.name, item, t.seen, most)) for t, item in items if item is not None]
+        items = [(t, t.item) for t in self.objects]
+        return [
+            (t, encode_object(t.name, item, t.seen, most)) for t, item in items if item is not None
+        ]
 
-    def take(self, thing: Thing, packed: bytes) -> None:
+    def take(self, thing: StoredObject, packed: bytes) -> None:
         """It can be sent now."""
         thing.accept(packed)
 
     def fail(self) -> None:
         """None of them is there."""
-        self.room.drop(self.things)
+        self.scene.drop(self.objects)
 
 
-class Wraps(Job):
+class EnvelopeConversion(Job):
     """A new envelope for objects that are there."""
 
     def __init__(
-        self, room: Room, things: list[Thing], client: Client, id: int, envelope: Envelope  # noqa: A002
+        self, room: SharedScene, things: list[StoredObject], client: Client, id: int, envelope: Envelope  # noqa: A002
     ) -> None:  # fmt: skip
         super().__init__(room, things, client, id)
         self._envelope: Envelope = envelope
 
-    def awaited(self, thing: Thing) -> bool:
+    def awaited(self, thing: StoredObject) -> bool:
         """Whether no other came since."""
         return thing.wraps is self
 
     def work(self, most: float) -> Converted:
         """Convert it. Raises WireError."""
         packed = msgspec.msgpack.encode(envelope_to_scene(self._envelope))
-        return [(thing, packed) for thing in self.things]
+        return [(thing, packed) for thing in self.objects]
 
-    def take(self, thing: Thing, packed: bytes) -> None:
+    def take(self, thing: StoredObject, packed: bytes) -> None:
         """It has another envelope."""
         thing.wrap(packed)
-        self.room.news.new(thing.name, WRAPPED)
+        self.scene.pending.new(thing.name, WRAPPED)
 
     def fail(self) -> None:
         """They keep theirs."""
-        for thing in self.things:
+        for thing in self.objects:
             if self.awaited(thing):
                 thing.wrap(thing.wrapped)
 
@@ -123,7 +131,7 @@ class Converter:
         kept = deque([old for old in self._waiting if old.trim()])
         if len(kept) < len(self._waiting):
             for old in self._waiting:
-                if not old.things:
+                if not old.objects:
                     self._end(old, None)
         self._waiting = kept
         kept.append(job)
@@ -153,7 +161,7 @@ class Converter:
         except Exception as error:  # whatever it is, the bus goes on
             job.fail()
             wrong = error if isinstance(error, WireError) else WireError(describe_error(error), "$")
-            self._ended.append((job.client, refused(wrong, job.id)))
+            self._ended.append((job.client, make_error_reply(wrong, job.id)))
             return
         if job.id:
             self._ended.append((job.client, Ok(id=job.id)))

@@ -6,15 +6,15 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.admission import Client, Peers
-from pacinian.serving.bus.change_batcher import Outbox
-from pacinian.serving.bus.coalescing import newest
+from pacinian.serving.bus.admission import Client, PeerRateLimiter
+from pacinian.serving.bus.change_batcher import ChangeBatcher
+from pacinian.serving.bus.coalescing import coalesce
 from pacinian.serving.bus.conversion import Converter
-from pacinian.serving.bus.field_queries import Fields
-from pacinian.serving.bus.scene_snapshot import shown
-from pacinian.serving.bus.shared_scene import Refusal, Room
-from pacinian.serving.bus.stored_object import refused
-from pacinian.serving.ipc.messages import Traffic
+from pacinian.serving.bus.field_queries import FieldQueries
+from pacinian.serving.bus.scene_snapshot import make_snapshot
+from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
+from pacinian.serving.bus.stored_object import make_error_reply
+from pacinian.serving.ipc.messages import BusStatus
 from pacinian.wire.codec import decode_command, id_of
 from pacinian.wire.commands import Field, Show
 from pacinian.wire.replies import Error, Ok
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.array import Array
     from pacinian.serving.bus.coalescing import Message
-    from pacinian.serving.ipc.logs import Sparse
-    from pacinian.serving.ipc.messages import SessionInfo, Sessions
+    from pacinian.serving.ipc.logs import RateLimitedLog
+    from pacinian.serving.ipc.messages import SessionInfo, SessionTable
     from pacinian.serving.settings import Settings
     from pacinian.types import Gains
     from pacinian.wire.commands import AnyCommand
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 PEERS = 4  # connections that are remembered, for each client that there may be
 
 
-class Desk:
+class CommandDispatcher:
     """All sessions, scenes and queries. replies: to be sent, to which connection.
 
     run: random, tells this bus from the one before. reread: tells of the sessions anew. emitted: gains and time of
@@ -47,38 +47,38 @@ class Desk:
         settings: Settings,
         array: Array,
         run: int,
-        reread: Callable[[], Sessions | None],
+        reread: Callable[[], SessionTable | None],
         emitted: Callable[[], tuple[Gains, float]],
-        log: Sparse,
+        log: RateLimitedLog,
         executor: Executor,
     ) -> None:
-        self.outbox = Outbox(run)
-        self.fields = Fields(array, settings.medium.make())
+        self.batcher = ChangeBatcher(run)
+        self.queries = FieldQueries(array, settings.medium.make())
         self.converter = Converter(settings.safety.pressure, executor)
         self.replies: list[tuple[bytes, Reply]] = []
-        self.rooms: dict[str, Room] = {}
+        self.scenes: dict[str, SharedScene] = {}
         self.clients: dict[bytes, Client] = {}
         self.received = self.refused = 0
         self._settings, self._run = settings, run
         self._reread, self._emitted, self._log = reread, emitted, log
         self._superseded = 0  # in scenes that are gone
-        self._peers = Peers(settings.clients.rate, PEERS * settings.clients.most)
+        self._peers = PeerRateLimiter(settings.clients.rate, PEERS * settings.clients.most)
         self._numbers = 0
 
-    def sessions(self, sessions: Sessions) -> None:
+    def sessions(self, sessions: SessionTable) -> None:
         """Who may send commands from now on, and whose scene is felt; none's leaves it with the last."""
         here = {info.key: info for info in sessions.sessions}
         for key in [key for key in self.clients if key not in here]:
             self._leave(self.clients.pop(key))
         for key in here.keys() - self.clients.keys():
             self._join(here[key])
-        if sessions.owned in self.rooms:
-            self.outbox.feel(self.rooms[sessions.owned])
+        if sessions.owned in self.scenes:
+            self.batcher.feel(self.scenes[sessions.owned])
 
     def messages(self, messages: list[Message]) -> None:
         """Messages of authenticated connections, in the order in which they came."""
         self.received += len(messages)
-        kept, replaced = newest([one for one in messages if self._may(one)])
+        kept, replaced = coalesce([one for one in messages if self._may(one)])
         for message in kept:
             with self.going_on("message"):
                 self._message(*message)
@@ -121,24 +121,24 @@ class Desk:
 
     def round(self, now: float) -> None:
         """What time brings, and what was found out while sending."""
-        for room in self.rooms.values():
+        for room in self.scenes.values():
             with self.going_on("expiry"):
                 room.expire(now)
-        errors = self.outbox.errors[:]
-        self.outbox.errors.clear()
+        errors = self.batcher.errors[:]
+        self.batcher.errors.clear()
         for client, error in errors:
             self._answer(client, error, now)
         with self.going_on("conversion"):
             for client, reply in self.converter.round():
                 self._answer(client, reply, now)
         with self.going_on("field"):
-            answer = self.fields.step()
+            answer = self.queries.step()
             if answer is not None:
                 self._answer(*answer, now)
 
-    def traffic(self, now: float, port: int) -> Traffic:
+    def traffic(self, now: float, port: int) -> BusStatus:
         """How the bus is."""
-        return Traffic(
+        return BusStatus(
             run=self._run,
             beat=now,
             clients={
@@ -146,9 +146,9 @@ class Desk:
                 for key, c in self.clients.items()
             },
             received=self.received,
-            superseded=self._superseded + sum(r.news.superseded for r in self.rooms.values()),
+            superseded=self._superseded + sum(r.pending.superseded for r in self.scenes.values()),
             refused=self.refused,
-            waiting=len(self.outbox.room.news) if self.outbox.room is not None else 0,
+            waiting=len(self.batcher.scene.pending) if self.batcher.scene is not None else 0,
             port=port,
         )
 
@@ -162,19 +162,19 @@ class Desk:
     def _join(self, info: SessionInfo) -> None:
         self._numbers += 1
         client = self.clients[info.key] = Client(info, self._numbers)
-        room = self.rooms.get(info.scene)
+        room = self.scenes.get(info.scene)
         if room is None:
-            room = self.rooms[info.scene] = Room(self._settings, self.converter, info.scene)
+            room = self.scenes[info.scene] = SharedScene(self._settings, self.converter, info.scene)
         room.clients.add(client)
 
     def _leave(self, client: Client) -> None:
-        room = self.rooms[client.info.scene]
+        room = self.scenes[client.info.scene]
         room.clear(client)
         room.clients.discard(client)
-        self.fields.forget(client)
+        self.queries.forget(client)
         if not room.clients:
-            self._superseded += room.news.superseded
-            del self.rooms[client.info.scene]
+            self._superseded += room.pending.superseded
+            del self.scenes[client.info.scene]
 
     def _do(self, client: Client, command: AnyCommand, now: float, size: int) -> Reply | None:
         error = client.admit(command, now)
@@ -182,17 +182,17 @@ class Desk:
             return error
         try:
             if isinstance(command, Field):
-                return self.fields.ask(client, command, self._emitted())
+                return self.queries.ask(client, command, self._emitted())
             if isinstance(command, Show):
-                return shown(self.outbox.room, command)
-            room = self.rooms[client.info.scene]
+                return make_snapshot(self.batcher.scene, command)
+            room = self.scenes[client.info.scene]
             if not room.do(client, command, now - client.age, now, size):
                 return None
-        except Refusal as refusal:
+        except CommandRejected as refusal:
             message = f"{refusal}"[:1000]
             return Error(id=command.id, code=refusal.code, message=message, path=refusal.path[:200])
         except WireError as wrong:
-            return refused(wrong, command.id)
+            return make_error_reply(wrong, command.id)
         except Exception:  # of ours: the others' commands go on
             self._log.exception("fault: command")
             return Error(id=command.id, code="fault", message="the server failed at this command")

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import CHUNK, field
-from pacinian.checks import near, numbers
+from pacinian.checks import check_near, check_numbers
 from pacinian.errors import ArgumentError, WireError, describe_error
 from pacinian.plugins.backend import Frame
 from pacinian.serving.ipc.messages import HEAD, FrameHead
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.replies import Error, Pressures
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Capability
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.ipc.messages import Device
+    from pacinian.serving.ipc.messages import DeviceStatus
     from pacinian.types import Floats, Gains
     from pacinian.wire.commands import Field
     from pacinian.wire.replies import Reply
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Answer = tuple["Client", "Reply"]
 
 
-class Emitted:
+class EmittedGains:
     """The gains that the device emits, from the frame and what is known of the device."""
 
     def __init__(self, transducers: int) -> None:
@@ -37,7 +37,7 @@ class Emitted:
         self._devices: dict[int, Capability] = {}
         self._sounding = False
 
-    def device(self, device: Device) -> None:
+    def device(self, device: DeviceStatus) -> None:
         """How the device is: its levels are those of the next one, if there is one."""
         known, generation = self._devices, device.next or device.generation
         levels = known.get(generation) or device.capability
@@ -63,7 +63,7 @@ class Emitted:
         return Frame(head.sequence, head.time, phase, amplitude).gains(capability)[0], head.time
 
 
-class Fields:
+class FieldQueries:
     """Queries, at most one of a client at a time; each in turn has a slice worked off."""
 
     def __init__(self, array: Array, medium: Air) -> None:
@@ -82,8 +82,8 @@ class Fields:
             problem = "the last query is not answered yet"
             return Error(id=query.id, code="busy", message=problem, advice="wait for its answer")
         try:
-            points = numbers("points", unpack(query.points, 3), (None, 3))
-            near("points", points, self._array.centre)
+            points = check_numbers("points", unpack(query.points, 3), (None, 3))
+            check_near("points", points, self._array.centre)
         except ArgumentError as error:
             raise WireError(describe_error(error), "$.points") from error
         self._running[client] = self._work(points, query.id, *emitted)

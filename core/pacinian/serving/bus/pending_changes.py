@@ -9,7 +9,7 @@ from __future__ import annotations
 MOVED, WRAPPED, REMOVED = 1, 2, 4  # flags: what is new of an object that the renderer has
 
 
-class News:
+class PendingChanges:
     """Names by what is new.
 
     light: of objects that the renderer has. puts: of those it has not, in order; true where it still has another

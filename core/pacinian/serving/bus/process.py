@@ -22,14 +22,14 @@ import zmq
 
 from pacinian.errors import ServerError
 from pacinian.serving.bus.coalescing import Message
-from pacinian.serving.bus.dispatcher import Desk
-from pacinian.serving.bus.field_queries import Emitted
-from pacinian.serving.bus.warmup import warm
+from pacinian.serving.bus.dispatcher import CommandDispatcher
+from pacinian.serving.bus.field_queries import EmittedGains
+from pacinian.serving.bus.warmup import warm_up
 from pacinian.serving.ipc import child_process, scheduling
-from pacinian.serving.ipc.auth import Gate, received
-from pacinian.serving.ipc.logs import Sparse, configure
-from pacinian.serving.ipc.messages import Changes, Device, Sessions, Taken, pack
-from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.auth import Authenticator, receive
+from pacinian.serving.ipc.logs import RateLimitedLog, configure
+from pacinian.serving.ipc.messages import Changes, ChangesAck, DeviceStatus, SessionTable, pack
+from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.wire.codec import encode
 
 if TYPE_CHECKING:
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
-MOST, LARGE = 2048, 4 << 20  # messages in one round, and bytes
-LONG = 0.002  # [s] that it may take to receive them
+MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # messages in one round, and bytes
+MAX_RECEIVE_TIME = 0.002  # [s] that it may take to receive them
 APART = 3e-4  # [s] from round to round, at least: what comes one by one is then taken together
 SOON, LATER = 1, 5  # [ms] to wait for messages: while something is to be taken, and otherwise
 SWITCH = 2e-4  # [s] that an object which is converted may hold up the rest
@@ -54,14 +54,14 @@ QUEUE = 256  # messages of one client that wait here
 
 
 class Bus:
-    """Joins a desk to its socket and to the shared memory. Times are of `clock` [s]."""
+    """Joins the dispatcher to its socket and to the shared memory. Times are of `clock` [s]."""
 
     def __init__(
         self,
         settings: Settings,
         array: Array,
         socket: zmq.Socket[bytes],
-        memory: Mapping[str, Latest],
+        memory: Mapping[str, SharedRegister],
         name: Callable[[str], str],
         executor: Executor,
         clock: Callable[[], float] = time.perf_counter,
@@ -69,9 +69,11 @@ class Bus:
         self.port = int(socket.getsockopt_string(zmq.LAST_ENDPOINT).rpartition(":")[2])
         self._socket, self._memory, self._name, self._clock = socket, memory, name, clock
         self._seen: dict[str, int] = dict.fromkeys(FILES, 0)
-        self._emitted = Emitted(len(array))
+        self._emitted = EmittedGains(len(array))
         run = random.getrandbits(62) + 1
-        self.desk = Desk(settings, array, run, self._sessions, self._gains, Sparse(clock), executor)
+        self.dispatcher = CommandDispatcher(
+            settings, array, run, self._sessions, self._gains, RateLimitedLog(clock), executor
+        )
         self._poller = zmq.Poller()
         self._poller.register(socket, zmq.POLLIN)
         self._told = -TELL  # [s]
@@ -86,45 +88,47 @@ class Bus:
         if begin < self._begun + APART:
             time.sleep(self._begun + APART - begin)
         self._begun = self._clock()
-        outbox = self.desk.outbox
-        wait = 0 if self._busy else SOON if outbox.waits or len(self.desk.converter) else LATER
+        outbox = self.dispatcher.batcher
+        wait = (
+            0 if self._busy else SOON if outbox.waits or len(self.dispatcher.converter) else LATER
+        )
         if self._poller.poll(wait):
             self._take()
-        with self.desk.going_on("sessions"):
+        with self.dispatcher.going_on("sessions"):
             if (sessions := self._sessions()) is not None:
-                self.desk.sessions(sessions)
-        with self.desk.going_on("publishing"):
+                self.dispatcher.sessions(sessions)
+        with self.dispatcher.going_on("publishing"):
             self._publish()
-        self.desk.round(self._clock())
+        self.dispatcher.round(self._clock())
         self._reply()
         if self._clock() - self._told >= TELL:
             self.tell()
-        self._busy = len(self.desk.fields) > 0
+        self._busy = len(self.dispatcher.queries) > 0
 
     def tell(self) -> None:
         """Report to control."""
         now = self._clock()
-        with self.desk.going_on("device"):
-            self._new("device", Device, self._emitted.device)
-        self._memory["traffic"].write(pack(self.desk.traffic(now, self.port)))
+        with self.dispatcher.going_on("device"):
+            self._new("device", DeviceStatus, self._emitted.device)
+        self._memory["traffic"].write(pack(self.dispatcher.traffic(now, self.port)))
         self._told = now
 
     def _take(self) -> None:
         """All that has come, at once: what is replaced by something newer then costs next to nothing."""
         messages: list[Message] = []
-        end, size = self._clock() + LONG, 0
-        while len(messages) < MOST and size < LARGE and (now := self._clock()) < end:
-            taken = received(self._socket)
+        end, size = self._clock() + MAX_RECEIVE_TIME, 0
+        while len(messages) < MAX_ROUND_MESSAGES and size < LARGE and (now := self._clock()) < end:
+            taken = receive(self._socket)
             if taken is None:
                 break
             peer, user, data = taken
             messages.append(Message(peer, self._name(user), data, now))
             size += len(data)
-        self.desk.messages(messages)
+        self.dispatcher.messages(messages)
 
     def _publish(self) -> None:
-        outbox = self.desk.outbox
-        self._new("taken", Taken, outbox.taken)
+        outbox = self.dispatcher.batcher
+        self._new("taken", ChangesAck, outbox.taken)
         if (changes := outbox.next()) is not None:
             try:
                 self._memory["changes"].write(pack(changes))
@@ -133,19 +137,19 @@ class Bus:
                 raise
 
     def _reply(self) -> None:
-        replies = self.desk.replies[:]
-        self.desk.replies.clear()
+        replies = self.dispatcher.replies[:]
+        self.dispatcher.replies.clear()
         for peer, reply in replies:
-            with self.desk.going_on("reply"), contextlib.suppress(zmq.Again):
+            with self.dispatcher.going_on("reply"), contextlib.suppress(zmq.Again):
                 self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
 
-    def _sessions(self) -> Sessions | None:
-        new: list[Sessions] = []
-        self._new("sessions", Sessions, new.append)
+    def _sessions(self) -> SessionTable | None:
+        new: list[SessionTable] = []
+        self._new("sessions", SessionTable, new.append)
         return new[0] if new else None
 
     def _gains(self) -> tuple[Gains, float]:
-        self._new("device", Device, self._emitted.device)
+        self._new("device", DeviceStatus, self._emitted.device)
         read = self._memory["frame"].read()
         return self._emitted.gains(b"" if read is None else read[1])
 
@@ -158,16 +162,16 @@ class Bus:
 
 
 @contextlib.contextmanager
-def opened(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generator[Bus]:
+def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generator[Bus]:
     """The bus of these settings; its socket is closed at the end. Raises ServerError if its port is taken."""
     array = settings.array.make()
-    warm(array, settings.medium.make())
+    warm_up(array, settings.medium.make())
     with contextlib.ExitStack() as stack:
-        memory: dict[str, Latest] = {
-            name: stack.enter_context(Latest.attach(folder / name)) for name in FILES
+        memory: dict[str, SharedRegister] = {
+            name: stack.enter_context(SharedRegister.attach(folder / name)) for name in FILES
         }
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        gate = stack.enter_context(Gate(context, secrets, settings.security.keys))
+        gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
         gate.protect(socket, settings.clients.command_bytes)
         socket.router_mandatory = False  # whoever has gone gets no reply
@@ -188,12 +192,12 @@ def opened(settings: Settings, folder: Path, secrets: dict[str, str]) -> Generat
 def main() -> None:
     """Run until the parent goes, or tells it to."""
     ended = threading.Event()
-    told = child_process.begin(ended.set)
+    told = child_process.read_launch_config(ended.set)
     configure(told.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
     # before clients that send too much, but not before the renderer
-    scheduling.urgent(scheduling.EAGER - 1)
-    with opened(told.settings, told.path, told.secrets) as bus:
+    scheduling.raise_priority(scheduling.EAGER - 1)
+    with open_bus(told.settings, told.path, told.secrets) as bus:
         gc.collect()
         gc.freeze()
         while not ended.is_set():

@@ -9,12 +9,12 @@ from msgspec import Raw
 from msgspec.msgpack import Encoder
 
 from pacinian.errors import WireError
-from pacinian.wire.protocol import LONGEST_REPLY, MOST_SHOWN
+from pacinian.wire.protocol import MAX_REPLY_BYTES, MAX_SHOWN
 from pacinian.wire.replies import Shown
 
 if TYPE_CHECKING:
-    from pacinian.serving.bus.shared_scene import Room
-    from pacinian.serving.bus.stored_object import Thing
+    from pacinian.serving.bus.shared_scene import SharedScene
+    from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.wire.commands import Show
     from pacinian.wire.objects import Object
 
@@ -24,26 +24,26 @@ HEAD, NAMED = 512, 4  # [bytes] of an answer, and before a name or object, at mo
 _encoder = Encoder()
 
 
-def shown(room: Room | None, asked: Show) -> Shown:
+def make_snapshot(room: SharedScene | None, asked: Show) -> Shown:
     """What is new of a scene, and all poses. Raises WireError."""
     if not asked.id:
         raise WireError("must not be 0: a scene is asked for its answer", "$.id")
     if room is None:
         return Shown(id=asked.id, scene="", version=0, names=(), poses=b"", objects={})
     since = asked.since if asked.scene == room.name else 0
-    things = list(islice(room.things.values(), MOST_SHOWN))
+    things = list(islice(room.objects.values(), MAX_SHOWN))
     names = tuple(thing.name for thing in things)
     poses = b"".join([thing.pose() for thing in things])
     taken = HEAD + len(poses) + sum(NAMED + len(name.encode()) for name in names)
     new = sorted((t for t in things if t.number > since), key=lambda t: t.number)
-    objects, version = _objects(new, LONGEST_REPLY - taken)
+    objects, version = _objects(new, MAX_REPLY_BYTES - taken)
     return Shown(
         id=asked.id, scene=room.name, version=max(since, version), names=names, poses=poses,
         objects=objects,
     )  # fmt: skip
 
 
-def _objects(things: list[Thing], most: int) -> tuple[dict[str, Object], int]:
+def _objects(things: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
     """The first of these, encoded, so many as have room in `most` [bytes]; and the number of the last."""
     made: dict[str, Raw] = {}
     size, version = 0, 0

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.client_hands import Tracked, tracked
-from pacinian.serving.bus.conversion import Objects, Wraps
-from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, News
+from pacinian.serving.bus.client_hands import TrackedHands, track_hands
+from pacinian.serving.bus.conversion import EnvelopeConversion, ObjectConversion
+from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, PendingChanges
 from pacinian.serving.bus.stored_object import (
     AT_ONCE,
-    HEAVY,
-    Thing,
-    bulk,
+    HEAVY_BYTES,
+    StoredObject,
     check_poses,
-    refused,
-    too_strong,
+    count_bulk_bytes,
+    make_error_reply,
+    reject_strength,
 )
-from pacinian.serving.ipc.messages import SetQuiet, scene_number
+from pacinian.serving.ipc.messages import SetQuiet, number_scene
 from pacinian.wire.commands import Clear, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import envelope_to_scene
 
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand, Zone
     from pacinian.wire.replies import Code, Error
 
-MEMORY = 16 << 20  # [bytes] of what one client has put
+MAX_CLIENT_BYTES = 16 << 20  # [bytes] of what one client has put
 QUIET = 16  # zones of one scene's clients
 
 
-class Refusal(Exception):
+class CommandRejected(Exception):
     """A command that is not done."""
 
     def __init__(self, code: Code, problem: str, path: str) -> None:
@@ -48,20 +48,20 @@ class Refusal(Exception):
         self.path = path
 
 
-class Room:
+class SharedScene:
     """One scene: objects in the order in which they came. felt: whether by hands only, once any were tracked.
 
     number: of the scene, as permits have it.
     """
 
     def __init__(self, settings: Settings, converter: Converter, name: str = "") -> None:
-        self.name, self.number = name, scene_number(name)
-        self.things: dict[str, Thing] = {}
-        self.hands: dict[Client, Tracked] = {}
+        self.name, self.number = name, number_scene(name)
+        self.objects: dict[str, StoredObject] = {}
+        self.hands: dict[Client, TrackedHands] = {}
         self.zones: dict[Client, tuple[Zone, ...]] = {}
         self.clients: set[Client] = set()
         self.felt = False
-        self.news = News()
+        self.pending = PendingChanges()
         self._settings, self._converter = settings, converter
         self._ends: list[tuple[float, str]] = []  # a heap of times at which objects may be over
 
@@ -75,9 +75,9 @@ class Room:
         elif isinstance(command, Put):
             return self._put(client, command, seen, size)
         elif isinstance(command, Hands):
-            self.hands[client] = tracked(client.number, command, seen, now)
+            self.hands[client] = track_hands(client.number, command, seen, now)
             self.felt = True
-            self.news.hand()
+            self.pending.hand()
         elif isinstance(command, Remove):
             self._remove(command.names)
         elif isinstance(command, Envelopes):
@@ -90,40 +90,40 @@ class Room:
 
     def clear(self, client: Client) -> None:
         """Without all that this client has put, tracks, and wants to be quiet."""
-        self._remove([thing.name for thing in self.things.values() if thing.owner is client])
+        self._remove([thing.name for thing in self.objects.values() if thing.owner is client])
         if self.hands.pop(client, None) is not None:
-            self.news.hand()
+            self.pending.hand()
         if self.zones.pop(client, None) is not None:
-            self.news.quiet = True
+            self.pending.quiet = True
 
     def expire(self, now: float) -> None:
         """Without objects whose time is over."""
         while self._ends and self._ends[0][0] <= now:
             _, name = heappop(self._ends)
-            thing = self.things.get(name)
+            thing = self.objects.get(name)
             if thing is not None and thing.until is not None and thing.until <= now:
                 self._remove([name])
 
-    def has(self, thing: Thing) -> bool:
+    def has(self, thing: StoredObject) -> bool:
         """Whether it is there still."""
-        return self.things.get(thing.name) is thing
+        return self.objects.get(thing.name) is thing
 
-    def drop(self, things: list[Thing]) -> None:
+    def drop(self, things: list[StoredObject]) -> None:
         """Without those of these objects that are there still."""
         self._remove([thing.name for thing in things if self.has(thing)])
 
-    def pack(self, thing: Thing) -> Error | None:
+    def pack(self, thing: StoredObject) -> Error | None:
         """Convert an object; one that cannot be meant is gone, and the error is its client's."""
         try:
             thing.pack(self._settings.safety.pressure)
         except WireError as error:
             self._remove([thing.name])
-            return refused(error)
+            return make_error_reply(error)
         return None
 
     def all_hands(self) -> SetHands:
         """Of all clients."""
-        return Tracked.together(self.hands.values(), self.felt)
+        return TrackedHands.together(self.hands.values(), self.felt)
 
     def all_quiet(self) -> SetQuiet:
         """The installation's zones, and those of all clients."""
@@ -133,7 +133,7 @@ class Room:
 
     def _put(self, client: Client, command: Put, seen: float, size: int) -> bool:
         most = self._settings.safety.pressure
-        things = [Thing(name, item, client, seen) for name, item in command.objects.items()]
+        things = [StoredObject(name, item, client, seen) for name, item in command.objects.items()]
         rest = max(0, size - sum(thing.size for thing in things))
         for thing in things:
             thing.size += rest // len(things)
@@ -142,7 +142,7 @@ class Room:
         for thing in things:
             item = thing.item
             if item is not None and (item.radiation_pressure or 0.0) > most:
-                raise too_strong(thing.name, item, item.radiation_pressure or 0.0, most)
+                raise reject_strength(thing.name, item, item.radiation_pressure or 0.0, most)
         heavy = [thing for thing in things if thing.heavy]
         for thing in things if command.id else ():
             if not thing.heavy:
@@ -150,36 +150,36 @@ class Room:
         for thing in things:
             self._place(thing)
         if heavy:
-            self._converter.ask(Objects(self, heavy, client, command.id))
-        if len(self._ends) > 2 * len(self.things) + 64:  # most of these were put anew
-            self._ends = [(t.until, t.name) for t in self.things.values() if t.until is not None]
+            self._converter.ask(ObjectConversion(self, heavy, client, command.id))
+        if len(self._ends) > 2 * len(self.objects) + 64:  # most of these were put anew
+            self._ends = [(t.until, t.name) for t in self.objects.values() if t.until is not None]
             heapify(self._ends)
         return not heavy
 
-    def _make_room(self, client: Client, things: list[Thing]) -> None:
+    def _make_room(self, client: Client, things: list[StoredObject]) -> None:
         limits = self._settings.clients
-        old = [old for thing in things if (old := self.things.get(thing.name))]
+        old = [old for thing in things if (old := self.objects.get(thing.name))]
         own = [thing for thing in old if thing.owner is client]
         for have, most, whose in (
             (client.objects - len(own), limits.per_client, "of one client"),
-            (len(self.things) - len(old), limits.objects, "of one scene"),
+            (len(self.objects) - len(old), limits.objects, "of one scene"),
         ):
             if have + len(things) > most:
-                raise Refusal("limit", f"would be more than {most} {whose}", "$.objects")
+                raise CommandRejected("limit", f"would be more than {most} {whose}", "$.objects")
         held = client.bytes + sum(t.size for t in things) - sum(t.size for t in own)
-        if held > MEMORY:
-            raise full("$.objects")
+        if held > MAX_CLIENT_BYTES:
+            raise reject_full("$.objects")
 
-    def _place(self, thing: Thing) -> None:
-        old = self.things.get(thing.name)
+    def _place(self, thing: StoredObject) -> None:
+        old = self.objects.get(thing.name)
         if old is not None:
             _count(old, -1)
             old.leave()
         _count(thing, 1)
-        self.things[thing.name] = thing
+        self.objects[thing.name] = thing
         if thing.until is not None:
             heappush(self._ends, (thing.until, thing.name))
-        self.news.put(thing.name, there=old is not None)
+        self.pending.put(thing.name, there=old is not None)
 
     def _move(self, command: Move, seen: float) -> None:
         check_poses(command)
@@ -187,67 +187,72 @@ class Room:
         for i, thing in self._those(command.names):
             pose, velocity = poses[28 * i : 28 * i + 28], velocities[24 * i : 24 * i + 24]
             thing.moved = pose, velocity, seen
-            self.news.new(thing.name, MOVED)
+            self.pending.new(thing.name, MOVED)
         self._all_there(command.names)
 
     def _wrap(self, client: Client, command: Envelopes) -> bool:
-        things, size = [thing for _, thing in self._those(command.names)], bulk(command.envelope)
-        heavy, envelope = size > HEAVY, b""
+        things, size = (
+            [thing for _, thing in self._those(command.names)],
+            count_bulk_bytes(command.envelope),
+        )
+        heavy, envelope = size > HEAVY_BYTES, b""
         if not heavy:
             envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
             size = len(envelope)
         more: Counter[Client] = Counter()
         for thing in things:
             more[thing.owner] += size - (thing.waits if heavy else len(thing.wrapped) + thing.waits)
-        if any(owner.bytes + bytes_ > MEMORY for owner, bytes_ in more.items()):
-            raise full("$.names")
+        if any(owner.bytes + bytes_ > MAX_CLIENT_BYTES for owner, bytes_ in more.items()):
+            raise reject_full("$.names")
         if heavy:
             ident = command.id if len(things) == len(command.names) else 0
-            job = Wraps(self, things, client, ident, command.envelope)
+            job = EnvelopeConversion(self, things, client, ident, command.envelope)
             for thing in things:
                 thing.wrap(thing.wrapped, job, size)
             self._converter.ask(job)
         else:
             for thing in things:
                 thing.wrap(envelope)
-                self.news.new(thing.name, WRAPPED)
+                self.pending.new(thing.name, WRAPPED)
         self._all_there(command.names)
         return not heavy
 
-    def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, Thing]]:
+    def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):
-            thing = self.things.get(name)
+            thing = self.objects.get(name)
             if thing is not None:
                 yield i, thing
 
     def _all_there(self, names: tuple[str, ...]) -> None:
         for i, name in enumerate(names):
-            if name not in self.things:
+            if name not in self.objects:
                 problem = f"there is no object {name!r}; the others are done"
-                raise Refusal("unknown", problem, f"$.names[{i}]")
+                raise CommandRejected("unknown", problem, f"$.names[{i}]")
 
     def _remove(self, names: Iterable[str]) -> None:
         for name in names:
-            thing = self.things.pop(name, None)
+            thing = self.objects.pop(name, None)
             if thing is not None:
                 _count(thing, -1)
                 thing.leave()
-                self.news.removed(name)
+                self.pending.removed(name)
 
     def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
         others = sum(len(given) for who, given in self.zones.items() if who is not client)
         if others + len(zones) > QUIET:
-            raise Refusal("limit", f"would be more than {QUIET} zones in all", "$.zones")
+            raise CommandRejected("limit", f"would be more than {QUIET} zones in all", "$.zones")
         self.zones[client] = zones
-        self.news.quiet = True
+        self.pending.quiet = True
 
 
-def full(path: str) -> Refusal:
+def reject_full(path: str) -> CommandRejected:
     """Why there is no memory for more."""
-    return Refusal("limit", f"would take more than {MEMORY >> 20} MiB for one client", path)
+    return CommandRejected(
+        "limit", f"would take more than {MAX_CLIENT_BYTES >> 20} MiB for one client", path
+    )
 
 
-def _count(thing: Thing, by: int) -> None:
+def _count(thing: StoredObject, by: int) -> None:
     thing.placed = by > 0
     thing.owner.objects += by
     thing.owner.bytes += by * thing.size

@@ -28,17 +28,17 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.bus.conversion import Wraps
+    from pacinian.serving.bus.conversion import EnvelopeConversion
     from pacinian.wire.commands import Move
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
 
-WIDEST = 1e-3  # [m^2]: a force is refused if even a focus so large were too strong; the renderer limits the rest
-HEAVY = 1 << 11  # [bytes] of bulk; what has more takes long to convert: above 0.1 ms
+MAX_FOCAL_AREA = 1e-3  # [m^2]: a force that is too strong even on a focus so large is refused; others are limited
+HEAVY_BYTES = 1 << 11  # [bytes] of bulk from which conversion takes above 0.1 ms
 AT_ONCE = 16  # objects that are converted one after another while commands wait
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference  # however small they are
-LARGEST = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
-FARTHEST, FASTEST, UNIT = (
+MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # [bytes] of one object, encoded
+MAX_COORDINATE, MAX_SPEED, UNIT = (
     10.0,
     100.0,
     0.01,
@@ -50,7 +50,7 @@ POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Stru
 NUMBERS = itertools.count(1)
 
 
-class Thing:
+class StoredObject:
     """An object by its name. owner: who put it last. size: what it takes [bytes], but for its share of the message.
 
     number: counts all things. sent: what it was put as.
@@ -61,7 +61,7 @@ class Thing:
     """
 
     def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
-        self.name, self.owner, self.size, self.seen = name, owner, bulk(item), seen
+        self.name, self.owner, self.size, self.seen = name, owner, count_bulk_bytes(item), seen
         self.item: Object | None = item
         self.sent, self.number = item, next(NUMBERS)
         self.packed, self.placed = b"", False
@@ -69,10 +69,10 @@ class Thing:
         self.until = None if item.duration is None else seen + item.duration
         self.moved: tuple[bytes, bytes, float] | None = None
         self.wrapped = b""
-        self.wraps: Wraps | None = None
+        self.wraps: EnvelopeConversion | None = None
         self.waits = 0
         shape = item.shape if isinstance(item, (Surface, Volume)) else None
-        self.slow = isinstance(shape, SLOW) or self.size > HEAVY
+        self.slow = isinstance(shape, SLOW) or self.size > HEAVY_BYTES
 
     @property
     def heavy(self) -> bool:
@@ -82,13 +82,13 @@ class Thing:
     def pack(self, most: float) -> bytes:
         """The object, encoded. most: radiation pressure [Pa]. Raises WireError, TooStrong."""
         if self.item is not None:
-            self.accept(made(self.name, self.item, self.seen, most))
+            self.accept(encode_object(self.name, self.item, self.seen, most))
         return self.packed
 
     def accept(self, packed: bytes) -> None:
         """What it was converted to; it counts while it has an owner."""
         self.packed, self.item = packed, None
-        more = len(packed) + len(self.wrapped) + self.waits + bulk(self.sent)
+        more = len(packed) + len(self.wrapped) + self.waits + count_bulk_bytes(self.sent)
         self.grow(more - self.size)
 
     def grow(self, more: int) -> None:
@@ -97,7 +97,9 @@ class Thing:
         if self.placed:
             self.owner.bytes += more
 
-    def wrap(self, envelope: bytes, wraps: Wraps | None = None, waits: int = 0) -> None:
+    def wrap(
+        self, envelope: bytes, wraps: EnvelopeConversion | None = None, waits: int = 0
+    ) -> None:
         """Another envelope; wraps: makes yet another, of so many bytes."""
         self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
         self.wrapped, self.wraps, self.waits = envelope, wraps, waits
@@ -131,7 +133,7 @@ class Thing:
         )
 
 
-def bulk(value: object) -> int:
+def count_bulk_bytes(value: object) -> int:
     """Of a wire object: bulk numbers in it [bytes]."""
     if isinstance(value, bytes):
         return len(value)
@@ -140,22 +142,22 @@ def bulk(value: object) -> int:
         parts = [getattr(value, name) for name in value.__struct_fields__]
     elif isinstance(value, tuple):
         parts = cast("tuple[object, ...]", value)
-    return sum([bulk(part) for part in parts if type(part) not in SCALARS])
+    return sum([count_bulk_bytes(part) for part in parts if type(part) not in SCALARS])
 
 
-def made(name: str, item: Object, seen: float, most: float) -> bytes:
+def encode_object(name: str, item: Object, seen: float, most: float) -> bytes:
     """An object of `pacinian.scene`, encoded. Raises WireError; TooStrong above `most` [Pa]."""
     try:
         scene = to_scene(name, item, time=seen)
-        pressure = (scene.force or 0.0) / WIDEST if scene.focal else scene.pressure
+        pressure = (scene.force or 0.0) / MAX_FOCAL_AREA if scene.focal else scene.pressure
     except WireError:
         raise
     except Exception as error:  # whatever a shape makes of odd numbers, the bus goes on
         raise WireError(describe_error(error), f"$.objects[{name}]") from error
     if pressure > most:
-        raise too_strong(name, item, pressure, most)
+        raise reject_strength(name, item, pressure, most)
     packed = msgspec.msgpack.encode(scene)
-    if len(packed) > LARGEST:
+    if len(packed) > MAX_OBJECT_BYTES:
         raise WireError("is too large: keep to fewer numbers", f"$.objects[{name}]")
     return packed
 
@@ -164,13 +166,13 @@ class TooStrong(WireError):
     """More radiation pressure than the server allows."""
 
 
-def refused(error: WireError, id: int = 0) -> Error:  # noqa: A002
+def make_error_reply(error: WireError, id: int = 0) -> Error:  # noqa: A002
     """The reply to a command that cannot be meant, or asks too much."""
     code: Code = "limit" if isinstance(error, TooStrong) else "argument"
     return Error(id=id, code=code, message=error.problem[:1000], path=error.path[:200])
 
 
-def too_strong(name: str, item: Object, pressure: float, most: float) -> TooStrong:
+def reject_strength(name: str, item: Object, pressure: float, most: float) -> TooStrong:
     """Why an object is refused."""
     field = "force" if item.radiation_pressure is None else "radiation_pressure"
     return TooStrong(
@@ -185,6 +187,6 @@ def check_poses(command: Move) -> None:
         if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT:
             raise WireError("must have a unit quaternion (x, y, z, w)", f"$.poses[{i}]")
     for i, (x, y, z) in enumerate(VECTOR.iter_unpack(command.velocities)):
-        if x * x + y * y + z * z > FASTEST * FASTEST:
-            problem = f"must be at most {FASTEST:g} m/s, and rad/s"
+        if x * x + y * y + z * z > MAX_SPEED * MAX_SPEED:
+            problem = f"must be at most {MAX_SPEED:g} m/s, and rad/s"
             raise WireError(problem, f"$.velocities[{i // 2}]")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # [m]
 
 
-def warm(array: Array, medium: Air) -> None:
+def warm_up(array: Array, medium: Air) -> None:
     """Compute a field, and convert a mesh."""
     above = array.centre + np.array([[0.0, 0.0, 0.2]])
     field(array, np.zeros(len(array), np.complex64), above, medium)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from prometheus_client import Metric
 
-    from pacinian.serving.ipc.messages import Traffic
+    from pacinian.serving.ipc.messages import BusStatus
     from pacinian.wire.state import State
 
 HOST = "127.0.0.1"
@@ -30,7 +30,7 @@ class Metrics(Collector):
     """
 
     def __init__(
-        self, port: int, newest: Callable[[], tuple[State | None, Mapping[str, int], Traffic]]
+        self, port: int, newest: Callable[[], tuple[State | None, Mapping[str, int], BusStatus]]
     ) -> None:
         self._port, self._newest = port, newest
 

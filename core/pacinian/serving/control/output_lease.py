@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.clocks import ClientClock
-from pacinian.serving.ipc.messages import Permit, scene_number
+from pacinian.serving.ipc.clocks import ClockOffsetEstimator
+from pacinian.serving.ipc.messages import Permit, number_scene
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -30,10 +30,10 @@ class Session:
     until: float = 0.0
     time: float = 0.0
     sequence: int = 0
-    clock: ClientClock = field(default_factory=ClientClock)
+    clock: ClockOffsetEstimator = field(default_factory=ClockOffsetEstimator)
 
 
-class Ownership:
+class OutputLease:
     """One session owns the output, from `arm` until it lets go or is gone; it is armed while its lease goes on.
 
     takeover: whether one may take the output from another. permit: what the guard and the renderer are to be
@@ -68,7 +68,7 @@ class Ownership:
             if now >= self.owner.until:
                 self._refuse("expired", "the lease was not renewed while the last owner let go")
                 return
-            epoch, scene = self.permit.epoch + 1, scene_number(self.owner.scene)
+            epoch, scene = self.permit.epoch + 1, number_scene(self.owner.scene)
             self.permit = Permit(ARMED, self.owner.until, epoch, scene=scene)
             for request in self._asked:
                 self.told.append((self.owner.peer, Ok(id=request)))

@@ -14,11 +14,11 @@ from msgspec.structs import replace
 
 from pacinian.errors import WireError, describe_error
 from pacinian.serving.control.selection import Selection
-from pacinian.serving.control.sessions import Sessions
-from pacinian.serving.control.status import Publisher, View
+from pacinian.serving.control.sessions import ClientSessions
+from pacinian.serving.control.status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.supervisor import SPARE
-from pacinian.serving.ipc.clocks import Allowance
-from pacinian.serving.ipc.logs import Sparse, log
+from pacinian.serving.ipc.clocks import TokenBucket
+from pacinian.serving.ipc.logs import RateLimitedLog, log
 from pacinian.serving.ipc.messages import pack
 from pacinian.wire.codec import decode_control, encode, id_of
 from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
@@ -30,20 +30,18 @@ if TYPE_CHECKING:
 
     from msgspec import Struct
 
-    from pacinian.serving.control.sockets import Doors
+    from pacinian.serving.control.sockets import ControlSockets
     from pacinian.serving.control.supervisor import Supervisor
-    from pacinian.serving.ipc.shared_memory import Latest
+    from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Settings
     from pacinian.wire.control import AnyControl
     from pacinian.wire.state import State
 
-MOST = 64  # requests in one round
+MAX_ROUND_REQUESTS = 64  # requests in one round
 ROUND = 0.005  # [s] a round takes at most while nobody asks anything
 OWNER, OTHERS = 0.025, 0.5  # [s] between two probes of a link
 SHORTEST = 0.001  # [s] the same, where a frame is to be published sooner
-GOLDEN = (
-    5.0**0.5 - 1.0
-) / 2.0  # of a period: steps of the times of frames; no modulation keeps step
+GOLDEN = (5.0**0.5 - 1.0) / 2.0  # step of the publication times, in periods
 LOOK = 0.02  # [s] between two looks at the other processes
 MENDS = 10.0  # [s] after a reset in which the fault that was reset may still be told, unless the reset is answered
 TELLS_OF = {"guard": "device", "render": "renderer"}  # of whose faults a process tells
@@ -52,7 +50,7 @@ TELLS = 10.0  # errors a second that one who asks too much is told
 PEERS = 4096  # whose rates are remembered
 
 
-class Control:
+class ControlLoop:
     """Joins sessions, selections, the other processes and the sockets.
 
     memory: the files that control writes and reads, by name. counts: for the metrics. newest: the state as it was
@@ -62,22 +60,22 @@ class Control:
     def __init__(
         self,
         settings: Settings,
-        doors: Doors,
-        memory: Mapping[str, Latest],
+        doors: ControlSockets,
+        memory: Mapping[str, SharedRegister],
         supervisor: Supervisor,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.sessions = Sessions(settings, server=_server())
+        self.sessions = ClientSessions(settings, server=_server())
         self.selection = Selection(settings)
-        self.view = View(memory)
-        self.publisher = Publisher(settings, self.view, self.sessions)
+        self.view = ProcessStatuses(memory)
+        self.publisher = StatusPublisher(settings, self.view, self.sessions)
         self.counts: Counter[str] = Counter()
         self.newest: State | None = None
         self._settings, self._doors, self._memory = settings, doors, memory
         self._supervisor, self._clock = supervisor, clock
-        self._log = Sparse(clock)
+        self._log = RateLimitedLog(clock)
         self._written: dict[str, object] = {}
-        self._rates: OrderedDict[bytes, tuple[Allowance, Allowance]] = OrderedDict()
+        self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
         self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0, "frame": 0.0}
         self._offset = 0.0  # of the newest published frame in its period
         self._reset: dict[str, tuple[str, float]] = {}  # faults that were reset, until when [s]
@@ -103,7 +101,7 @@ class Control:
         """Answer what has come, then do what time brings. Raises ServerError before all were ready."""
         self._doors.wait(min(ROUND, max(self._due["frame"] - self._clock(), SHORTEST)))
         self._stop()
-        for peer, user, data in self._doors.requests(MOST):
+        for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
         for why, more in self._doors.turned_away():
             self._log.warning("connection refused", why=why, more=more)
@@ -156,7 +154,7 @@ class Control:
         now = self._clock()
         self.counts["requests"] += 1
         rate, tells = self._rates.setdefault(
-            peer, (Allowance(self._settings.clients.rate), Allowance(TELLS))
+            peer, (TokenBucket(self._settings.clients.rate), TokenBucket(TELLS))
         )
         self._rates.move_to_end(peer)
         while len(self._rates) > PEERS:

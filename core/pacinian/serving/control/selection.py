@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from pacinian.errors import WireError
-from pacinian.serving.ipc.messages import Orders
+from pacinian.serving.ipc.messages import RequestedSettings
 from pacinian.wire.control import Choice
 from pacinian.wire.convert_time import technique_to_scene
 from pacinian.wire.replies import Error, Ok
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from pacinian.wire.control import Select
     from pacinian.wire.replies import Reply
 
-PATIENCE = 10.0  # [s] for a solver to be made or a device to be opened
+MAX_SELECTION_TIME = 10.0  # [s] for a solver to be made or a device to be opened
 SUSPECT = 10.0  # [s] after its selection in which a solver is blamed for a renderer that ends
 KINDS = "solver", "backend", "technique", "intensity"
 SETTINGS = "technique", "intensity"  # of which the newest one stands for those before
-MOST = 8  # selections that wait
+MAX_PENDING = 8  # selections that wait
 
 
 @dataclass
-class Waiting:
+class PendingSelection:
     """Who asked, and which results have not come yet."""
 
     peer: bytes
@@ -42,10 +42,10 @@ class Selection:
     """What was selected last. orders: what the renderer and the guard are to be told."""
 
     def __init__(self, settings: Settings) -> None:
-        self.orders = Orders()
+        self.orders = RequestedSettings()
         solver = settings.solver  # its options are with who makes it
         self._configured = Choice(name=solver if isinstance(solver, str) else solver.name)
-        self._waiting: list[Waiting] = []
+        self._waiting: list[PendingSelection] = []
         self._suspect = -float("inf")  # [s] until when the solver is suspected
         self._ends = 0
 
@@ -80,12 +80,16 @@ class Selection:
                     path=error.path[:200],
                 )
         replaced = {f"{kind} {getattr(self.orders, kind)[0]}" for kind in SETTINGS if kind in given}
-        if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MOST:
-            return Error(id=message.id, code="busy", message=f"{MOST} selections wait already")
+        if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MAX_PENDING:
+            return Error(
+                id=message.id, code="busy", message=f"{MAX_PENDING} selections wait already"
+            )
         for waiting in self._waiting:
             waiting.missing -= replaced
         missing = {self._order(kind, value) for kind, value in given.items()}
-        self._waiting.append(Waiting(session.peer, message.id, missing, now + PATIENCE))
+        self._waiting.append(
+            PendingSelection(session.peer, message.id, missing, now + MAX_SELECTION_TIME)
+        )
         if message.solver is not None:
             self._suspect, self._ends = now + SUSPECT, 0
         return None
@@ -106,7 +110,7 @@ class Selection:
             self._waiting.remove(waiting)
             if waiting.missing and not problem:
                 names = ", ".join(sorted(name.split()[0] for name in waiting.missing))
-                problem = f"{names}: not done within {PATIENCE:g} s"
+                problem = f"{names}: not done within {MAX_SELECTION_TIME:g} s"
             reply = (
                 Error(id=waiting.request, code="fault", message=problem[:1000])
                 if problem

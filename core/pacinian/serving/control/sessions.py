@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 from typing import TYPE_CHECKING
 
-from pacinian.serving.control.output_lease import Ownership, Session
+from pacinian.serving.control.output_lease import OutputLease, Session
 from pacinian.serving.ipc import messages
 from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION
@@ -24,7 +24,7 @@ OWN = "own "  # begins the names of scenes that nobody else may join
 LINK = 0.8
 
 
-class Sessions:
+class ClientSessions:
     """The sessions, and whose scene is felt.
 
     server: what clients are told about us. changes: counts sessions that came or went. resets: how often a stop or a
@@ -37,7 +37,7 @@ class Sessions:
         server: str = "pacinian",
         key: Callable[[], bytes] = lambda: secrets.token_bytes(SESSION),
     ) -> None:
-        self.ownership = Ownership(settings.safety.takeover)
+        self.ownership = OutputLease(settings.safety.takeover)
         self.changes = self.resets = self.replayed = 0
         self._settings, self._server, self._key = settings, server, key
         self._by_key: dict[bytes, Session] = {}
@@ -48,11 +48,11 @@ class Sessions:
         """Every session."""
         return tuple(self._by_key.values())
 
-    def listed(self) -> messages.Sessions:
+    def listed(self) -> messages.SessionTable:
         """Who may send commands, and whose scene is felt."""
         infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
         owner = self.ownership.owner
-        return messages.Sessions(tuple(infos), owner.scene if owner is not None else "")
+        return messages.SessionTable(tuple(infos), owner.scene if owner is not None else "")
 
     def taken(self) -> list[tuple[bytes, Reply]]:
         """Replies to peers, each once."""

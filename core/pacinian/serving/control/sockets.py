@@ -10,13 +10,13 @@ import zmq
 from zmq.utils.monitor import recv_monitor_message
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.auth import received
-from pacinian.wire.protocol import LONGEST_CONTROL
+from pacinian.serving.ipc.auth import receive
+from pacinian.wire.protocol import MAX_CONTROL_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pacinian.serving.ipc.auth import Gate
+    from pacinian.serving.ipc.auth import Authenticator
     from pacinian.serving.settings import Network
     from pacinian.wire.emergency import StopSocket
 
@@ -33,7 +33,7 @@ WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
 EVENTS = 1024
 
 
-class Doors:
+class ControlSockets:
     """The sockets, bound. A context manager. control, state: ports. counts: connections, and those refused, by why.
 
     stop: for emergency stops without a connection. Raises ServerError if a port is taken.
@@ -42,7 +42,7 @@ class Doors:
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
-        gate: Gate,
+        gate: Authenticator,
         network: Network,
         stop: StopSocket,
     ) -> None:
@@ -52,7 +52,7 @@ class Doors:
         with contextlib.ExitStack() as stack:
             self._control = stack.enter_context(context.socket(zmq.ROUTER))
             self._state = stack.enter_context(context.socket(zmq.PUB))
-            gate.protect(self._control, LONGEST_CONTROL)
+            gate.protect(self._control, MAX_CONTROL_BYTES)
             gate.protect(self._state, SUBSCRIPTION)
             self._state.sndhwm = FRESH
             self._monitors = [
@@ -61,8 +61,8 @@ class Doors:
             ]
             stack.callback(self._control.disable_monitor)
             stack.callback(self._state.disable_monitor)
-            self.control = _bound(self._control, network, network.control)
-            self.state = _bound(self._state, network, network.state)
+            self.control = _bind(self._control, network, network.control)
+            self.state = _bind(self._state, network, network.state)
             self._poller = zmq.Poller()
             self._poller.register(self._control, zmq.POLLIN)
             self._poller.register(stop.socket, zmq.POLLIN)
@@ -75,7 +75,7 @@ class Doors:
     def requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
         """What has come, at most so many: peer, user, message; empty where it was no single part."""
         for _ in range(most):
-            taken = received(self._control)
+            taken = receive(self._control)
             if taken is None:
                 return
             peer, user, data = taken
@@ -118,22 +118,22 @@ class Doors:
         seen += [("key", key) for key in self._gate.unknown()]
         return seen
 
-    def __enter__(self) -> Doors:
+    def __enter__(self) -> ControlSockets:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
 
-def _bound(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
+def _bind(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
     try:
         socket.bind(network.endpoint(port))
     except zmq.ZMQError as error:
-        raise ServerError(cannot_bind(network.endpoint(port), error.strerror)) from error
+        raise ServerError(explain_bind_error(network.endpoint(port), error.strerror)) from error
     return int(str(socket.get_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
 
 
-def cannot_bind(at: str, why: str | None) -> str:
+def explain_bind_error(at: str, why: str | None) -> str:
     """What is told of an address where nothing can be bound."""
     return (
         f"{at} cannot be bound: {why}: is another server running? Choose another port, or 0 for any"

@@ -11,9 +11,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.devices.description import DIRECTIVITIES
-from pacinian.scene.time.presets import PRESETS
-from pacinian.serving.ipc.messages import HEAD, Device, FrameHead, Report, Traffic
-from pacinian.wire.bulk import pack
+from pacinian.scene.modulation.presets import PRESETS
+from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities, Sound
 from pacinian.wire.state import ClientState, FrameState, State
 from pacinian.wire.time import Technique
@@ -23,30 +23,30 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.serving.control.sessions import Sessions
-    from pacinian.serving.ipc.shared_memory import Latest
+    from pacinian.serving.control.sessions import ClientSessions
+    from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Settings
     from pacinian.wire.state import Output
 
 S = TypeVar("S", bound=Struct)
 
 SHOWN = 8  # faults
-LONGEST, LONGEST_NAME = 500, 200  # characters of a fault, and of a backend's name
+MAX_TEXT, LONGEST_NAME = 500, 200  # characters of a fault, and of a backend's name
 INPUT = 32  # [bytes] of one hand update in `State.inputs`
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
-NO_DEVICE = Device(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
-NO_REPORT = Report(0, -float("inf"), {})
-NO_TRAFFIC = Traffic(0, -float("inf"))
+NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
+NO_REPORT = RendererStatus(0, -float("inf"), {})
+NO_TRAFFIC = BusStatus(0, -float("inf"))
 EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
-class View:
+class ProcessStatuses:
     """The newest that the other processes have told; values that cannot be read are counted and left out.
 
     guarded: whether the guard that told is known to be there still.
     """
 
-    def __init__(self, memory: Mapping[str, Latest]) -> None:
+    def __init__(self, memory: Mapping[str, SharedRegister]) -> None:
         self.report, self.device, self.traffic = NO_REPORT, NO_DEVICE, NO_TRAFFIC
         self.frame, self.levels = EMPTY, b""
         self.unreadable, self.guarded = 0, True
@@ -85,10 +85,10 @@ class View:
         return {**self.report.results, **self.device.results}
 
 
-class Publisher:
+class StatusPublisher:
     """Makes the messages. faults: the server's own, newest last; fault_count: of them."""
 
-    def __init__(self, settings: Settings, view: View, sessions: Sessions) -> None:
+    def __init__(self, settings: Settings, view: ProcessStatuses, sessions: ClientSessions) -> None:
         self._settings, self._view, self._sessions = settings, view, sessions
         self.faults: list[str] = []
         self.fault_count = 0
@@ -99,11 +99,11 @@ class Publisher:
         self._positions, self._normals = pack(array.positions), pack(array.normals)
         self._frequency = float(array.transducer.frequency)
         self._wavelength = medium.wavelength(self._frequency)
-        self._sound = sound(array, medium)
+        self._sound = describe_sound(array, medium)
 
     def fault(self, fault: str) -> None:
         """Note one."""
-        self.faults = [*self.faults[1 - SHOWN :], fault[:LONGEST]]
+        self.faults = [*self.faults[1 - SHOWN :], fault[:MAX_TEXT]]
         self.fault_count += 1
 
     def output(self) -> Output:
@@ -147,7 +147,7 @@ class Publisher:
             "fault_count": self.fault_count,
         }
         try:
-            theirs = [fault[:LONGEST] for fault in told.pop("faults", ())]
+            theirs = [fault[:MAX_TEXT] for fault in told.pop("faults", ())]
             told["faults"] = tuple([*theirs, *self.faults][-SHOWN:])
             told["fault_count"] = told.get("fault_count", 0) + self.fault_count
             return msgspec.convert({**nothing, **told, **common}, State)
@@ -225,7 +225,7 @@ class Publisher:
             id=request,
             solvers=self._view.report.solvers,
             backends=device.backends,
-            techniques=techniques(),
+            techniques=list_techniques(),
             presets=tuple(PRESETS),
             positions=self._positions,
             normals=self._normals,
@@ -247,7 +247,7 @@ class Publisher:
         }
 
 
-def sound(array: Array, medium: Air) -> Sound:
+def describe_sound(array: Array, medium: Air) -> Sound:
     """How an array sounds in a medium."""
     kind, response = array.transducer, array.response
     names = [name for name, D in DIRECTIVITIES.items() if D is kind.directivity]
@@ -263,7 +263,7 @@ def sound(array: Array, medium: Air) -> Sound:
     )
 
 
-def techniques() -> tuple[str, ...]:
+def list_techniques() -> tuple[str, ...]:
     """Names of all techniques."""
     return tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique))
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, hang_limit
+from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -22,7 +22,7 @@ ENDED = "render", "bus", "guard"  # the device is silenced last, when nothing ca
 STARTING = 120.0  # [s] until the first sign of life: other processes may have the processors
 FIRST, LONGEST = 0.05, 5.0  # [s] from an end to a new start, twice as long each time
 WELL = 10.0  # [s] after which one that lives is trusted again
-PATIENCE = 3.0  # [s] in which one that was asked to end must have ended
+MAX_END_TIME = 3.0  # [s] in which one that was asked to end must have ended
 
 
 class Process(Protocol):
@@ -140,7 +140,7 @@ class Supervisor:
         self._last = now
         for name, child in self.children.items():
             now = self._clock()
-            hung = hang_limit(self._hung, sound=sound and name == GUARD)
+            hung = compute_hang_limit(self._hung, sound=sound and name == GUARD)
             if child.due is not None:
                 why = self._again(child, now)
             elif why := self._ended(child, beats.get(name, 0.0), hung, now):
@@ -212,7 +212,7 @@ class Supervisor:
         if self._spare is not None:  # which has no device
             _killed(self._spare.process)
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._spare.process.wait(PATIENCE)
+                self._spare.process.wait(MAX_END_TIME)
         rest = [name for name in self.children if name not in ENDED]
         for name in [*ENDED, *rest]:
             child = self.children.get(name)
@@ -222,12 +222,12 @@ class Supervisor:
                 continue
             _closed(child.process)
             try:
-                child.process.wait(PATIENCE)
+                child.process.wait(MAX_END_TIME)
             except subprocess.TimeoutExpired:
                 _killed(child.process)
                 killed.append(name)
                 with contextlib.suppress(subprocess.TimeoutExpired):  # the system holds it
-                    child.process.wait(PATIENCE)
+                    child.process.wait(MAX_END_TIME)
         return killed
 
 

@@ -14,7 +14,7 @@ from pacinian.rendering.clock import SystemClock
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving.ipc import plugin_list
 from pacinian.serving.ipc.messages import check_rate
-from pacinian.serving.ipc.scheduling import beside, urgent
+from pacinian.serving.ipc.scheduling import raise_priority, start_background_thread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Backend, Capability
     from pacinian.rendering.clock import Clock
-    from pacinian.serving.guard.watchdog import Guard
-    from pacinian.serving.ipc.messages import Orders
+    from pacinian.serving.guard.watchdog import OutputGate
+    from pacinian.serving.ipc.messages import RequestedSettings
     from pacinian.wire.control import Choice
 
-KEPT = 16  # results
+MAX_RESULTS = 16  # results
 OPENING = (
     8.0  # [s] for a device to open; a client waits for 10 s, and is to be told why there is none
 )
@@ -63,7 +63,7 @@ class Opening:
     until: float
 
 
-class Next:
+class PendingOpen:
     """What is to be opened next. choice: that was selected by `order`; None: what there was.
 
     resets: orders that wait for it, too. olds: are closed first.
@@ -81,7 +81,7 @@ class Next:
         return (self.order, *self.resets) if self.order else tuple(self.resets)
 
 
-class Devices:
+class DeviceSwitcher:
     """Gives a guard its devices, as ordered: one is opened at a time, and of those that wait only the newest.
 
     choice: what to begin with. array: what they stand for. rate: of the loop [Hz]. make, thread, clock: for tests.
@@ -92,7 +92,7 @@ class Devices:
 
     def __init__(
         self,
-        guard: Guard,
+        guard: OutputGate,
         array: Array,
         choice: Choice | Configured,
         rate: float,
@@ -105,7 +105,7 @@ class Devices:
         self._rate = rate
         self._owners = choice
         self._make = make or functools.partial(_make_backend, configured=choice)
-        self._thread = thread or functools.partial(beside, name="device")
+        self._thread = thread or functools.partial(start_background_thread, name="device")
         self._clock = clock or SystemClock()
         self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
@@ -114,12 +114,12 @@ class Devices:
         self._left: Configured | None = None
         self._again = 0.0  # [s] for which the next one that is opened is tried again
         self._choices: dict[int, Configured] = {}  # by generation
-        self._next = Next()  # once none is being opened
+        self._next = PendingOpen()  # once none is being opened
         self._coming: dict[
             int, tuple[str, ...]
         ] = {}  # generation to orders: wait for the first frame
 
-    def begin(self, orders: Orders, left: Configured | None = None) -> None:
+    def begin(self, orders: RequestedSettings, left: Configured | None = None) -> None:
         """Open the first one: what was selected before the guard was started anew, or as configured.
 
         left: what a guard before this one had, which may sound still, and be held by the system for a moment.
@@ -137,7 +137,7 @@ class Devices:
         """What the guard's device is of; what was left where it has none yet."""
         return self._choices.get(self._guard.generation)
 
-    def follow(self, orders: Orders) -> None:
+    def follow(self, orders: RequestedSettings) -> None:
         """Do what is new in the orders."""
         number, choice = orders.backend
         if number != self._selected and choice is not None:
@@ -219,7 +219,7 @@ class Devices:
     def _done(self, order: str, problem: str = "") -> None:
         self.results[order] = problem
         self._guard.changed = True
-        for old in list(self.results)[:-KEPT]:
+        for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
 
     def _open(self) -> None:
@@ -227,7 +227,7 @@ class Devices:
         ahead, guard = self._next, self._guard
         if self._opening is not None or not ahead.orders:
             return
-        self._next = Next()
+        self._next = PendingOpen()
         if ahead.choice is None and guard.backend is not None:  # one that was selected is there now
             guard.leaving += ahead.olds
             guard.clear()
@@ -249,7 +249,7 @@ class Devices:
         for old in opening.olds:
             self._close(old)
         if opening.left is not None:
-            urgent()  # nobody can end its sound but by this
+            raise_priority()  # nobody can end its sound but by this
         if opening.left not in (None, self._configured(opening.choice)):
             device = self._tried(opening, opening.left).device
             if device is not None:

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
-from pacinian.serving.guard.device_switcher import Devices, import_backend
+from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backend
 from pacinian.serving.guard.spare import stand_by
-from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.guard.watchdog import OutputGate
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
-from pacinian.serving.ipc.messages import Device, Orders, Permit, pack
-from pacinian.serving.ipc.plugin_list import offers
-from pacinian.serving.ipc.shared_memory import Latest, Watched
+from pacinian.serving.ipc.messages import DeviceStatus, Permit, RequestedSettings, pack
+from pacinian.serving.ipc.plugin_list import list_offers
+from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,7 +42,7 @@ LEFT = 0.1  # [s] that it then waits for the parent's lock on their shared memor
 ALONE = 2.0  # times `hung`: control, which can tell slow from hung, kills it before it does itself
 
 
-class Rounds:
+class GuardLoop:
     """Joins a guard to the shared memory in `folder`. A context manager: at its end there is silence.
 
     What takes long is done before it is entered; then the device is opened. backends: that can be selected, None before
@@ -53,22 +53,26 @@ class Rounds:
     def __init__(self, folder: Path, settings: Settings) -> None:
         with contextlib.ExitStack() as stack:
             permit, frame, orders, device = (
-                stack.enter_context(Latest.attach(folder / name))
+                stack.enter_context(SharedRegister.attach(folder / name))
                 for name in ("permit", "frame", "orders", "device")
             )
             self._stack = stack.pop_all()
-        self._permit = Watched(permit, Permit.unpack, Permit())
-        self._frame = Watched(frame, bytes, b"")
-        self._orders = Watched(orders, Decoder(Orders).decode, Orders())
-        self._last: Watched[Device | None] = Watched(device, Decoder(Device).decode, None)
+        self._permit = RegisterReader(permit, Permit.unpack, Permit())
+        self._frame = RegisterReader(frame, bytes, b"")
+        self._orders = RegisterReader(
+            orders, Decoder(RequestedSettings).decode, RequestedSettings()
+        )
+        self._last: RegisterReader[DeviceStatus | None] = RegisterReader(
+            device, Decoder(DeviceStatus).decode, None
+        )
         self._device = device
         self.backends: tuple[Plugin, ...] | None = None
         self._replaces = False
         array = settings.array.make()
-        self.guard = Guard(len(array), gain=settings.gain, stale=settings.safety.stale)
+        self.guard = OutputGate(len(array), gain=settings.gain, stale=settings.safety.stale)
         chosen = settings.backend
         configured = chosen if isinstance(chosen, Choice) else Choice(chosen)
-        self.devices = Devices(self.guard, array, configured, settings.rate)
+        self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
         self._told = -TELL  # [s]
         self._orders.look()
@@ -84,7 +88,7 @@ class Rounds:
             return 0.0, False
         return last.beat, last.sounding or self._permit.value.armed > 0
 
-    def __enter__(self) -> Rounds:
+    def __enter__(self) -> GuardLoop:
         """Begin, in place of the guard that was there before, if there was one."""
         self._orders.look()
         self._last.look()
@@ -140,7 +144,7 @@ class Rounds:
                         backend.close()
 
 
-def _alive(seconds: float) -> None:
+def _rearm_alarm(seconds: float) -> None:
     """Have the system end this process, and so close the device, unless asked again so soon; 0: not at all."""
     if hasattr(signal, "setitimer"):
         signal.setitimer(signal.ITIMER_REAL, seconds)  # SIGALRM, which nobody handles
@@ -161,7 +165,7 @@ def main() -> None:
     starter = child_process.Parent()
     told = starter.told
     sys.setswitchinterval(SWITCH)
-    rounds = Rounds(told.path, told.settings)
+    rounds = GuardLoop(told.path, told.settings)
     if told.spare:
         _settle(rounds)
         stand_by(starter, told.settings.safety.hung, rounds.watch)
@@ -173,23 +177,25 @@ def main() -> None:
             rounds.turn()  # a device may take its time
             time.sleep(IDLE)
         if rounds.backends is None:
-            rounds.backends = offers("backend")  # takes long, and a device that is open is silent
+            rounds.backends = list_offers(
+                "backend"
+            )  # takes long, and a device that is open is silent
         _settle(rounds)
         while not ended.is_set():
             if not rounds.guard.stuck:  # else the system is to close what does not close
                 # not while there is none: one may take its time to open
-                _alive(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
+                _rearm_alarm(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
             time.sleep(rounds.turn())
-        _alive(LAST)
+        _rearm_alarm(LAST)
     shared_memory.remove(told.path, LEFT)  # where the parent has gone, which would have removed it
 
 
-def _settle(rounds: Rounds) -> None:
+def _settle(rounds: GuardLoop) -> None:
     """Nothing that takes long follows: from here on it mostly sleeps."""
     gc.collect()
     gc.freeze()
     gc.disable()
-    rounds.processor = scheduling.go_first()
+    rounds.processor = scheduling.use_realtime_class()
 
 
 if __name__ == "__main__":

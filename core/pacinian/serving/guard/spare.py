@@ -10,7 +10,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, hang_limit
+from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 LOOK, IDLE = 0.02, 0.1  # [s] between two looks at the guard, while there may be sound and otherwise
 
 
-class Pulse:
+class HangDetector:
     """Whether the guard hangs. limit: time without a sign of life while there may be sound [s], as in `Supervisor`."""
 
     def __init__(self, limit: float) -> None:
@@ -51,7 +51,7 @@ def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]
     except OSError:  # it is gone already, and the parent knows
         parent.wait()
         return
-    pulse, poll = Pulse(hang_limit(hung, sound=True)), select.poll()
+    pulse, poll = HangDetector(compute_hang_limit(hung, sound=True)), select.poll()
     poll.register(guard, select.POLLIN)
     poll.register(parent.pipe, select.POLLIN)
     sound = False

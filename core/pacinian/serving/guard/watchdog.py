@@ -13,7 +13,7 @@ import numpy as np
 
 from pacinian.errors import BackendError, describe_error, shorten
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.ipc.messages import HEAD, MOST_ROWS, Device, FrameHead, Permit
+from pacinian.serving.ipc.messages import HEAD, MAX_ROWS, DeviceStatus, FrameHead, Permit
 from pacinian.serving.ipc.scheduling import ANY
 
 if TYPE_CHECKING:
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from pacinian.scene.file import Choice as Configured
     from pacinian.wire.replies import Plugin
 
-KEPT = 256  # inputs
+MAX_INPUTS = 256  # inputs
 NONE = FrameHead(0, 0.0, -1, -1, 0, 0)
 _INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
 
 
-class Guard:
+class OutputGate:
     """Lets frames through to a device while they are permitted and fresh; anything else is silence, at once.
 
     columns: transducers. gain: no amplitude is above it. stale: age of the newest frame at which there is
@@ -74,7 +74,7 @@ class Guard:
         self._gap = 0.0  # [s]
         self._frames = self._input = self._inputs_until = 0
         self._reasons: Counter[str] = Counter()
-        self._inputs: deque[bytes] = deque(maxlen=KEPT)
+        self._inputs: deque[bytes] = deque(maxlen=MAX_INPUTS)
 
     def take(self, backend: Backend, can: Capability) -> int:
         """An open device, which takes over with the first frame for it, or at once from none; its generation."""
@@ -89,7 +89,7 @@ class Guard:
             self.coming, self.next, self._coming_can = backend, self._generations, can
         return self._generations
 
-    def replace(self, last: Device) -> None:
+    def replace(self, last: DeviceStatus) -> None:
         """Go on after another guard: frames for its devices are not for ours, which ends its sound once it is open."""
         self._generations = max(last.generation, last.next, self._generations)
         self.sounding, self.changed = last.sounding, True
@@ -240,10 +240,10 @@ class Guard:
         backends: tuple[Plugin, ...],
         processor: int = ANY,
         choice: Configured | None = None,
-    ) -> Device:
+    ) -> DeviceStatus:
         """What others are told."""
         can = self._can if self.coming is None else self._coming_can
-        return Device(
+        return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
             next=self.next,
             name="" if self.backend is None else shorten(self.backend.name),
@@ -272,7 +272,7 @@ class Guard:
 def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: float) -> Frame:
     """The frame whose head this is. Raises BackendError for one that no device of ours is to get."""
     size = HEAD + 4 * head.rows * columns
-    if head.columns != columns or not 0 < head.rows <= MOST_ROWS or len(data) != size:
+    if head.columns != columns or not 0 < head.rows <= MAX_ROWS or len(data) != size:
         raise BackendError(
             f"a frame of {head.rows} x {head.columns} levels in {len(data)} bytes for {columns} transducers"
         )

@@ -36,14 +36,14 @@ QUEUE = 256  # messages to or from one client
 BACKLOG = 128  # connections that wait to be accepted
 
 
-def fresh(settings: Settings) -> dict[str, str]:
+def make_secrets(settings: Settings) -> dict[str, str]:
     """The secrets of one run, for all who bind sockets: a token; or the server's keys and those of one local client.
 
     Raises ServerError.
     """
     if settings.network.loopback and not settings.security.keys:
         return {"token": secrets.token_hex(32)}
-    public, secret = _pair(Path(settings.security.keys) / "server.key_secret")
+    public, secret = _read_pair(Path(settings.security.keys) / "server.key_secret")
     local, local_secret = zmq.curve_keypair()
     return {
         "server_key": public,
@@ -53,11 +53,11 @@ def fresh(settings: Settings) -> dict[str, str]:
     }
 
 
-class Gate:
+class Authenticator:
     """Lets nobody in without the secrets; a context manager, entered before any socket is bound.
 
-    given: of `fresh`. keys: the folder of keys; who is added to or taken from its `clients` is let in, or not any
-    more, with the next connection.
+    given: the secrets from `make_secrets`. keys: the folder of keys. A change of its `clients` counts from the next
+    connection on.
     """
 
     def __init__(self, context: zmq.Context[Any], given: dict[str, str], keys: str = "") -> None:
@@ -70,7 +70,7 @@ class Gate:
         self._lock = threading.Lock()
         self._unknown: list[str] = []
 
-    def __enter__(self) -> Gate:
+    def __enter__(self) -> Authenticator:
         self._zap.start()
         if token := self._secrets.get("token"):
             self._zap.configure_plain(DOMAIN, {USER: token})
@@ -138,7 +138,7 @@ class Gate:
             files = sorted(self._clients.glob("*.key"))
             stamp = tuple((file.name, file.stat().st_mtime_ns) for file in files)
             if stamp != self._stamp:
-                self._names = {_public(file): file.stem for file in files}
+                self._names = {_read_public(file): file.stem for file in files}
                 self._stamp = stamp
         except (
             OSError
@@ -148,7 +148,7 @@ class Gate:
         return self._names
 
 
-def received(socket: zmq.Socket[Any]) -> tuple[bytes, str, bytes] | None:
+def receive(socket: zmq.Socket[Any]) -> tuple[bytes, str, bytes] | None:
     """What has come next to a ROUTER: peer, `User-Id`, message; empty where it was no single part. None: nothing.
 
     Part by part, as it takes a third of the time of `recv_multipart`.
@@ -167,7 +167,7 @@ def received(socket: zmq.Socket[Any]) -> tuple[bytes, str, bytes] | None:
         return peer, "", data
 
 
-def make(folder: str | Path, name: str, *, server: bool = False) -> tuple[Path, Path]:
+def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tuple[Path, Path]:
     """Make a pair of CURVE keys; return the files of the public and the secret one, the latter 0600.
 
     The server's are server.key and server.key_secret; a client's public key goes to the allow-list, clients/NAME.key,
@@ -196,14 +196,16 @@ def make(folder: str | Path, name: str, *, server: bool = False) -> tuple[Path, 
     return public, secret
 
 
-def remote(folder: str | Path, name: str, host: str, ports: tuple[int, int, int]) -> Path:
+def write_remote_connection(
+    folder: str | Path, name: str, host: str, ports: tuple[int, int, int]
+) -> Path:
     """Write a connection file, NAME.json, for a client on another machine; return where. Raises ServerError.
 
     ports: control, command, state.
     """
     root = Path(folder)
-    server, _ = _pair(root / "server.key_secret")
-    public, secret = _pair(root / f"{name}.key_secret")
+    server, _ = _read_pair(root / "server.key_secret")
+    public, secret = _read_pair(root / f"{name}.key_secret")
     control, command, state = (f"tcp://{host}:{port}" for port in ports)
     connection = Connection(
         pid=0,
@@ -217,7 +219,7 @@ def remote(folder: str | Path, name: str, host: str, ports: tuple[int, int, int]
     return connection.write(root / f"{name}.json")
 
 
-def _pair(file: Path) -> tuple[str, str]:
+def _read_pair(file: Path) -> tuple[str, str]:
     """Public and secret key."""
     try:
         if os.name == "posix" and file.stat().st_mode & 0o077:
@@ -232,7 +234,7 @@ def _pair(file: Path) -> tuple[str, str]:
     return public.decode(), secret.decode()
 
 
-def _public(file: Path) -> bytes:
+def _read_public(file: Path) -> bytes:
     """A client's public key; empty where the file has none."""
     try:
         return load_certificate(file)[0]

@@ -22,7 +22,7 @@ from pacinian.serving.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-LONGEST = 1 << 20  # [bytes] of what a child is told
+MAX_CONFIG_BYTES = 1 << 20  # [bytes] of what a child is told
 PDEATHSIG = 1  # of Linux's prctl
 HASTE = 8  # so many times less silence of the guard is waited for while there may be sound
 MIN_HANG_LIMIT = 0.1  # [s]
@@ -31,7 +31,7 @@ MAX_LOOK_GAP = 0.05
 CALL = b"!"  # what a spare waits for
 
 
-class Told(Struct, frozen=True):
+class LaunchConfig(Struct, frozen=True):
     """What a child is told. folder: of the shared memory. secrets: names to values, for the bus alone.
 
     spare: of a spare, the number of the process whose end it waits for.
@@ -77,7 +77,7 @@ class Process(subprocess.Popen[bytes]):
         self.tell(CALL)
 
 
-def start(module: str, told: Told) -> Process:
+def start(module: str, told: LaunchConfig) -> Process:
     """Start `python -m pacinian.serving.<module>.process`.
 
     From a thread that lives as long as the child: on Linux the child is killed when that thread ends.
@@ -85,14 +85,14 @@ def start(module: str, told: Told) -> Process:
     return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], told)
 
 
-def launch(command: Sequence[str], told: Told) -> Process:
-    """Start a child by any command that calls `begin`. Raises ServerError if it cannot be told so much."""
+def launch(command: Sequence[str], told: LaunchConfig) -> Process:
+    """Start a child by any command that calls `read_launch_config`. Raises ServerError if it cannot be told so much."""
     data = msgspec.json.encode(told)
-    if len(data) > LONGEST:
-        raise ServerError(f"the settings take {len(data)} bytes, more than {LONGEST}")
+    if len(data) > MAX_CONFIG_BYTES:
+        raise ServerError(f"the settings take {len(data)} bytes, more than {MAX_CONFIG_BYTES}")
     # a group of its own: Ctrl-C is the parent's, which ends its children in order
     process = Process(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
-    scheduling.ease(process.pid)
+    scheduling.lower_child_priority(process.pid)
     process.tell(len(data).to_bytes(4, "little") + data)
     return process
 
@@ -109,7 +109,7 @@ def end(process: subprocess.Popen[bytes], within: float = 1.0) -> int:
         return process.wait()
 
 
-def begin(orphaned: Callable[[], object]) -> Told:
+def read_launch_config(orphaned: Callable[[], object]) -> LaunchConfig:
     """In the child: read what the parent tells. `orphaned` is called, in a thread, when the parent has gone.
 
     On Linux, the system also kills this process then, whatever it does. What runs in this process finds its standard
@@ -121,7 +121,7 @@ def begin(orphaned: Callable[[], object]) -> Told:
 
 
 class Parent:
-    """In the child: who has started it. told: what it was told. pipe: from it. Raises as `begin`."""
+    """In the child: who has started it. told: what it was told. pipe: from it. Raises as `read_launch_config`."""
 
     def __init__(self) -> None:
         _kill_when_orphaned(True)
@@ -130,7 +130,9 @@ class Parent:
             os.dup2(nothing.fileno(), 0)
         length = int.from_bytes(_read(self.pipe, 4), "little")
         try:
-            self.told = msgspec.json.decode(_read(self.pipe, min(length, LONGEST)), type=Told)
+            self.told = msgspec.json.decode(
+                _read(self.pipe, min(length, MAX_CONFIG_BYTES)), type=LaunchConfig
+            )
         except msgspec.DecodeError as error:
             raise SystemExit(f"not told what to do: {error}") from None
 
@@ -169,6 +171,6 @@ def _read(pipe: int, length: int) -> bytes:
     return data
 
 
-def hang_limit(hung: float, *, sound: bool) -> float:
+def compute_hang_limit(hung: float, *, sound: bool) -> float:
     """Time without a sign of life after which a process is killed [s]. sound: of the guard, while there may be some."""
     return min(hung, max(MIN_HANG_LIMIT, hung / HASTE)) if sound else hung

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from pacinian.wire.protocol import LATEST
+from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
 WINDOW = 5.0  # [s]; the offset is the least of the last one to two of them
-BACK = LATEST  # [s]; a clock that went back by more was set: no command lives so long
+BACK = MAX_TIME_TO_LIVE  # [s]; a clock that went back by more was set: no command lives so long
 
 
-class ClientClock:
+class ClockOffsetEstimator:
     """What a client's steady clock shows when ours shows something.
 
     A message cannot arrive before it is sent: the least difference seen lately between its receipt and the time it
@@ -42,7 +42,7 @@ class ClientClock:
         return received - time - self.offset
 
 
-class Allowance:
+class TokenBucket:
     """So many a second, or as many at once: a bucket of tokens."""
 
     def __init__(self, rate: float, burst: float | None = None) -> None:

@@ -40,7 +40,7 @@ FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
 MAX_PID_BYTES = 32
 
 
-class Locked(ServerError):
+class LockHeld(ServerError):
     """Another process holds the lock. pid: its number; 0 where it has not said so yet."""
 
     def __init__(self, path: Path, pid: int) -> None:
@@ -48,7 +48,7 @@ class Locked(ServerError):
         self.pid = pid
 
 
-class Lock:
+class FileLock:
     """The only lock on a file, from now until `close`, or until this process ends. A context manager.
 
     The file is made for this user only, tells the process's number, and is removed at the end. Raises Locked;
@@ -85,7 +85,7 @@ class Lock:
             with suppress(OSError):
                 self.path.unlink()
 
-    def __enter__(self) -> Lock:
+    def __enter__(self) -> FileLock:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -99,7 +99,7 @@ def _open(path: Path) -> int:
         if _try_lock(file):
             return file
         told = os.read(file, MAX_PID_BYTES)
-        raise Locked(path, int(told) if told.isdigit() else 0)
+        raise LockHeld(path, int(told) if told.isdigit() else 0)
     except BaseException:
         os.close(file)
         raise

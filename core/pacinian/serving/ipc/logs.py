@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import structlog
 
 from pacinian.errors import describe_error, shorten
-from pacinian.serving.ipc.clocks import Allowance
+from pacinian.serving.ipc.clocks import TokenBucket
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Log
 
 OFTEN = 5.0  # times a second that one event is logged
-PATIENCE = 0.5  # [s] for the last lines at the end
+MAX_FLUSH_TIME = 0.5  # [s] for the last lines at the end
 LINKS, CALLS = 4, 20  # exceptions of a chain, and calls to each, that are logged
 THREAD = "log"
 _waiting: queue.Queue[str] = queue.Queue(1000)
@@ -62,7 +62,7 @@ def configure(settings: Log, process: str) -> None:
             printable,
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
-            structlog.processors.ExceptionRenderer(_traced),
+            structlog.processors.ExceptionRenderer(_trace),
             last,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(
@@ -73,7 +73,7 @@ def configure(settings: Log, process: str) -> None:
     )
 
 
-def _traced(exc_info: ExcInfo) -> str:
+def _trace(exc_info: ExcInfo) -> str:
     """The last calls to an exception, and to those that it came of; no local variables, which may be secret."""
     error: BaseException | None = exc_info[1]
     links: list[str] = []
@@ -108,7 +108,7 @@ def _write() -> None:
 
 def flush() -> None:
     """Wait until all is written, but not for long."""
-    due = time.monotonic() + PATIENCE
+    due = time.monotonic() + MAX_FLUSH_TIME
     while _waiting.unfinished_tasks and time.monotonic() < due:
         time.sleep(0.001)
 
@@ -118,14 +118,14 @@ def log() -> FilteringBoundLogger:
     return cast("FilteringBoundLogger", structlog.get_logger())
 
 
-class Sparse:
+class RateLimitedLog:
     """A log that no client can flood: of each event so many a second, then how many there were besides."""
 
     def __init__(
         self, clock: Callable[[], float] = time.perf_counter, often: float = OFTEN
     ) -> None:
         self._clock, self._often = clock, often
-        self._allowed: dict[str, Allowance] = {}
+        self._allowed: dict[str, TokenBucket] = {}
         self._missed: dict[str, int] = {}
 
     def warning(self, event: str, **values: Any) -> None:
@@ -141,7 +141,7 @@ class Sparse:
         self._add("exception", event, values)
 
     def _add(self, level: str, event: str, values: dict[str, Any]) -> None:
-        if not self._allowed.setdefault(event, Allowance(self._often)).take(self._clock()):
+        if not self._allowed.setdefault(event, TokenBucket(self._often)).take(self._clock()):
             self._missed[event] = self._missed.get(event, 0) + 1
             return
         if missed := self._missed.pop(event, 0):

@@ -1,4 +1,4 @@
-"""What the server's own processes tell each other, each through one `Latest` in the server's private folder.
+"""What the server's own processes tell each other, each through one `SharedRegister` in the server's private folder.
 
     file      writer    readers            value
     permit    control   guard, render      Permit
@@ -33,7 +33,7 @@ from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 from pacinian.wire.time import Technique
 
-CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `frame_capacity`
+CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `compute_frame_capacity`
     "permit": 64,
     "sessions": 1 << 20,
     "orders": 1 << 18,
@@ -43,13 +43,13 @@ CAPACITIES = {  # [bytes]; of `frame` it depends on the array: see `frame_capaci
     "device": 1 << 19,
     "traffic": 1 << 20,
 }
-MOST_ROWS = 64  # of a frame
+MAX_ROWS = 64  # of a frame
 HEAD = 72  # [bytes] before its levels
 
 
-def frame_capacity(transducers: int) -> int:
+def compute_frame_capacity(transducers: int) -> int:
     """Of the file `frame` [bytes]."""
-    return HEAD + 4 * MOST_ROWS * transducers
+    return HEAD + 4 * MAX_ROWS * transducers
 
 
 class Permit(NamedTuple):
@@ -79,7 +79,7 @@ class Permit(NamedTuple):
 _PERMIT = struct.Struct("<qdqqq")
 
 
-def scene_number(name: str) -> int:
+def number_scene(name: str) -> int:
     """Of a scene: the same in all processes; 0 for none."""
     return zlib.crc32(name.encode()) if name else 0
 
@@ -124,14 +124,14 @@ class SessionInfo(Struct, frozen=True, array_like=True):
     user: str
 
 
-class Sessions(Struct, frozen=True, array_like=True):
+class SessionTable(Struct, frozen=True, array_like=True):
     """Who may send commands, and whose scene is felt: "" for none's."""
 
     sessions: tuple[SessionInfo, ...] = ()
     owned: str = ""
 
 
-class Orders(Struct, frozen=True, array_like=True):
+class RequestedSettings(Struct, frozen=True, array_like=True):
     """What was selected last, numbered so that each is done once; done or failed, it stands in `results`.
 
     solver, backend: None before any was selected. technique, intensity: of now. reset, reopen: counts.
@@ -148,7 +148,7 @@ class Change(Struct, frozen=True, array_like=True, tag=True):
     """One change of the scene that is felt."""
 
 
-class Begin(Change, frozen=True):
+class ResetScene(Change, frozen=True):
     """All that was there is gone; what follows is of another scene, or of the same again: its number."""
 
     scene: int = 0
@@ -173,7 +173,7 @@ class MoveObject(Change, frozen=True):
     time: float
 
 
-class Wrap(Change, frozen=True):
+class SetEnvelope(Change, frozen=True):
     """A new envelope for an object, encoded."""
 
     name: str
@@ -216,7 +216,7 @@ class SetQuiet(Change, frozen=True):
     zones: tuple[tuple[tuple[float, float, float], float, float], ...] = ()
 
 
-AnyChange = Begin | PutObject | MoveObject | Wrap | RemoveObject | SetHands | SetQuiet
+AnyChange = ResetScene | PutObject | MoveObject | SetEnvelope | RemoveObject | SetHands | SetQuiet
 
 
 class Changes(Struct, frozen=True, array_like=True):
@@ -228,7 +228,7 @@ class Changes(Struct, frozen=True, array_like=True):
     changes: tuple[AnyChange, ...]
 
 
-class Taken(Struct, frozen=True, array_like=True):
+class ChangesAck(Struct, frozen=True, array_like=True):
     """Which changes the renderer has taken last. run: the renderer's own, random: another one wants all again."""
 
     number: int
@@ -236,7 +236,7 @@ class Taken(Struct, frozen=True, array_like=True):
     bus: int
 
 
-class Report(Struct, frozen=True, array_like=True):
+class RendererStatus(Struct, frozen=True, array_like=True):
     """How the renderer is.
 
     run: random. state: fields of `pacinian.wire.state.State`. results: of orders, by
@@ -254,7 +254,7 @@ class Report(Struct, frozen=True, array_like=True):
     """That can be selected."""
 
 
-class Device(Struct, frozen=True, array_like=True):
+class DeviceStatus(Struct, frozen=True, array_like=True):
     """How the device is.
 
     generation: counts devices; frames must be for it. next: the one that waits to take over
@@ -298,7 +298,7 @@ class Device(Struct, frozen=True, array_like=True):
         return Capability(self.phases, table or self.amplitudes, self.rate, self.watchdog)
 
 
-class Traffic(Struct, frozen=True, array_like=True):
+class BusStatus(Struct, frozen=True, array_like=True):
     """How the bus is. clients: by session key in hex: objects, commands, errors, dropped, newest age [s].
 
     port: where it listens; 0 until it does. waiting: what the renderer does not know yet.
@@ -321,8 +321,8 @@ def pack(value: Struct) -> bytes:
 
 def check_rate(device: float, loop: float) -> None:
     """Refuse a device of that rate for a loop of that rate [Hz]. Raises ArgumentError."""
-    if not 1.0 - 1e-9 <= device / loop < MOST_ROWS + 0.5:
+    if not 1.0 - 1e-9 <= device / loop < MAX_ROWS + 0.5:
         raise ArgumentError(
             "backend",
-            f"must have 1 to {MOST_ROWS} frames a tick: {device:g} Hz does not fit a loop of {loop:g} Hz",
+            f"must have 1 to {MAX_ROWS} frames a tick: {device:g} Hz does not fit a loop of {loop:g} Hz",
         )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 LOADING = threading.Lock()  # plug-ins are found by one thread at a time
 
 
-def offers(kind: Kind) -> tuple[Plugin, ...]:
+def list_offers(kind: Kind) -> tuple[Plugin, ...]:
     """The installed plug-ins of a kind; all that may offer such are imported."""
     plugins = registry.installed()
     with LOADING:

@@ -21,7 +21,7 @@ ANY = -1  # processor
 _ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
 
 
-def urgent(by: int = URGENT) -> None:
+def raise_priority(by: int = URGENT) -> None:
     """Ask the system to prefer this process, and to wake it in time, where it may be asked.
 
     by: how much, whatever its parent's; 0 as usual. Where so much is not allowed, as much as is. Linux counts it among
@@ -38,8 +38,8 @@ def urgent(by: int = URGENT) -> None:
             AUTOGROUP.write_text(f"{-level}")
 
 
-def ease(child: int) -> None:
-    """Let a process that has just been started be `EAGER` at most, until it is ready and asks to be `urgent`.
+def lower_child_priority(child: int) -> None:
+    """Let a process that has just been started be `EAGER` at most, until it is ready and asks to be `raise_priority`.
 
     On Linux; not where it could not ask for it again.
     """
@@ -53,13 +53,13 @@ def ease(child: int) -> None:
             os.setpriority(os.PRIO_PROCESS, child, max(given, -EAGER))
 
 
-def go_first() -> int:
+def use_realtime_class() -> int:
     """On Linux, let this thread go before all usual ones, but not what it starts: for one that mostly sleeps.
 
-    Return the processor that it keeps to from now on, so that others can `avoid` it (decision 28): `ANY` where it may
-    not go first, or there is only one.
+    Return the core that this thread is bound to, so that other threads can `avoid_cores` it (decision 28). Return `ANY`
+    where the system refuses, or where there is only one core.
     """
-    urgent()
+    raise_priority()
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
             os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
@@ -70,14 +70,14 @@ def go_first() -> int:
     return ANY
 
 
-def avoid(processor: int) -> None:
+def avoid_cores(processor: int) -> None:
     """Keep this thread off a processor that another one keeps to."""
     if sys.platform == "linux" and (rest := _ALLOWED - {processor}):
         with contextlib.suppress(OSError):
             os.sched_setaffinity(0, rest)
 
 
-def beside(work: Callable[[], object], name: str) -> None:
+def start_background_thread(work: Callable[[], object], name: str) -> None:
     """Do work in a thread of its own, on any processor, wherever this one keeps to, and `EAGER` at most."""
 
     def run() -> None:

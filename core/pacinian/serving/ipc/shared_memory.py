@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.file_lock import Lock
+from pacinian.serving.ipc.file_lock import FileLock
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -49,7 +49,7 @@ def folder() -> Generator[Path]:
     for lock in root.glob(f"{PREFIX}*{LOCK}"):
         remove(lock.with_suffix(""))
     made = root / f"{PREFIX}{secrets.token_hex(8)}"
-    with Lock(made.with_suffix(LOCK)):
+    with FileLock(made.with_suffix(LOCK)):
         made.mkdir(mode=0o700)
         try:
             yield made
@@ -61,7 +61,7 @@ def remove(left: Path, patience: float = 0.0) -> None:
     """Remove a folder of shared memory whose maker has gone; wait for its end for so long [s]."""
     lock, due = left.with_suffix(LOCK), time.monotonic() + patience
     while _is_ours(lock):
-        with contextlib.suppress(ServerError), Lock(lock):
+        with contextlib.suppress(ServerError), FileLock(lock):
             if _is_ours(left):
                 shutil.rmtree(left, ignore_errors=True)
             return
@@ -79,7 +79,7 @@ def _is_ours(path: Path) -> bool:
     return os.name != "posix" or (status.st_uid == os.getuid() and not stat.S_ISLNK(status.st_mode))
 
 
-class Latest:
+class SharedRegister:
     """A value of at most `capacity` [bytes]; a context manager. Made by `create`, then `attach`ed to by others.
 
     A writer that was killed in the middle of a value has not changed what is read; a new one that attaches
@@ -92,7 +92,7 @@ class Latest:
         self.capacity = self._words[1]
 
     @classmethod
-    def create(cls, path: Path, capacity: int) -> Latest:
+    def create(cls, path: Path, capacity: int) -> SharedRegister:
         """New, for values of at most `capacity` [bytes]. Raises ServerError."""
         room = -(-max(1, capacity) // WORD) * WORD
         mapped = _mapped(path, os.O_CREAT | os.O_EXCL, _size(room))
@@ -101,7 +101,7 @@ class Latest:
         return cls(path, mapped)
 
     @classmethod
-    def attach(cls, path: Path) -> Latest:
+    def attach(cls, path: Path) -> SharedRegister:
         """What another process has made. Raises ServerError."""
         mapped = _mapped(path, 0, 0)
         if len(mapped) >= WORD * HEAD and len(mapped) % WORD == 0:
@@ -160,7 +160,7 @@ class Latest:
         self._words.release()
         self._map.close()
 
-    def __enter__(self) -> Latest:
+    def __enter__(self) -> SharedRegister:
         return self
 
     def __exit__(
@@ -192,10 +192,10 @@ def _mapped(path: Path, flags: int, size: int) -> mmap.mmap:
         raise ServerError(f"{path}: shared memory: {error}") from error
 
 
-class Watched(Generic[T]):
+class RegisterReader(Generic[T]):
     """The newest value of a file, decoded once. decode: of its bytes. value: what holds until there is one."""
 
-    def __init__(self, file: Latest, decode: Callable[[bytes], T], value: T) -> None:
+    def __init__(self, file: SharedRegister, decode: Callable[[bytes], T], value: T) -> None:
         self.value = value
         self._file, self._decode = file, decode
         self._number = 0

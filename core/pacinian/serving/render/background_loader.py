@@ -13,11 +13,11 @@ import numpy as np
 from msgspec.msgpack import Decoder
 
 from pacinian.errors import describe_error
+from pacinian.scene.modulation.envelope import Envelope, Noise, Timed, Wave, resolve
 from pacinian.scene.objects import Body, Object, Particles, Path, Point
-from pacinian.scene.shapes.flat import Disc, Rectangle
-from pacinian.scene.shapes.round import Sphere
-from pacinian.scene.time.envelope import Envelope, Noise, Timed, Wave, resolve
-from pacinian.serving.ipc.scheduling import beside
+from pacinian.scene.shapes.planar import Disc, Rectangle
+from pacinian.scene.shapes.sphere_capsule import Sphere
+from pacinian.serving.ipc.scheduling import start_background_thread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,13 +40,16 @@ class Loaded(NamedTuple):
     problem: str = ""
 
 
-class Loader:
+class BackgroundLoader:
     """Makes objects and envelopes in order, one after the other: of each name only the newest. thread: for tests."""
 
     def __init__(self, thread: Callable[[Callable[[], None]], object] | None = None) -> None:
         self._jobs: dict[str, tuple[int, Callable[[], Object | Timed]]] = {}
         self._some, self._done = threading.Condition(), queue.SimpleQueue[Loaded]()
-        self._thread, self._started = thread or functools.partial(beside, name="loader"), False
+        self._thread, self._started = (
+            thread or functools.partial(start_background_thread, name="loader"),
+            False,
+        )
 
     def __len__(self) -> int:
         """How many wait."""
@@ -91,17 +94,17 @@ class Loader:
         gc.enable()
 
 
-def item_of(data: bytes) -> Object:
+def decode_object(data: bytes) -> Object:
     """The object. Raises msgspec.DecodeError, msgspec.ValidationError."""
     return _objects.decode(data)
 
 
-def envelope_of(data: bytes) -> Timed:
+def decode_envelope(data: bytes) -> Timed:
     """The envelope. Raises msgspec.DecodeError, msgspec.ValidationError."""
     return resolve(_envelopes.decode(data))
 
 
-def light(item: Object) -> bool:
+def is_light(item: Object) -> bool:
     """Whether it can be felt at once: nothing of it is made at first use that takes long."""
     if isinstance(item.envelope, SLOW):
         return False
@@ -110,20 +113,20 @@ def light(item: Object) -> bool:
     return isinstance(item.shape, QUICK) and item.texture is None
 
 
-def loaded(item: Object) -> Object:
+def load_object(item: Object) -> Object:
     """The object, ready to be felt. Raises ArgumentError."""
     for _ in item.load():
         pass
-    ready(resolve(item.envelope))
+    load_envelope(resolve(item.envelope))
     if isinstance(item, Body):
         points = np.zeros((1, 3))
         item.distance(points, math.inf, math.inf)
         item.distance(points, item.thickness, item.thickness)
-        item.cover(max(COARSE, item.reach / 10.0))
+        item.sample_surface(max(COARSE, item.bounding_radius / 10.0))
     return item
 
 
-def ready(envelope: Timed) -> Timed:
+def load_envelope(envelope: Timed) -> Timed:
     """The envelope, ready to be followed. Raises ArgumentError."""
     envelope.at(np.zeros(1))
     return envelope

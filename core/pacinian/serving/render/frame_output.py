@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Frame
     from pacinian.rendering.renderer import Renderer
-    from pacinian.serving.ipc.messages import Device, Permit
-    from pacinian.serving.ipc.shared_memory import Latest, Watched
+    from pacinian.serving.ipc.messages import DeviceStatus, Permit
+    from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
     from pacinian.types import Levels
 
 
@@ -29,7 +29,7 @@ class Input(NamedTuple):
     received: float = 0.0
 
 
-class Output(Backend):
+class SharedFrameBackend(Backend):
     """Writes frames for one device.
 
     file: `frame`. device, permit: as read last. generation, capability: of the device that the frames are
@@ -40,9 +40,9 @@ class Output(Backend):
 
     def __init__(
         self,
-        file: Latest,
-        device: Watched[Device],
-        permit: Watched[Permit],
+        file: SharedRegister,
+        device: RegisterReader[DeviceStatus],
+        permit: RegisterReader[Permit],
         generation: int,
         capability: Capability,
         tag: Callable[[], Input],
@@ -84,17 +84,17 @@ class Output(Backend):
         )
 
 
-class Outputs:
+class OutputSwitcher:
     """Makes an output for each device that the guard has.
 
-    rate: of the loop [Hz]. file, device, permit, tag: as for `Output`.
+    rate: of the loop [Hz]. file, device, permit, tag: as for `SharedFrameBackend`.
     """
 
     def __init__(
         self,
-        file: Latest,
-        device: Watched[Device],
-        permit: Watched[Permit],
+        file: SharedRegister,
+        device: RegisterReader[DeviceStatus],
+        permit: RegisterReader[Permit],
         rate: float,
         tag: Callable[[], Input],
     ) -> None:
@@ -102,7 +102,7 @@ class Outputs:
         self._rate = rate
         self._tried = 0  # the last generation
 
-    def first(self) -> Output:
+    def first(self) -> SharedFrameBackend:
         """For the device there is; or for none, and the loop then runs until one comes."""
         try:
             return self._made()
@@ -127,7 +127,7 @@ class Outputs:
             return {f"device {generation}": describe_error(error)}
         return {}
 
-    def _made(self) -> Output:
+    def _made(self) -> SharedFrameBackend:
         """For the device that is to have the next frames. Raises ArgumentError where the loop cannot serve it."""
         device = self._device.value
         generation = self._tried = device.next or device.generation
@@ -136,8 +136,10 @@ class Outputs:
         check_rate(device.rate, self._rate)
         return self._output(generation, device.capability)
 
-    def _output(self, generation: int, capability: Capability) -> Output:
-        return Output(self._file, self._device, self._permit, generation, capability, self._tag)
+    def _output(self, generation: int, capability: Capability) -> SharedFrameBackend:
+        return SharedFrameBackend(
+            self._file, self._device, self._permit, generation, capability, self._tag
+        )
 
 
 def _bytes(levels: Levels) -> memoryview:

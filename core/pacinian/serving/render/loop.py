@@ -11,18 +11,18 @@ from msgspec.structs import replace
 from pacinian.errors import describe_error, shorten
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
-from pacinian.serving.ipc.shared_memory import Watched
+from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import status
 from pacinian.serving.render.change_decoding import decode_changes
-from pacinian.serving.render.frame_output import Input, Outputs
-from pacinian.serving.render.quiet_zones import Quieting
-from pacinian.serving.render.scene_replica import FeltScene
+from pacinian.serving.render.frame_output import Input, OutputSwitcher
+from pacinian.serving.render.quiet_zones import ZonePlacement
+from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.solving.problem import Limits
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_time import technique_to_scene
 
 if TYPE_CHECKING:
@@ -30,22 +30,22 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.scene.time.technique import Technique
-    from pacinian.serving.ipc.messages import Orders
-    from pacinian.serving.ipc.shared_memory import Latest
-    from pacinian.serving.render.background_loader import Loader
-    from pacinian.serving.render.solver_switcher import Solvers
+    from pacinian.scene.modulation.technique import Technique
+    from pacinian.serving.ipc.messages import RequestedSettings
+    from pacinian.serving.ipc.shared_memory import SharedRegister
+    from pacinian.serving.render.background_loader import BackgroundLoader
+    from pacinian.serving.render.solver_switcher import SolverSwitcher
     from pacinian.serving.settings import Settings
     from pacinian.wire.replies import Plugin
     from pacinian.wire.time import Technique as WireTechnique
 
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.01  # [s] before a permit ends, the scene fades
-KEPT = 64  # results of orders
-NO_DEVICE = messages.Device(0, 0, "", 256, 256, 0.0, None, 0.0, False)
+MAX_RESULTS = 64  # results of orders
+NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
-class Loop:
+class ServerLoop:
     """Renders what the bus tells, while control permits it, for the guard.
 
     files: those of `FILES`, by name. array, medium: as the settings have them. solvers, loader: make what
@@ -55,12 +55,12 @@ class Loop:
 
     def __init__(
         self,
-        files: dict[str, Latest],
+        files: dict[str, SharedRegister],
         settings: Settings,
         array: Array,
         medium: Air,
-        solvers: Solvers,
-        loader: Loader,
+        solvers: SolverSwitcher,
+        loader: BackgroundLoader,
         clock: Clock | None = None,
     ) -> None:
         self.run = int.from_bytes(os.urandom(6), "little")
@@ -69,16 +69,24 @@ class Loop:
         """That can be selected."""
         self._files, self._settings, self._choosing = files, settings, solvers
         self.clock = clock or SystemClock()
-        self._permit = Watched(files["permit"], messages.Permit.unpack, messages.Permit())
-        self._orders = Watched(files["orders"], Decoder(messages.Orders).decode, messages.Orders())
-        self._device = Watched(files["device"], Decoder(messages.Device).decode, NO_DEVICE)
-        self._changes = Watched(files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0))
+        self._permit = RegisterReader(files["permit"], messages.Permit.unpack, messages.Permit())
+        self._orders = RegisterReader(
+            files["orders"],
+            Decoder(messages.RequestedSettings).decode,
+            messages.RequestedSettings(),
+        )
+        self._device = RegisterReader(
+            files["device"], Decoder(messages.DeviceStatus).decode, NO_DEVICE
+        )
+        self._changes = RegisterReader(
+            files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0)
+        )
         zones = settings.safety.zones
-        self.felt = FeltScene(
+        self.felt = SceneReplica(
             settings.workspace, loader, tuple(Zone(z.position, z.pressure, z.radius) for z in zones)
         )
         self._device.look()
-        self._outputs = Outputs(
+        self._outputs = OutputSwitcher(
             files["frame"], self._device, self._permit, settings.rate, self._tag
         )
         sampling = settings.sampling
@@ -96,8 +104,8 @@ class Loop:
         )
         limits = Limits(gain=settings.gain, power=settings.power)
         self._quiet = True
-        self._quieting = Quieting(array, self.renderer.session.medium, limits, len(zones))
-        self._done = messages.Orders()
+        self._quieting = ZonePlacement(array, self.renderer.session.medium, limits, len(zones))
+        self._done = messages.RequestedSettings()
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS  # what is presented
         self._intensity = 1.0
         self._reset = 0
@@ -108,7 +116,7 @@ class Loop:
         self.renderer.open()
         self.felt.start = self.renderer.start
         self._changes.skip()
-        self._files["taken"].write(messages.pack(messages.Taken(0, self.run, 0)))
+        self._files["taken"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
         self._try(self._orders.look)
         self._reset = self._orders.value.reset
         self._obey(self._orders.value)
@@ -164,11 +172,13 @@ class Loop:
             self.felt.apply()
             return
         new, damaged = self._changes.value
-        again = () if new.run == last.run else (messages.Begin(),)
+        again = () if new.run == last.run else (messages.ResetScene(),)
         self.felt.apply((*again, *new.changes))
         if damaged:
             self.felt.refuse("", f"{damaged} changes were damaged")
-        self._files["taken"].write(messages.pack(messages.Taken(new.number, self.run, new.run)))
+        self._files["taken"].write(
+            messages.pack(messages.ChangesAck(new.number, self.run, new.run))
+        )
 
     def _is_quiet(self) -> bool:
         """Whether the quiet zones of now can be kept: until they are prepared, there is silence."""
@@ -183,7 +193,7 @@ class Loop:
         if session.solver is not solver:
             session.solver = solver
 
-    def _obey(self, orders: Orders) -> None:
+    def _obey(self, orders: RequestedSettings) -> None:
         """Do what is new in the orders; what cannot be done does not keep the rest from it."""
         done, self._done = self._done, orders
         (solver, choice), (technique, asked), (intensity, level) = (
@@ -221,7 +231,7 @@ class Loop:
 
     def _note(self, results: dict[str, str]) -> None:
         self.results.update(results)
-        for old in list(self.results)[:-KEPT]:
+        for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
 
     def _tag(self) -> Input:
@@ -231,7 +241,7 @@ class Loop:
     def _report(self, now: float) -> None:
         """Tell how it is; or where that cannot be told, that it lives."""
         halted = self.renderer.halted
-        report = messages.Report(
+        report = messages.RendererStatus(
             self.run,
             now,
             {},
@@ -246,12 +256,12 @@ class Loop:
             self.felt.refuse("", describe_error(error))
             self._tell(report)
 
-    def _tell(self, report: messages.Report) -> None:
+    def _tell(self, report: messages.RendererStatus) -> None:
         self._files["report"].write(messages.pack(report))
 
     def _state(self, now: float) -> dict[str, Any]:
         renderer = self.renderer
-        state = status.state(renderer, now - renderer.start)
+        state = status.make_status(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity
         if not self._quiet:
             state["status"] = self._quieting.note

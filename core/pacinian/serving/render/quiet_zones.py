@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ArgumentError, describe_error
-from pacinian.solving.nulls import Preparation
 from pacinian.solving.problem import Budget, Limits
+from pacinian.solving.quiet_subspace import Preparation
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.solving.zone import Zone
+    from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)
 ROOM = 0.02  # [m] by which the ball that is kept is larger than one that may move
 
 
-class Quieting:
+class ZonePlacement:
     """Prepares quiet zones for an array in a medium. limits: of gain and power. fixed: how many zones never move.
 
     note: what people should know while there is silence.

@@ -13,24 +13,24 @@ from weakref import WeakKeyDictionary
 from msgspec.structs import force_setattr
 
 from pacinian.errors import describe_error, shorten
+from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
-from pacinian.scene.time.technique import SIMULTANEOUS
 from pacinian.serving.ipc import messages
 from pacinian.serving.render import background_loader, change_decoding
 from pacinian.serving.render.frame_output import Input
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.modulation.envelope import Timed
+    from pacinian.scene.modulation.technique import Technique
     from pacinian.scene.scene import Workspace
-    from pacinian.scene.time.envelope import Timed
-    from pacinian.scene.time.technique import Technique
-    from pacinian.serving.render.background_loader import Loader
+    from pacinian.serving.render.background_loader import BackgroundLoader
 
-KEPT = 256  # refused objects that are told
+MAX_REFUSALS = 256  # refused objects that are told
 
 
 class Given(NamedTuple):
@@ -41,7 +41,7 @@ class Given(NamedTuple):
     default: bool
 
 
-class FeltScene:
+class SceneReplica:
     """Keeps a scene as the bus tells it.
 
     workspace: of every scene. zones: until the bus tells. loader: for objects that take long: until one is
@@ -49,7 +49,7 @@ class FeltScene:
     """
 
     def __init__(
-        self, workspace: Workspace | None, loader: Loader, zones: tuple[Zone, ...] = ()
+        self, workspace: Workspace | None, loader: BackgroundLoader, zones: tuple[Zone, ...] = ()
     ) -> None:
         self.start = 0.0
         """What is time 0 of the scene, by the clock that changes are dated by [s]."""
@@ -74,10 +74,10 @@ class FeltScene:
         self._inputs: WeakKeyDictionary[Scene, Input] = WeakKeyDictionary()
         self._hushed: tuple[Scene, Scene] = self.scene, self.scene
         self._does: dict[type, Callable[[Any], None]] = {
-            messages.Begin: self._begin,
+            messages.ResetScene: self._begin,
             messages.PutObject: self._put,
             messages.MoveObject: self._move,
-            messages.Wrap: self._wrap,
+            messages.SetEnvelope: self._wrap,
             messages.RemoveObject: self._remove,
             messages.SetHands: self._set_hands,
             messages.SetQuiet: self._set_quiet,
@@ -140,7 +140,7 @@ class FeltScene:
     def _do(self, change: messages.AnyChange) -> None:
         name = getattr(change, "name", "")
         waiting = self._loading.get(name)
-        if waiting is not None and isinstance(change, (messages.MoveObject, messages.Wrap)):
+        if waiting is not None and isinstance(change, (messages.MoveObject, messages.SetEnvelope)):
             kept = [old for old in waiting[1] if type(old) is not type(change)]
             self._loading[name] = waiting[0], [*kept, change]
         try:
@@ -162,10 +162,10 @@ class FeltScene:
         """Tell that an object could not be put, or "" for none in particular."""
         self.refused.pop(name, None)
         self.refused[name] = shorten(problem)
-        while len(self.refused) > KEPT:
+        while len(self.refused) > MAX_REFUSALS:
             del self.refused[next(iter(self.refused))]
 
-    def _begin(self, change: messages.Begin) -> None:
+    def _begin(self, change: messages.ResetScene) -> None:
         self._gone = dict.fromkeys(item.name for item in self.scene.objects)
         for name in list(self._loading):
             self._forget(name)
@@ -180,13 +180,15 @@ class FeltScene:
         self.refused.pop(name, None)
         self._forget(name)
         if len(data) > background_loader.LIGHT:
-            self._load(change, lambda: background_loader.loaded(background_loader.item_of(data)))
+            self._load(
+                change, lambda: background_loader.load_object(background_loader.decode_object(data))
+            )
             return
-        item = background_loader.item_of(data)
-        if background_loader.light(item):
+        item = background_loader.decode_object(data)
+        if background_loader.is_light(item):
             self._enter(name, item, default)
         else:
-            self._load(change, lambda: background_loader.loaded(item))
+            self._load(change, lambda: background_loader.load_object(item))
 
     def _enter(self, name: str, item: Object, default: bool) -> None:
         """An object that is ready. It is nobody else's: it is changed in place."""
@@ -215,7 +217,7 @@ class FeltScene:
         self._loader.ask(name, self._turn, job)
 
     def _take(self, done: background_loader.Loaded) -> None:
-        turn, (change, *later) = self._loading.get(done.name, (0, [messages.Begin()]))
+        turn, (change, *later) = self._loading.get(done.name, (0, [messages.ResetScene()]))
         if turn != done.turn:
             return  # something else has come since
         del self._loading[done.name]
@@ -238,16 +240,19 @@ class FeltScene:
         else:
             self._change(item, pose=change_decoding.decode_pose(change), motion=motion)
 
-    def _wrap(self, change: messages.Wrap) -> None:
+    def _wrap(self, change: messages.SetEnvelope) -> None:
         item, data = self._items.get(change.name), change.envelope
         if item is None:
             return
         if len(data) > background_loader.LIGHT:
-            self._load(change, lambda: background_loader.ready(background_loader.envelope_of(data)))
+            self._load(
+                change,
+                lambda: background_loader.load_envelope(background_loader.decode_envelope(data)),
+            )
             return
-        envelope = background_loader.envelope_of(data)
+        envelope = background_loader.decode_envelope(data)
         if isinstance(envelope, background_loader.SLOW):
-            self._load(change, lambda: background_loader.ready(envelope))
+            self._load(change, lambda: background_loader.load_envelope(envelope))
         else:
             self._change(item, envelope=envelope)
 

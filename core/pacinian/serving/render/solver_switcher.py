@@ -8,10 +8,10 @@ import time
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import describe_error
-from pacinian.rendering.warming import try_out
+from pacinian.rendering.warmup import try_out
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving.ipc import plugin_list
-from pacinian.serving.ipc.scheduling import beside
+from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.session import Session
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ MAKING = 10.0  # [s] after which one that is not made yet gives way to another: 
 MAX_HANGING = 4  # threads in solvers that gave way: only the process's end takes them away
 
 
-class Made(NamedTuple):
+class MadeSolver(NamedTuple):
     """What has come of an order: a solver that has solved, or why there is none."""
 
     order: int
@@ -35,7 +35,7 @@ class Made(NamedTuple):
     problem: str = ""
 
 
-class Solvers:
+class SolverSwitcher:
     """Which solver solves: the one chosen last. One is made at a time, and of those that wait only the newest.
 
     chosen: to begin with. array, medium: to try new ones out. configured: with the owner's options. thread, clock: for
@@ -56,8 +56,8 @@ class Solvers:
         self.chosen = chosen
         self._configured = configured
         self._array, self._medium = array, medium
-        self._thread = thread or functools.partial(beside, name="solver")
-        self._made: queue.SimpleQueue[Made] = queue.SimpleQueue()
+        self._thread = thread or functools.partial(start_background_thread, name="solver")
+        self._made: queue.SimpleQueue[MadeSolver] = queue.SimpleQueue()
         self._clock = clock
         self._making = 0  # the order of the solver that is being made; 0 if none is
         self._since = 0.0  # [s], when that began
@@ -89,9 +89,9 @@ class Solvers:
                 solver = make_solver(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:  # whatever a plug-in raises ends here, not in the thread
-                self._made.put(Made(number, None, f"{choice.name}: {describe_error(error)}"))
+                self._made.put(MadeSolver(number, None, f"{choice.name}: {describe_error(error)}"))
             else:
-                self._made.put(Made(number, solver))
+                self._made.put(MadeSolver(number, solver))
 
         self._thread(work)
 

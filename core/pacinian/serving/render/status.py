@@ -10,8 +10,8 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.rendering.probe import name_of
+from pacinian.scene.sampling.pose_prediction import HOLD
 from pacinian.scene.sampling.samples import BESIDE
-from pacinian.scene.sampling.tracks import HOLD
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
@@ -25,7 +25,7 @@ FAULTS = 5  # that are told
 EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # [s] between the bins of `State.tick_counts`
 
 
-def state(renderer: Renderer, t: float) -> dict[str, Any]:
+def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     """Fields of `pacinian.wire.state.State` at time t [s] of the scene."""
     report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
     hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
@@ -61,7 +61,7 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
         p = renderer.hear(samples.positions, player.cycle.facing)
     elif solved is player.placed:  # or else it is a step of a modulation, as it was solved
         p = session.propagator.apply(renderer.emitted)
-    error, shown = targets.miss(p), samples.regions != BESIDE
+    error, shown = targets.relative_error(p), samples.regions != BESIDE
     samples, p = samples.only(shown), p[shown]
     used, index = np.unique(samples.objects, return_inverse=True)
     return {

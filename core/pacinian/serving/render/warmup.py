@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 from pacinian.acoustics.pose import Pose
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.rerender import Kept, Then
+from pacinian.rendering.rerender import CaptureBackend, FixedClock
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.noise import Noise
+from pacinian.scene.modulation.technique import AM, STM
 from pacinian.scene.objects import Object, Path, Point, Volume
 from pacinian.scene.scene import Scene
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.shapes.round import Sphere
-from pacinian.scene.time.noise import Noise
-from pacinian.scene.time.technique import AM, STM
-from pacinian.serving.render.background_loader import loaded
+from pacinian.scene.shapes.sphere_capsule import Sphere
+from pacinian.serving.render.background_loader import load_object
 from pacinian.solving.problem import Limits
-from pacinian.solving.zone import Zone
+from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,10 +57,10 @@ def _render(
         scene,
         medium=medium,
         solver=solver,
-        backend=Kept(capability),
+        backend=CaptureBackend(capability),
         rate=rate,
         limits=limits,
-        clock=Then(),
+        clock=FixedClock(),
     )
     with renderer:
         for tick in range(TICKS):
@@ -74,7 +74,7 @@ def _scenes(place: Floats) -> Iterator[Scene]:
     other = Point(position=(x + 0.03, y, z), technique=AM(), **PRESSURE)
     circle = Path(shape=Circle(0.02), pose=at, technique=STM(frequency=100.0), **PRESSURE)
     ball = Volume(shape=Sphere(0.03), pose=at, envelope=NOISE, **PRESSURE)
-    solid = loaded(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
+    solid = load_object(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
     felt: tuple[Object, ...] = point, ball, solid
     yield Scene((point, other))
     yield Scene((circle,))

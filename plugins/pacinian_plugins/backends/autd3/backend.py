@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 import pacinian as pc
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError
-from pacinian_plugins.backends.autd3 import levels, links, units
+from pacinian_plugins.backends.autd3 import levels, transports, units
 from pacinian_plugins.backends.autd3.packages import NAME
 from pacinian_plugins.backends.autd3.stream import CARRIER, Stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian_plugins.backends.autd3.line import Line
+    from pacinian_plugins.backends.autd3.transport import Transport
 
 ROOM = 6  # rows of a tick: the units have room for 7 messages
 
@@ -44,23 +44,23 @@ class Autd3(pc.Backend):
     lead: float = 0.0
     timeout: float = 0.1
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
-    line: Line | None = field(default=None, init=False, repr=False)
+    line: Transport | None = field(default=None, init=False, repr=False)
     """The way to the units, of the last `open`."""
 
     def __post_init__(self) -> None:
-        if self.link in links.ETHERCAT:
-            raise ArgumentError("link", f"{self.link!r} {links.GONE}")
-        if self.link not in links.LINKS:
-            there = ", ".join(map(repr, links.LINKS))
+        if self.link in transports.ETHERCAT:
+            raise ArgumentError("link", f"{self.link!r} {transports.GONE}")
+        if self.link not in transports.LINKS:
+            there = ", ".join(map(repr, transports.LINKS))
             raise ArgumentError("link", f"must be one of {there}, not {self.link!r}")
-        self.port = integer("port", self.port, low=0)
-        self.rate = integer("rate", self.rate, low=100)
+        self.port = check_integer("port", self.port, low=0)
+        self.rate = check_integer("rate", self.rate, low=100)
         if CARRIER % self.rate:
             raise ArgumentError("rate", f"must divide {CARRIER} Hz, not {self.rate}")
-        self.watchdog = number("watchdog", self.watchdog, low=0.005, high=60.0)
-        self.lead = number("lead", self.lead, low=0.0, high=0.02)
-        self.timeout = number("timeout", self.timeout, low=0.02, high=10.0)
-        watchdog = self.watchdog if self.link in links.FAILSAFE else None
+        self.watchdog = check_number("watchdog", self.watchdog, low=0.005, high=60.0)
+        self.lead = check_number("lead", self.lead, low=0.0, high=0.02)
+        self.timeout = check_number("timeout", self.timeout, low=0.02, high=10.0)
+        watchdog = self.watchdog if self.link in transports.FAILSAFE else None
         self._capability = pc.Capability(levels.PHASES, levels.SIZES, self.rate, watchdog)
         self._open, self._failures = False, 0
         self._first: float | None = None  # [s] when the first row was due
@@ -75,13 +75,13 @@ class Autd3(pc.Backend):
         self.close()
         if self.description:
             described = pc.DeviceDescription.load(self.description)
-            layout = units.of_description(described, array)
+            layout = units.layout_of_description(described, array)
         else:
-            layout = units.of_array(array)
+            layout = units.layout_of_array(array)
         geometry = layout.geometry()
         self._stream, self._packer = Stream(geometry, self.rate), levels.Packer(layout)
         self._failures, self._first = 0, None
-        self.line = links.line(
+        self.line = transports.make_transport(
             self.link, geometry, self.interface, self.port, self.watchdog, self.timeout, self.clock
         )
         self._open = True
@@ -123,7 +123,7 @@ class Autd3(pc.Backend):
             line, self._open = self._line(), False
             line.close()
 
-    def _line(self) -> Line:
+    def _line(self) -> Transport:
         if not self._open or self.line is None:
             raise pc.BackendError(f"{NAME} is not open")
         return self.line

@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import number
+from pacinian.checks import check_number
+from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
 from pacinian_plugins.backends.autd3.levels import PERIOD, PHASES
-from pacinian_plugins.backends.autd3.packages import package
-from pacinian_plugins.backends.autd3.states import exact, silent
+from pacinian_plugins.backends.autd3.packages import import_package
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from pacinian.types import Gains
-    from pacinian_plugins.backends.autd3.line import Due
+    from pacinian_plugins.backends.autd3.transport import Due
 
 CYCLE = 25_000  # [ns] of the ultrasound
-KEPT = 4096  # messages; at most two cycles of them say what sounds now
+MAX_MESSAGES = 4096  # messages; at most two cycles of them say what sounds now
 
 
-class EmulatedLine:
+class EmulatedTransport:
     """Units that are in the emulator only.
 
     geometry: of the units. clock: [s]; that of the units is 0 now.
@@ -31,11 +31,11 @@ class EmulatedLine:
     def __init__(self, geometry: Any, clock: Callable[[], float]) -> None:
         self.failures, self.waits, self.messages = 0, False, 0
         self._geometry, self._clock, self._start = geometry, clock, clock()
-        api = package("autd3")
-        self._emulator, self._duration = package("autd3_emulator"), api.Duration.from_nanos
-        self._silent = api.Frames.encode(geometry, silent(len(geometry)))
-        self._begin = api.Frames.encode(geometry, [exact(), silent(len(geometry))])
-        self._log: deque[tuple[float, Any]] = deque(maxlen=KEPT)
+        api = import_package("autd3")
+        self._emulator, self._duration = import_package("autd3_emulator"), api.Duration.from_nanos
+        self._silent = api.Frames.encode(geometry, make_silent(len(geometry)))
+        self._begin = api.Frames.encode(geometry, [make_exact(), make_silent(len(geometry))])
+        self._log: deque[tuple[float, Any]] = deque(maxlen=MAX_MESSAGES)
 
     @property
     def time(self) -> float:
@@ -68,7 +68,7 @@ class EmulatedLine:
 
         One period unless given. It is slow, and large: 150 kB for each millisecond and unit.
         """
-        span = max(1, round(1e9 * number("seconds", seconds, low=0.0) / CYCLE))
+        span = max(1, round(1e9 * check_number("seconds", seconds, low=0.0) / CYCLE))
         end = round(1e9 * self.time) // CYCLE + 1  # periods; the one that has begun is over then
         recorder = self._emulator.Recorder(self._geometry, CYCLE * max(0, end - span))
         at = max(0, end - span)

@@ -10,7 +10,7 @@ import pacinian as pc
 NAME = "autd3"
 
 
-def package(name: str) -> Any:
+def import_package(name: str) -> Any:
     """One of the packages. Raises MissingExtra."""
     try:
         return import_module(name)

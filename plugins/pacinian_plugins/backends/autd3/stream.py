@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pacinian_plugins.backends.autd3.cycles import Cycles
-from pacinian_plugins.backends.autd3.packages import package
+from pacinian_plugins.backends.autd3.packages import import_package
+from pacinian_plugins.backends.autd3.repeat_detector import RepeatDetector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,11 +27,14 @@ class Stream:
 
     def __init__(self, geometry: Any, rate: int) -> None:
         self._geometry, self._rate = geometry, rate
-        self._commands, self._value = package("autd3.commands"), package("autd3.value")
-        self._buffers = package("autd3_pattern")
-        self._encode = package("autd3").Frames.encode
+        self._commands, self._value = (
+            import_package("autd3.commands"),
+            import_package("autd3.value"),
+        )
+        self._buffers = import_package("autd3_pattern")
+        self._encode = import_package("autd3").Frames.encode
         self._bank = self._value.PatternBank.B1
-        self._cycles = Cycles()
+        self._cycles = RepeatDetector()
         self._held: int | None = None  # the digest of what sounds
 
     def forget(self) -> None:

@@ -8,14 +8,14 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
-from pacinian_plugins.backends.autd3.packages import NAME, package
-from pacinian_plugins.backends.autd3.states import exact, silent
-from pacinian_plugins.backends.autd3.troubles import explained
+from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
+from pacinian_plugins.backends.autd3.error_advice import explain
+from pacinian_plugins.backends.autd3.packages import NAME, import_package
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Sequence
 
-    from pacinian_plugins.backends.autd3.line import Due
+    from pacinian_plugins.backends.autd3.transport import Due
 
 OPENING = 60.0  # [s]; the packages give up before
 LOOK = 1.0  # [s] between two looks whether the units' failsafe has silenced them
@@ -23,7 +23,7 @@ TRIES = 3  # of ending that
 MORE = 1.0  # [s] that a call may take beyond the time in which units must answer
 
 
-class UdpLine:
+class UdpTransport:
     """Units that a client of the packages reaches.
 
     geometry: of the units. option: how they are reached. watchdog: after which they are silent when nothing is sent
@@ -44,10 +44,10 @@ class UdpLine:
         self.failures, self.units = 0, units
         self._timeout, self._clock = timeout, clock
         self._watchdog, self._failsafe = watchdog, failsafe
-        self._api, self._commands = package("autd3"), package("autd3.commands")
+        self._api, self._commands = import_package("autd3"), import_package("autd3.commands")
         self._error: Any = self._api.Autd3Error
         self._nop: list[Due] = [(self._api.Frames.encode(geometry, self._commands.Nop()), None)]
-        self._silent = silent(len(geometry))
+        self._silent = make_silent(len(geometry))
         self._next: Sequence[Due] = ()
         self._sent = self._looked = clock()
         self._failing: float | None = None  # [s] since when nothing was answered
@@ -73,7 +73,7 @@ class UdpLine:
         try:
             return float(self._client.device_time_now().sys_time) * 1e-9
         except self._error as error:
-            raise pc.BackendError(explained(error)) from error
+            raise pc.BackendError(explain(error)) from error
 
     @property
     def waits(self) -> bool:
@@ -124,7 +124,7 @@ class UdpLine:
             asked.cancel()
             raise pc.BackendError(f"{NAME}: took more than {timeout:g} s: open it again") from error
         except self._error as error:
-            raise pc.BackendError(explained(error)) from error
+            raise pc.BackendError(explain(error)) from error
 
     # ------------------------------------------------------------------ in the client's thread
 
@@ -137,7 +137,7 @@ class UdpLine:
         if self._failsafe:
             cpu = self._commands.CpuConfig(failsafe_timeout=duration(self._watchdog))
             await self._client.send(self._commands.SetCpuConfig(cpu))
-        await self._client.send([exact(), self._silent])
+        await self._client.send([make_exact(), self._silent])
         self._sent = self._clock()
         self._begin(self._pump())
 
@@ -198,7 +198,7 @@ class UdpLine:
         code = getattr(error, "code", self._error.INVALID_ARGUMENT)
         hopeless = code in (self._error.NETWORK, self._error.INVALID_ARGUMENT)
         if gone or hopeless or now - self._failing > self._timeout:
-            self._problem = explained(error, gone)
+            self._problem = explain(error, gone)
 
     async def _silenced(self) -> None:
         self._silences += 1
@@ -224,5 +224,5 @@ class UdpLine:
 
 def _at(api: Any, due: float) -> Any:
     """When to take effect, as the packages say it."""
-    time = package("autd3.value").SysTime.from_nanos(round(1e9 * due))
+    time = import_package("autd3.value").SysTime.from_nanos(round(1e9 * due))
     return api.ExecAt.At(time)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pacinian as pc
-from pacinian_plugins.backends.autd3.packages import NAME, package
+from pacinian_plugins.backends.autd3.packages import NAME, import_package
 
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
@@ -41,7 +41,7 @@ class Layout:
 
     def geometry(self) -> Any:
         """The same for the AUTD3 packages, which count in millimetres. Raises BackendError, MissingExtra."""
-        core = package("autd3_core")
+        core = import_package("autd3_core")
         made = core.Geometry(
             [
                 core.Autd3(1e3 * np.array(unit.origin), np.array(unit.rotation))
@@ -56,7 +56,7 @@ class Layout:
         return made
 
 
-def of_array(array: pc.Array) -> Layout:
+def layout_of_array(array: pc.Array) -> Layout:
     """The units that an array is made of, found by where its transducers are. Raises BackendError."""
     N = len(array)
     if N % UNIT:
@@ -70,7 +70,7 @@ def of_array(array: pc.Array) -> Layout:
     return Layout(units, np.arange(N))
 
 
-def of_description(description: pc.DeviceDescription, array: pc.Array) -> Layout:
+def layout_of_description(description: pc.DeviceDescription, array: pc.Array) -> Layout:
     """The units of a description, whose array this must be. Raises BackendError."""
     described = description.array()
     same = len(described) == len(array)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import integer, names, number
+from pacinian.checks import check_integer, check_names, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.openmpd.board import Board
-from pacinian_plugins.backends.openmpd.link import CHIPS, opened
+from pacinian_plugins.backends.openmpd.link import CHIPS, open_port
 from pacinian_plugins.backends.openmpd.protocol import (
     BOARD,
     DUTY,
@@ -20,7 +20,7 @@ from pacinian_plugins.backends.openmpd.protocol import (
     PHASES,
     SIZES,
     Packer,
-    divider,
+    encode_divider,
 )
 
 if TYPE_CHECKING:
@@ -55,14 +55,14 @@ class OpenMpd(pc.Backend):
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
 
     def __post_init__(self) -> None:
-        self.rate = number("rate", self.rate, low=100.0, high=10_000.0)
-        self.timeout = number("timeout", self.timeout, low=0.001, high=1.0)
-        self.serials = names("serials", self.serials)
-        self.led = [integer("led", level, low=0) for level in self.led]
+        self.rate = check_number("rate", self.rate, low=100.0, high=10_000.0)
+        self.timeout = check_number("timeout", self.timeout, low=0.001, high=1.0)
+        self.serials = check_names("serials", self.serials)
+        self.led = [check_integer("led", level, low=0) for level in self.led]
         if len(self.led) != 3 or max(self.led) > 255:
             raise ArgumentError("led", f"must be red, green and blue, 0 to 255, not {self.led}")
         self._capability = pc.Capability(PHASES, SIZES, self.rate)
-        self._divide = divider(self.rate)
+        self._divide = encode_divider(self.rate)
         self._columns = 0
         self._packer = Packer([])
         self.boards: list[Board] = []
@@ -72,7 +72,7 @@ class OpenMpd(pc.Backend):
     def found(cls) -> Iterable[pc.Found]:
         """The chips that are connected, by serial: boards, or anything else."""
         title = "FT232H, an OpenMPD board or anything else"
-        return [pc.Found(NAME, *one) for one in CHIPS.told(title)]
+        return [pc.Found(NAME, *one) for one in CHIPS.describe(title)]
 
     @property
     def capability(self) -> pc.Capability:
@@ -87,9 +87,9 @@ class OpenMpd(pc.Backend):
         self.close()
         wirings = self._wirings(len(array))
         try:
-            listed = CHIPS.seen(self.library)
-            for one in [CHIPS.picked(listed, wiring.serial) for wiring in wirings]:
-                link = opened(one)
+            listed = CHIPS.list_devices(self.library)
+            for one in [CHIPS.select(listed, wiring.serial) for wiring in wirings]:
+                link = open_port(one)
                 self.boards.append(Board(link, self._divide, self.led, self.timeout, self.clock))
                 self.boards[-1].silence()
             self.wait(PAUSE)
@@ -149,7 +149,7 @@ class OpenMpd(pc.Backend):
             )
         if not wirings or not all(wiring.serial for wiring in wirings):
             there = (
-                ", ".join(one.serial for one in CHIPS.seen(self.library) if not one.problem)
+                ", ".join(one.serial for one in CHIPS.list_devices(self.library) if not one.problem)
                 or "none"
             )
             raise pc.BackendError(

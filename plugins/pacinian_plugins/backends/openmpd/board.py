@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import pacinian as pc
-from pacinian_plugins.backends.openmpd.protocol import CARRIER, FRAME, PAUSE, off
+from pacinian_plugins.backends.openmpd.protocol import CARRIER, FRAME, PAUSE, encode_off
 
 if TYPE_CHECKING:
     from array import array
@@ -35,7 +35,7 @@ class Board:
     ) -> None:
         self.link, self.name = link, link.name
         self._divide, self._timeout, self._clock = divide, timeout, clock
-        self._off = off(divide, led)
+        self._off = encode_off(divide, led)
         self._ready = -math.inf  # [s] when it is sure where frames begin
 
     def send(self, frames: array[int]) -> None:
@@ -62,7 +62,7 @@ class Board:
 
     def close(self) -> None:
         """Silence it, switch its light off, and give it back. Never raises."""
-        self._off = off(self._divide, DARK)
+        self._off = encode_off(self._divide, DARK)
         with suppress(pc.BackendError):
             self.silence()
         self.link.close()

@@ -13,7 +13,7 @@ from pacinian.devices.usb import UsbKind
 from pacinian.devices.usb_link import UsbLink
 
 if TYPE_CHECKING:
-    from pacinian.devices.usb import Seen
+    from pacinian.devices.usb import ListedDevice
 
 PORT = 1  # the chip's only one
 PINS = 0xFF
@@ -33,7 +33,7 @@ CHIPS = UsbKind(
 )
 
 
-def opened(one: Seen) -> UsbLink:
+def open_port(one: ListedDevice) -> UsbLink:
     """A chip, claimed, and set up as after power-up: the FIFO mode that its EEPROM says, nothing in its buffers.
 
     one: as `CHIPS.seen` found it. Raises BackendError, MissingExtra.

@@ -33,12 +33,12 @@ CENTRE = ((DUTY - np.arange(DUTY + 1)) // 2).astype(np.uint16)
 """By how much later a pulse begins the shorter it is, so that its middle stays."""
 
 
-def divider(rate: float) -> int:
+def encode_divider(rate: float) -> int:
     """What of 40 kHz plays a little faster than `rate` [Hz], so that frames do not pile up."""
     return min(max(math.ceil(CARRIER / rate) - 1, 1), SLOWEST)
 
 
-def off(divide: int, led: Sequence[int]) -> array[int]:
+def encode_off(divide: int, led: Sequence[int]) -> array[int]:
     """What silences a board, whatever it has got before: three frames of bytes.
 
     Of what has been cut, the zeros before are the rest; behind it they are nothing, but push it out of the FIFO, which

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.sonicsurface import ports
-from pacinian_plugins.backends.sonicsurface.feed import Feed
-from pacinian_plugins.backends.sonicsurface.line import Line
 from pacinian_plugins.backends.sonicsurface.protocol import BOARD, CLOCKS, PHASES, SELECT, Packer
+from pacinian_plugins.backends.sonicsurface.serial_writer import SerialWriter
+from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -41,21 +41,21 @@ class SonicSurface(pc.Backend):
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
 
     def __post_init__(self) -> None:
-        self.rate = number("rate", self.rate, low=1.0, high=10_000.0)
-        self.timeout = number("timeout", self.timeout, low=0.01, high=1.0)
-        self.select = [integer("select", byte, low=0) for byte in self.select]
+        self.rate = check_number("rate", self.rate, low=1.0, high=10_000.0)
+        self.timeout = check_number("timeout", self.timeout, low=0.01, high=1.0)
+        self.select = [check_integer("select", byte, low=0) for byte in self.select]
         if len(self.select) != 2 or max(self.select) > 255:
             raise ArgumentError("select", f"must be two bytes, not {self.select}")
         self._capability = pc.Capability(PHASES, 2, self.rate)
         self._columns = 0
         self._packer: Packer | None = None
-        self._line: Line | None = None
+        self._line: SerialWriter | None = None
 
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
         """The adapters that are connected, of this or anything else."""
         try:
-            return ports.found()
+            return ports.find_boards()
         except pc.MissingExtra as error:
             return [pc.Found(ports.NAME, "", "", str(error))]
 
@@ -68,16 +68,16 @@ class SonicSurface(pc.Backend):
         """Open the port and silence the array. Raises BackendError, SceneFileError, MissingExtra."""
         self.close()
         name, wirings = self._wired(len(array))
-        feed = Feed(len(wirings), self.select)
-        port = ports.opened(name, self.timeout)
-        self._line = Line(port, feed, self.timeout, self.clock)
+        feed = WriteScheduler(len(wirings), self.select)
+        port = ports.open_port(name, self.timeout)
+        self._line = SerialWriter(port, feed, self.timeout, self.clock)
         try:
             port.write(bytes([CLOCKS]))
             self._line.silence()
         except BaseException as error:
             self.close()
             if isinstance(error, OSError):
-                raise pc.BackendError(ports.explained(error, port.port)) from error
+                raise pc.BackendError(ports.explain(error, port.port)) from error
             raise
         self._packer, self._columns = Packer(wirings), len(array)
 

@@ -7,7 +7,7 @@ import os
 from typing import Any
 
 import pacinian as pc
-from pacinian.devices.holders import holders
+from pacinian.devices.device_users import find_users
 from pacinian_plugins.backends.sonicsurface.protocol import BAUD
 
 NAME = "sonicsurface"
@@ -21,7 +21,7 @@ UNPLUGGED = (
 )
 
 
-def listed() -> list[Any]:
+def list_ports() -> list[Any]:
     """The ports of USB adapters, as pyserial tells of them, by serial number. Raises MissingExtra."""
     try:
         from serial.tools.list_ports import comports
@@ -34,19 +34,19 @@ def listed() -> list[Any]:
     )
 
 
-def found() -> list[pc.Found]:
+def find_boards() -> list[pc.Found]:
     """The same, and whether this user may open them."""
     told: list[pc.Found] = []
-    for one in listed():
+    for one in list_ports():
         problem = "" if os.name == "nt" or os.access(one.device, os.R_OK | os.W_OK) else PERMISSION
         title = f"serial adapter, of a SonicSurface or anything else, at {one.device}"
         told.append(pc.Found(NAME, one.serial_number or "", title, problem))
     return told
 
 
-def named(name: str) -> str:
+def check_port(name: str) -> str:
     """The port of that name, or whose adapter has that serial number. Raises BackendError."""
-    same = [one.device for one in listed() if one.serial_number == name]
+    same = [one.device for one in list_ports() if one.serial_number == name]
     if not name:
         raise pc.BackendError(
             f"{NAME}: name the port: `port`, or the serial number in the `description`; {_there()}"
@@ -59,18 +59,18 @@ def named(name: str) -> str:
     return str(same[0]) if same else name
 
 
-def opened(name: str, timeout: float) -> Any:
+def open_port(name: str, timeout: float) -> Any:
     """The port, at the array's speed, and ours alone. Raises BackendError, MissingExtra."""
-    device = named(name)
+    device = check_port(name)
     import serial
 
     try:
         return serial.Serial(device, BAUD, timeout=0, write_timeout=timeout, exclusive=True)
     except (OSError, ValueError) as error:  # SerialException is one
-        raise pc.BackendError(explained(error, device)) from error
+        raise pc.BackendError(explain(error, device)) from error
 
 
-def explained(error: Exception, device: str) -> str:
+def explain(error: Exception, device: str) -> str:
     """What to tell of an error of pyserial. device: the port's name."""
     number = getattr(error, "errno", None) or getattr(error.__context__, "errno", None)
     if number in (errno.EIO, errno.ENODEV, errno.ENXIO, errno.EBADF):
@@ -80,7 +80,7 @@ def explained(error: Exception, device: str) -> str:
     elif number in (errno.EACCES, errno.EPERM):
         what = PERMISSION
     elif number in (errno.EBUSY, errno.EAGAIN):
-        what = f"it is in use by {holders(device) or 'another program'}: end that first"
+        what = f"it is in use by {find_users(device) or 'another program'}: end that first"
     elif type(error).__name__ == "SerialTimeoutException":
         what = STUCK
     else:
@@ -89,5 +89,5 @@ def explained(error: Exception, device: str) -> str:
 
 
 def _there() -> str:
-    names = [f"{one.device} ({one.serial_number or 'no serial'})" for one in listed()]
+    names = [f"{one.device} ({one.serial_number or 'no serial'})" for one in list_ports()]
     return f"there are: {', '.join(names) or 'none'}"

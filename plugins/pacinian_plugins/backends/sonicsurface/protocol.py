@@ -22,7 +22,7 @@ START, SWAP = 0xFE, 0xFD
 SELECT = 0xC0, 0xC1  # by which the first and the second of two boards listen
 
 
-def framed(pattern: bytes, select: Sequence[int]) -> bytes:
+def frame_message(pattern: bytes, select: Sequence[int]) -> bytes:
     """What puts a pattern into the buffer that is not heard, and swaps. pattern: 256 bytes for each board."""
     if len(pattern) == BOARD:
         return bytes([START, *pattern, SWAP])

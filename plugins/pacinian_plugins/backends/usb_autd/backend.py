@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import names, number
+from pacinian.checks import check_names, check_number
 from pacinian_plugins.backends.usb_autd.board import Board
 from pacinian_plugins.backends.usb_autd.link import DEVICES, Link
-from pacinian_plugins.backends.usb_autd.pretended import PretendedLink
 from pacinian_plugins.backends.usb_autd.protocol import (
     AMPLITUDES,
     FULL,
-    MOST,
+    MAX_TRANSDUCERS,
     PHASES,
     RATE,
     UNIT,
 )
+from pacinian_plugins.backends.usb_autd.simulated_link import SimulatedLink
 
 if TYPE_CHECKING:
     from array import array
@@ -55,10 +55,10 @@ class UsbAutd(pc.Backend):
     library: Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        self.watchdog = number("watchdog", self.watchdog, low=0.001, high=1.0)
-        self._lead = round(number("lead", self.lead, low=0.0, high=0.1) * RATE)
-        self.timeout = number("timeout", self.timeout, low=0.001, high=1.0)
-        self.serials = names("serials", self.serials)
+        self.watchdog = check_number("watchdog", self.watchdog, low=0.001, high=1.0)
+        self._lead = round(check_number("lead", self.lead, low=0.0, high=0.1) * RATE)
+        self.timeout = check_number("timeout", self.timeout, low=0.001, high=1.0)
+        self.serials = check_names("serials", self.serials)
         self._capability = pc.Capability(PHASES, AMPLITUDES, RATE, self.watchdog)
         self.boards: list[Board] = []
         """Those that are open, in the array's order."""
@@ -69,7 +69,7 @@ class UsbAutd(pc.Backend):
     @classmethod
     def found(cls) -> Iterable[pc.Found]:
         """The devices that are connected, by serial."""
-        return [pc.Found(NAME, *one) for one in DEVICES.told("AUTD units")]
+        return [pc.Found(NAME, *one) for one in DEVICES.describe("AUTD units")]
 
     @property
     def capability(self) -> pc.Capability:
@@ -146,12 +146,12 @@ class UsbAutd(pc.Backend):
 
     def _described(self, wirings: Sequence[pc.Wiring]) -> None:
         """Open the boards of a description."""
-        listed = [] if self.pretend else DEVICES.seen(self.library)
+        listed = [] if self.pretend else DEVICES.list_devices(self.library)
         for wiring in wirings:
             self._open(
-                PretendedLink(1, wiring.size, wiring.serial)
+                SimulatedLink(1, wiring.size, wiring.serial)
                 if self.pretend
-                else Link(DEVICES.picked(listed, wiring.serial), self.timeout)
+                else Link(DEVICES.select(listed, wiring.serial), self.timeout)
             ).wire(wiring)
 
     def _in_order(self, N: int) -> None:
@@ -160,21 +160,21 @@ class UsbAutd(pc.Backend):
             raise pc.BackendError(
                 f"{NAME}: {N} transducers are no whole AUTD units of {UNIT}: give a `description`"
             )
-        links: Iterable[Link | PretendedLink]
+        links: Iterable[Link | SimulatedLink]
         if self.pretend:
-            left = range(N // UNIT, 0, -MOST)
-            links = [PretendedLink(min(units, MOST), UNIT) for units in left]
+            left = range(N // UNIT, 0, -MAX_TRANSDUCERS)
+            links = [SimulatedLink(min(units, MAX_TRANSDUCERS), UNIT) for units in left]
         else:
-            listed = DEVICES.seen(self.library)
+            listed = DEVICES.list_devices(self.library)
             serials = self.serials or [one.serial for one in listed if not one.problem] or [""]
-            links = (Link(DEVICES.picked(listed, serial), self.timeout) for serial in serials)
+            links = (Link(DEVICES.select(listed, serial), self.timeout) for serial in serials)
         start = 0
         for link in links:
             board = self._open(link)
-            board.wire(straight(link.serial, start, board.size))
+            board.wire(keep_order(link.serial, start, board.size))
             start += board.size
 
-    def _open(self, link: Link | PretendedLink) -> Board:
+    def _open(self, link: Link | SimulatedLink) -> Board:
         board = Board(link)
         self.boards.append(board)
         board.open()
@@ -191,7 +191,7 @@ class UsbAutd(pc.Backend):
         return self._envelopes[key]
 
 
-def straight(serial: str, start: int, size: int) -> pc.Wiring:
+def keep_order(serial: str, start: int, size: int) -> pc.Wiring:
     """A board that drives the array's transducers from `start` on, in their order."""
     channels = np.arange(size)
     return pc.Wiring(serial, size, channels, start + channels)

@@ -19,13 +19,13 @@ from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 if TYPE_CHECKING:
     from pacinian.types import Levels
     from pacinian_plugins.backends.usb_autd.link import Link
-    from pacinian_plugins.backends.usb_autd.pretended import PretendedLink
+    from pacinian_plugins.backends.usb_autd.simulated_link import SimulatedLink
 
 
 class Board:
     """A device behind a link, which is closed with it. can: known once `open` has asked."""
 
-    def __init__(self, link: Link | PretendedLink) -> None:
+    def __init__(self, link: Link | SimulatedLink) -> None:
         self.link, self.name = link, f"{DEVICES.name} {link.serial}"
         self.can = Capability()
         self._session = self._sequence = 0

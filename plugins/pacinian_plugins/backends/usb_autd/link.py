@@ -11,7 +11,7 @@ from pacinian_plugins.backends.usb_autd.protocol import INTERFACE, Request
 if TYPE_CHECKING:
     from array import array
 
-    from pacinian.devices.usb import Seen
+    from pacinian.devices.usb import ListedDevice
 
 IN, OUT = 0xC1, 0x41  # requests of the vendor, to the interface
 REPORT = 255  # [bytes] at most
@@ -33,7 +33,7 @@ class Link:
     one: as `DEVICES.seen` found it. timeout: how long a transfer may take [s]. Raises BackendError.
     """
 
-    def __init__(self, one: Seen, timeout: float) -> None:
+    def __init__(self, one: ListedDevice, timeout: float) -> None:
         self._usb, self._timeout = UsbLink(DEVICES, one), timeout
         self.serial, self.mend, self.close = one.serial, self._usb.mend, self._usb.close
 

@@ -17,7 +17,7 @@ from pacinian_plugins.backends.usb_autd.protocol import (
     Request,
     State,
     Verdict,
-    newer,
+    is_newer,
 )
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 
@@ -92,7 +92,7 @@ class Device:
             self._decoder.flush()
             if data:
                 until = int.from_bytes(data, "little")
-                if newer(until, self._status.sequence):
+                if is_newer(until, self._status.sequence):
                     self._status.sequence = until
         elif request == Request.DISARM and not data:
             self.reset()
@@ -163,7 +163,7 @@ class Device:
             return Verdict.DISARMED
         if frame.session != status.session:
             return Verdict.SESSION
-        if not newer(frame.sequence, status.sequence):
+        if not is_newer(frame.sequence, status.sequence):
             return Verdict.SEQUENCE
         status.lost += (frame.sequence - status.sequence & 0xFFFFFFFF) - 1
         status.sequence = frame.sequence

@@ -25,7 +25,7 @@ INTERFACE = (
 VENDOR, PRODUCT = 0x1209, 0x0001  # pid.codes, for tests: makers have their own
 ENDPOINT = 0x01  # bulk OUT, where it is free to choose
 
-UNIT, MOST = 249, 16  # transducers of a unit, units of a device
+UNIT, MAX_TRANSDUCERS = 249, 16  # transducers of a unit, units of a device
 PHASES, AMPLITUDES = 640, 320  # levels: ticks of 25.6 MHz in a period of 40 kHz, and in half of one
 RATE = 2000  # [Hz] rows
 FULL = 1 << 15  # of an envelope
@@ -38,7 +38,7 @@ HEADER = struct.Struct(
 BODY = struct.Struct("<HBBHH")  # units, rows, lead, steps, samples
 CRC = struct.Struct("<I")
 HEAD = HEADER.size + CRC.size
-LEAST = HEAD + BODY.size + CRC.size  # [bytes] of a frame
+MIN_FRAME_BYTES = HEAD + BODY.size + CRC.size  # [bytes] of a frame
 TRANSDUCER = 3  # [bytes]: 12 bits of phase, 12 of amplitude
 
 
@@ -103,7 +103,7 @@ class Frame(NamedTuple):
 
 def size(rows: int, transducers: int, samples: int) -> int:
     """Bytes of a frame."""
-    return LEAST + 2 * samples + rows * transducers * TRANSDUCER
+    return MIN_FRAME_BYTES + 2 * samples + rows * transducers * TRANSDUCER
 
 
 def pack(
@@ -135,7 +135,7 @@ def unpack(message: bytes, can: Capability) -> Frame | Verdict:
     _, _, kind, _, length, session, sequence = HEADER.unpack_from(message)
     if kind != FRAME:
         return Verdict.KIND
-    if length < LEAST:
+    if length < MIN_FRAME_BYTES:
         return Verdict.LENGTH
     units, rows, lead, steps, samples = BODY.unpack_from(message, HEAD)
     if not units or units >> can.units:
@@ -158,6 +158,6 @@ def unpack(message: bytes, can: Capability) -> Frame | Verdict:
     return frame
 
 
-def newer(sequence: int, than: int) -> bool:
+def is_newer(sequence: int, than: int) -> bool:
     """Whether one sequence number comes after another, modulo 2^32."""
     return 0 < (sequence - than & 0xFFFFFFFF) < 1 << 31

@@ -9,8 +9,8 @@ from typing import Any
 from pacinian_plugins.backends.usb_autd.protocol import (
     AMPLITUDES,
     MAJOR,
+    MAX_TRANSDUCERS,
     MINOR,
-    MOST,
     PHASES,
     RATE,
     UNIT,
@@ -68,7 +68,7 @@ class Capability:
     def unpack(cls, report: bytes) -> Capability:
         """From a report; what a newer version has added is left out. Raises ValueError."""
         v = _fields(ABILITY, report)
-        if not (1 <= v[3] <= MOST and v[4]):
+        if not (1 <= v[3] <= MAX_TRANSDUCERS and v[4]):
             raise ValueError(f"{v[3]} units of {v[4]} transducers")
         serial, firmware = (_text(v[i]) for i in (16, 17))
         given: list[Any] = [*v[3:10], v[10:13], *v[14:16], serial, firmware, v[1:3]]

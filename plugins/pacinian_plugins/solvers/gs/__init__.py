@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import integer, kind, number
-from pacinian_plugins.solvers.gs.alternation import SMALLEST, Run
+from pacinian.checks import check_integer, check_kind, check_number
+from pacinian_plugins.solvers.gs.alternation import MIN_ABS, Run
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,8 +36,8 @@ class Gs(pc.Solver):
     amplitudes: bool = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
-        kind("amplitudes", self.amplitudes, bool)
+        object.__setattr__(self, "steps", check_integer("steps", self.steps, low=1))
+        check_kind("amplitudes", self.amplitudes, bool)
 
     def solve(
         self,
@@ -49,7 +49,7 @@ class Gs(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        floor = 1.0 if self.amplitudes else SMALLEST
+        floor = 1.0 if self.amplitudes else MIN_ABS
         return Run(propagator, targets, limits, warm, budget, out).go(self.steps, floor)
 
 
@@ -75,9 +75,11 @@ class WeightedGs(pc.Solver):
     hold: Annotated[int, Meta(ge=1, le=1000)] = 20
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "steps", integer("steps", self.steps, low=1))
-        object.__setattr__(self, "exponent", number("exponent", self.exponent, low=0.0, high=1.0))
-        object.__setattr__(self, "hold", integer("hold", self.hold, low=1))
+        object.__setattr__(self, "steps", check_integer("steps", self.steps, low=1))
+        object.__setattr__(
+            self, "exponent", check_number("exponent", self.exponent, low=0.0, high=1.0)
+        )
+        object.__setattr__(self, "hold", check_integer("hold", self.hold, low=1))
 
     def solve(
         self,
@@ -90,7 +92,7 @@ class WeightedGs(pc.Solver):
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
         run = Run(propagator, targets, limits, warm, budget, out)
-        return run.go(self.steps, SMALLEST, self.exponent, self.hold)
+        return run.go(self.steps, MIN_ABS, self.exponent, self.hold)
 
 
 @pc.hookimpl

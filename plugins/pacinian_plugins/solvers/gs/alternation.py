@@ -13,7 +13,7 @@ from pacinian_plugins.native.gs import iterate
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Singles
 
-SMALLEST = 1e-18  # |x|: its square is still a number in single precision
+MIN_ABS = 1e-18  # |x|: its square is still a number in single precision
 BLOCK, MANY = 10, 1_000_000  # steps between two looks at the clock; fewer above so many elements
 ROOM, FAR = 10.0, 1000.0  # drive looked at, over what a focus needs; targets, over what it reaches
 AT_LIMIT = 0.999  # share of the limit from which a transducer counts as held

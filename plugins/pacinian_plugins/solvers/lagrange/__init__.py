@@ -10,16 +10,16 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import integer, number
+from pacinian.checks import check_integer, check_number
 from pacinian.native import solving as kernels
-from pacinian.solving.evidence import TOLERANCE, missed, violations
-from pacinian.solving.keep import keep
-from pacinian.solving.phases import beginning, choose_into
-from pacinian.solving.rooms import give, take
+from pacinian.solving.buffer_pool import acquire, release
+from pacinian.solving.evidence import TOLERANCE, measure_violations, relative_error
+from pacinian.solving.limit_enforcement import enforce_limits
+from pacinian.solving.phases import choose_phases_into, initial_phases
 from pacinian_plugins.native.lagrange import begin, within
 from pacinian_plugins.solvers.lagrange import regions
-from pacinian_plugins.solvers.lagrange.polish import Polish
-from pacinian_plugins.solvers.lagrange.room import SMALL, Room
+from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.workspace import SMALL, Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -59,10 +59,10 @@ class Lagrange(pc.Solver):
 
     def __post_init__(self) -> None:
         for name in ("mu", "mu_regions"):
-            value = number(name, getattr(self, name), low=0.0, high=1.0, above=True)
+            value = check_number(name, getattr(self, name), low=0.0, high=1.0, above=True)
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "rounds", integer("rounds", self.rounds, low=1))
-        object.__setattr__(self, "starts", integer("starts", self.starts, low=0))
+        object.__setattr__(self, "rounds", check_integer("rounds", self.rounds, low=1))
+        object.__setattr__(self, "starts", check_integer("starts", self.starts, low=0))
 
     def solve(
         self,
@@ -92,9 +92,9 @@ class Lagrange(pc.Solver):
         made = propagator.apply(out).astype(np.complex128)
         phases = None if broken else np.asarray(np.angle(made), np.float64)
         second = self._constrained(propagator, targets, limits, budget, out, mu, phases)
-        if strongest and not limits.asked:
+        if strongest and not limits.solver_limits:
             for g in (first, out):
-                keep(g, limits, targets.scale)  # as strong as they may be
+                enforce_limits(g, limits, targets.scale)  # as strong as they may be
             if _strength(propagator, targets, out) < _strength(propagator, targets, first):
                 out[:] = first
                 return result
@@ -121,9 +121,9 @@ class Lagrange(pc.Solver):
             power = float(np.vdot(out, out).real)
             if not power <= WHOLE * limits.power:
                 return True
-        if not limits.asked:
+        if not limits.solver_limits:
             return False
-        return bool(violations(propagator, limits, targets, propagator.apply(out), out))
+        return bool(measure_violations(propagator, limits, targets, propagator.apply(out), out))
 
     def _polished(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
@@ -135,11 +135,11 @@ class Lagrange(pc.Solver):
         proportions, and in a loop where they are missed.
         """
         M, N = len(targets.amplitudes), len(out)
-        key = Room, M, N
-        room = take(key, lambda: Room.of(M, N))
+        key = Workspace, M, N
+        room = acquire(key, lambda: Workspace.of(M, N))
         share, unit = self._begin(propagator, targets, limits, warm, mu, room)
         single = out.dtype == np.complex64
-        polish = Polish(
+        polish = PhaseFreeSolve(
             propagator.single, propagator.gram, room.p, room.free, mu, room, budget,
             unit / max(share, 1.0), out if single else np.empty(N, np.complex64),
             starts=self.starts if warm is None else 0,
@@ -163,12 +163,12 @@ class Lagrange(pc.Solver):
             mu=mu,
             note=held(end.held, N),
         )
-        give(key, room, M * N)
+        release(key, room, M * N)
         return result, not strongest or end.share > (NEARLY if warm is None else 0.0)
 
     def _begin(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        warm: pc.Solution | None, mu: float, room: Room,
+        warm: pc.Solution | None, mu: float, room: Workspace,
     ) -> tuple[float, float]:  # fmt: skip
         """Write targets, in units of the limit, and the multipliers of the pseudo-inverse, to `room`.
 
@@ -177,13 +177,13 @@ class Lagrange(pc.Solver):
         M, N = len(targets.amplitudes), len(propagator.array)
         start = None if warm is None else warm.phases
         if M <= SMALL and limits.gain is not None:
-            first, steps = beginning(M, start)
+            first, steps = initial_phases(M, start)
             begin(
                 propagator.gram, targets.amplitudes, targets.phases, first, steps, mu, self.mu,
                 limits.gain, N, room.p, room.free, room.y, room.L, room.found,
             )  # fmt: skip
             return float(room.found[0]), limits.gain
-        norm = choose_into(propagator, targets, start, room.p, room.free)
+        norm = choose_phases_into(propagator, targets, start, room.p, room.free)
         y = propagator.factor(mu).solve(room.p)
         # without a limit none is to be felt, whatever phases are found
         unit = limits.gain or 100.0 * float(np.abs(propagator.adjoint(y)).max()) or 1.0
@@ -211,7 +211,8 @@ class Lagrange(pc.Solver):
         reached = math.sqrt(kernels.peak(out)) > 0.0
         return pc.Result(
             iterations=answer.steps,
-            limited=reached and (at_limit > 0 or bool(limits.asked) or limits.power is not None),
+            limited=reached
+            and (at_limit > 0 or bool(limits.solver_limits) or limits.power is not None),
             late=answer.late or budget.spent,
             bound=problem.unit**2 * found.bound if exact else math.nan,
             objective=problem.unit**2 * found.objective if exact else math.nan,
@@ -224,7 +225,7 @@ class Lagrange(pc.Solver):
 def _strength(propagator: pc.Propagator, targets: pc.Targets, out: pc.Gains) -> tuple[bool, float]:
     """Whether gains keep the proportions, and how strong they are: what is stronger compares as larger."""
     p = propagator.apply(out)
-    return missed(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
+    return relative_error(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
 def held(count: int, N: int) -> str:

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pacinian/solving/unbounded.hpp"
-#include "pacinian_plugins/solvers/lagrange/small.hpp"
+#include "pacinian_plugins/solvers/lagrange/dense_kernels.hpp"
 
 namespace pacinian::lagrange {
 

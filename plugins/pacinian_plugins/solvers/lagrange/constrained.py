@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.solving.least_squares import Reduced
-from pacinian.solving.phases import choose
-from pacinian.solving.propagator import gram
-from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, strongest
-from pacinian_plugins.solvers.lagrange.convex.products import mean_square
+from pacinian.solving.phases import choose_phases
+from pacinian.solving.propagator import gram_matrix
+from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
+from pacinian_plugins.solvers.lagrange.convex.matvec import mean_square
 from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.turn import turn
 
@@ -68,14 +68,14 @@ class Constrained:
         if propagator.quiet is not None:
             parts.append(propagator.quiet.B)
         A = np.ascontiguousarray(np.concatenate(parts))
-        G = propagator.gram if reduced is None and len(parts) == 1 else gram(A)
+        G = propagator.gram if reduced is None and len(parts) == 1 else gram_matrix(A)
         return cls(propagator, targets, limits, budget, mu, limits.gain or 1.0, A, G, reduced)
 
     def nearest(self, rounds: int) -> Found:
         """The nearest pressures that the limits allow; free phases are chosen anew while that helps."""
         targets = self.targets
-        p = choose(self.propagator, targets, None) / self.unit
-        exact = self.limits.exactly(len(p)) if self.limits.exact is not None else None
+        p = choose_phases(self.propagator, targets, None) / self.unit
+        exact = self.limits.exact_mask(len(p)) if self.limits.exact is not None else None
         best: Found | None = None
         start: Complexes | None = None
         for _ in range(rounds):
@@ -101,12 +101,16 @@ class Constrained:
         Where none of these proportions can be made: the nearest to them, of any strength.
         """
         targets, quiet, power = self.targets, self._quiet, self._power
-        p = choose(self.propagator, targets, None) if phases is None else targets.complex(phases)
+        p = (
+            choose_phases(self.propagator, targets, None)
+            if phases is None
+            else targets.complex(phases)
+        )
         p = p / self.unit
         limited = self.limits.gain is not None
 
         def solve(c: Complexes, start: Complexes | None) -> Answer:
-            return strongest(
+            return maximise_scale(
                 self.A, c, gram=self.gram, quiet=quiet, gain=limited, power=power, start=start,
                 budget=self.budget,
             )  # fmt: skip
@@ -177,7 +181,7 @@ class Constrained:
 
     def _found(self, answer: Answer) -> Found:
         made = self._made(answer)
-        return Found(answer, made, self.targets.miss(made * self.unit))
+        return Found(answer, made, self.targets.relative_error(made * self.unit))
 
     def _made(self, answer: Answer) -> Complexes:
         M = len(self.targets.amplitudes)

@@ -23,11 +23,11 @@ from numpy import float32 as f4
 from scipy.linalg import blas, lapack
 
 import pacinian as pc
-from pacinian.solving.rooms import give, take
+from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.solution import AT_LIMIT
 from pacinian_plugins.native.lagrange import TILE, bend, deliver, evaluate, within
-from pacinian_plugins.solvers.lagrange.double import newton
 from pacinian_plugins.solvers.lagrange.evenly import climb
+from pacinian_plugins.solvers.lagrange.reference import solve_newton
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
@@ -37,7 +37,7 @@ ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: less changes nothing that is felt
 INEXACT = 0.1  # of ||F||: how well a Newton step is solved for
 SOME, FEW = 4, 400  # one in so many transducers preconditions; more samples are too many to factor
 STEPS, PASSES = 15, 300  # Newton steps at most; conjugate gradients at most, for each
-LEAST = 4  # of the first, whatever the time: to go on from, where it was too short
+MIN_STEPS = 4  # of the first, whatever the time: to go on from, where it was too short
 ARMIJO, SHORTEST = 1e-4, 1e-6  # share of the expected increase that a step must make; shortest step
 REFINED = 16  # Newton steps in double precision
 
@@ -161,7 +161,7 @@ class Descent:
             d += a * q
             r -= a * Hq
             rest = float(np.vdot(r, r).real)
-            if rest <= enough * enough or (done >= LEAST and self.budget.spent):
+            if rest <= enough * enough or (done >= MIN_STEPS and self.budget.spent):
                 break
             z = nearly(r)
             last, square = square, float(np.vdot(r, z).real)
@@ -198,7 +198,7 @@ def solve(
     share = within(norm / unit, relative, mu, N)
     p *= share / unit
     key = Space, M, N
-    space = take(key, lambda: Space.of(M, N))
+    space = acquire(key, lambda: Space.of(M, N))
     D = np.where(targets.beside, 1.0 / QUIET, 1.0)
     descent = Descent(B, p, D, begin(targets, warm) * (share / unit), mu, space, budget)
     strongest = targets.scale == "max"
@@ -222,11 +222,11 @@ def solve(
         bound, objective = descent.proof()
     else:
         G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
-        fine = newton(w[:, None] * propagator.B, G, w * p, free, mu, y / w, REFINED, budget)
+        fine = solve_newton(w[:, None] * propagator.B, G, w * p, free, mu, y / w, REFINED, budget)
         out[:] = scale * fine.h
         y, bound, objective = w * fine.y, fine.bound, fine.objective
     held = int((np.abs(out) > AT_LIMIT * scale).sum())
-    give(key, space, M * N)
+    release(key, space, M * N)
     proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
         iterations=steps,

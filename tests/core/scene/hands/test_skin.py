@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 import pacinian as pc
 from pacinian.scene.hands.bones import BONES
-from pacinian.scene.hands.capsules import bounds, capsules, closest, distance_to_skin
+from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.levels import SPACINGS
 from pacinian.scene.hands.skin import Skin, skin_of
+from pacinian.scene.hands.skin_lod import SPACINGS
 
 from ..tools import to_capsules
 
@@ -100,7 +100,7 @@ def test_a_bent_joint_has_skin_on_its_back() -> None:
     out = np.random.default_rng(4).normal(size=(4000, 3))
     out *= 0.03 / np.linalg.norm(out, axis=1, keepdims=True)
     for joint in (17, 18, 19):
-        met = closest(placed.capsules, hand.carriers[joint] + out).points
+        met = find_closest(placed.capsules, hand.carriers[joint] + out).points
         assert KDTree(exposed).query(met)[0].max() < 1.5 * SPACINGS[0]
 
 
@@ -108,9 +108,9 @@ def test_the_skin_has_no_holes() -> None:
     """Wherever one comes from, the skin one meets has a point within the finest spacing."""
     rng = np.random.default_rng(3)
     from_ = rng.uniform([-0.12, -0.1, -0.05], [0.08, 0.15, 0.05], (20_000, 3))
-    flesh = capsules(REST)
+    flesh = make_capsules(REST)
     outside = from_[distance_to_skin(flesh, from_) > 0.0]
-    met = closest(flesh, outside).points
+    met = find_closest(flesh, outside).points
     assert KDTree(SKIN.surface.points).query(met)[0].max() < 1.5 * SPACINGS[0]
 
 
@@ -121,7 +121,7 @@ def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     away = to_capsules(placed.capsules, placed.points)
     np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(placed.normals, axis=1), 1.0, atol=1e-9)
-    np.testing.assert_array_equal(placed.capsules, capsules(hand))
+    np.testing.assert_array_equal(placed.capsules, make_capsules(hand))
     away[ALL, SKIN.bone] = np.inf
     slack = np.where(SKIN.hidden, 0.0, 5e-4)
     clear = np.abs(away.min(axis=1) + slack) > 1e-9
@@ -207,7 +207,7 @@ def area_density(rods: Floats) -> Floats:
 @pytest.mark.parametrize(("longer", "thicker"), [(2.0, 1.0), (1.0, 2.0), (1.3, 0.7), (2.0, 2.0)])
 def test_area_stretches_with_the_bone(longer: float, thicker: float) -> None:
     hand = Hand(longer * REST.joints, thicker * REST.radii)  # type: ignore[operator]
-    stretch = area_density(capsules(hand)) / area_density(capsules(REST))
+    stretch = area_density(make_capsules(hand)) / area_density(make_capsules(REST))
     np.testing.assert_allclose(SKIN.place(hand).area, stretch * SKIN.area, rtol=1e-6)
     assert 0.6 < (SKIN.axial == 0.0).mean() < 1.0
 
@@ -215,7 +215,7 @@ def test_area_stretches_with_the_bone(longer: float, thicker: float) -> None:
 def test_the_skin_of_a_straight_finger_has_no_steps() -> None:
     """Along the underside of each finger it slopes by no more than the finger tapers."""
     joints, radii = REST.carriers, REST.radii
-    flesh = capsules(REST)
+    flesh = make_capsules(REST)
     for knuckle in (7, 12, 17, 22):
         s = np.linspace(0.7, 3.0, 400)  # nearer to the palm that is nearest
         at = np.stack(
@@ -242,7 +242,7 @@ def test_joints_that_coincide_give_numbers(kept: list[int]) -> None:
     np.testing.assert_allclose(
         to_capsules(placed.capsules, placed.points)[ALL, SKIN.bone], 0.0, atol=1e-12
     )
-    for found in closest(placed.capsules, joints):
+    for found in find_closest(placed.capsules, joints):
         assert np.isfinite(found).all()
 
 
@@ -321,7 +321,7 @@ def test_shares_change_smoothly_over_the_skin() -> None:
 
 
 def test_bones_own_their_points() -> None:
-    assert len(BONES) == len(capsules(REST))
+    assert len(BONES) == len(make_capsules(REST))
     every = np.concatenate(SKIN.of_bone)
     np.testing.assert_array_equal(np.sort(every), ALL)
     for c, on in enumerate(SKIN.of_bone):
@@ -333,7 +333,7 @@ def test_bones_own_their_points() -> None:
 @given(hands())
 def test_bounds_hold_each_bones_points(hand: Hand) -> None:
     placed = SKIN.place(hand)
-    np.testing.assert_array_equal(placed.bounds, bounds(placed.capsules))
+    np.testing.assert_array_equal(placed.bounds, find_bounds(placed.capsules))
     centre, radius = placed.bounds[SKIN.bone, :3], placed.bounds[SKIN.bone, 3]
     assert (np.linalg.norm(placed.points - centre, axis=1) <= radius + 1e-12).all()
 
@@ -349,7 +349,7 @@ def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
         ]
     )  # [m]
     ends = np.c_[ends, ends[:, 6]]
-    found = closest(ends, np.zeros((1, 3)))
+    found = find_closest(ends, np.zeros((1, 3)))
     on = to_capsules(ends, found.points)[0]
     assert on.min() == pytest.approx(0.0, abs=1e-9)
     assert on[found.bone[0]] == pytest.approx(0.0, abs=1e-9)
@@ -360,10 +360,10 @@ def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
 @settings(max_examples=30)
 @given(hands(), st.integers(0, 2**31))
 def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, seed: int) -> None:
-    flesh = capsules(hand)
+    flesh = make_capsules(hand)
     rng = np.random.default_rng(seed)
     points = hand.joints.mean(axis=0) + rng.normal(0.0, 0.05, (200, 3))  # type: ignore[union-attr]
-    found = closest(flesh, points)
+    found = find_closest(flesh, points)
     away = to_capsules(flesh, points).min(axis=1)
     np.testing.assert_allclose(found.distance, away, atol=1e-12)
     np.testing.assert_array_equal(distance_to_skin(flesh, points), found.distance)
@@ -459,5 +459,5 @@ def test_hands_of_other_kinds_are_refused() -> None:
 def test_all_hands_of_joints_share_one_skin() -> None:
     assert skin_of(Hand.open("left")) is SKIN
     assert SKIN.closest(REST, np.zeros((1, 3))).distance[0] == pytest.approx(
-        distance_to_skin(capsules(REST), np.zeros((1, 3)))[0]
+        distance_to_skin(make_capsules(REST), np.zeros((1, 3)))[0]
     )

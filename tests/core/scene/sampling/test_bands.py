@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.bands import SMALL, WIDER, Bands
+from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER, Bands
 
 from ..tools import random_pose
 
@@ -42,7 +42,7 @@ def test_shares_sum_to_one_and_bands_are_as_few_as_do(
     assert shares.sum(axis=1) == pytest.approx(np.ones(M))
     assert shares.min() >= 0.0
     counts = (shares > 0.0).sum(axis=0)
-    if budget >= M or M <= SMALL:
+    if budget >= M or M <= MIN_DIVIDED_SAMPLES:
         assert K == 1
     elif most > K:
         assert counts.max() <= budget + K
@@ -71,7 +71,7 @@ def test_points_and_small_regions_sound_in_every_band() -> None:
     K = shares.shape[1]
     assert K > 1
     regions, counts = np.unique(found.regions, return_counts=True)
-    few = np.isin(found.regions, regions[(counts <= SMALL) | (regions < 0)])
+    few = np.isin(found.regions, regions[(counts <= MIN_DIVIDED_SAMPLES) | (regions < 0)])
     assert few.any()
     assert shares[few] == pytest.approx(np.full((few.sum(), K), 1.0 / K))
 

@@ -18,17 +18,17 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import DEPTH, Material
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.resolving import Resolving, grazing
-from pacinian.scene.sampling.touchable import Touchable
-from pacinian.scene.sampling.tracks import FADE, HOLD
-from pacinian.scene.shapes.combine import Difference, Intersection, Placed, Union
+from pacinian.scene.sampling.array_resolution import ArrayResolution, grazing
+from pacinian.scene.sampling.pose_prediction import FADE, HOLD
+from pacinian.scene.sampling.posed_skin import PosedSkin
+from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.texture import grating
 from pacinian.scene.shapes.voxels import Voxels
-from pacinian.scene.time.technique import STM
 
 from ..tools import moved, random_pose, to_capsules
 
@@ -91,7 +91,7 @@ def touched(*objects: Any, hands: Any = (HAND,), **how: Any) -> Samples:
 @functools.lru_cache(maxsize=4)
 def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
     """Points all over a hand's skin and their areas, by a grid on each capsule: no code of the skin's."""
-    capsules = Touchable(hand).capsules
+    capsules = PosedSkin(hand).capsules
     points, areas, counts = [np.empty((0, 3))], [np.empty(0)], list[int]()
     for capsule in capsules:
         begin = len(areas)
@@ -144,7 +144,7 @@ def test_samples_lie_on_the_skin_with_its_normals(item: Any, hand: Hand, spacing
     assert (samples.radiation_pressure > 0.0).all()
     if spacing == FINEST:  # coarser, a node of a bent joint stands for more skin than its area
         assert (samples.radiation_pressure <= samples.most * (1.0 + 1e-9)).all()
-    capsules = Touchable(hand).capsules
+    capsules = PosedSkin(hand).capsules
     d = to_capsules(capsules, samples.positions)
     nearest = np.abs(d).min(axis=1)
     assert nearest.max() < 1e-9
@@ -168,7 +168,7 @@ def test_skin_is_touched_where_it_is_inside_and_nowhere_else(
     assert (away < radius + 2.0 * FINEST).all()  # a node stands for what is around it
     inside = (np.linalg.norm(dense(hand, 2e-3)[0] - centre, axis=1) < radius - FINEST).any()
     assert bool(len(samples)) >= bool(inside)
-    outside = to_capsules(Touchable(hand).capsules, centre[None]).min() > radius + 1e-9
+    outside = to_capsules(PosedSkin(hand).capsules, centre[None]).min() > radius + 1e-9
     assert not (outside and len(samples))
 
 
@@ -351,7 +351,7 @@ def test_the_force_does_not_jump_as_a_contact_slides(name: str, spacing: float) 
         centre = np.array([-0.03 + step * i, 0.04, 0.175])
         slid = replace(item, pose=pc.Pose(tuple(centre)))
         forces.append(sampler.sample(pc.Scene((slid,), hands=(HAND,)), 0.001 * i).force)
-        near = np.linalg.norm(skin[0] - centre, axis=1) < item.reach + 2.0 * FINEST
+        near = np.linalg.norm(skin[0] - centre, axis=1) < item.bounding_radius + 2.0 * FINEST
         bounds.append(stiffness * step * skin[1][near].sum() * 1.05)
     assert max(forces) > 0.0
     assert (np.abs(np.diff(forces)) <= bounds[1:]).all()
@@ -512,7 +512,7 @@ def test_a_scene_that_nobody_updates_goes_on_as_if_it_were_looked_at_anew(what: 
 
 def test_the_box_around_a_hand_is_that_of_its_bones_and_its_centre_in_the_middle() -> None:
     for seed in range(5):
-        hand = Touchable(bent(seed).moved(random_pose(seed)))
+        hand = PosedSkin(bent(seed).moved(random_pose(seed)))
         centre, radius = hand.placed.bounds[:, :3], hand.placed.bounds[:, 3:]
         low, high = (centre - radius).min(axis=0), (centre + radius).max(axis=0)
         assert hand.box == pytest.approx(np.concatenate([low, high]), abs=1e-12)
@@ -527,7 +527,7 @@ def test_skin_near_an_object_is_what_its_sphere_holds_and_what_faces_the_array(
     seed: int, radius: float, corners: int
 ) -> None:
     rng = np.random.default_rng(seed)
-    hand = Touchable(bent(seed).moved(random_pose(seed, 1.0)))
+    hand = PosedSkin(bent(seed).moved(random_pose(seed, 1.0)))
     away = rng.normal(size=3)
     at = hand.points[rng.integers(len(hand.points))] + radius * away / np.linalg.norm(away)
     pose = pc.Pose(tuple(at.tolist()), random_pose(seed).rotation)
@@ -566,8 +566,8 @@ EIGHT_TRANSDUCERS = pc.Array(
 @pytest.mark.parametrize("kind", ["particles", "contact"])
 def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
     """Not at all on the far side, less where sound only grazes it; all eight transducers are looked at."""
-    resolving = Resolving(EIGHT_TRANSDUCERS, pc.Air())
-    hand = Touchable(bent(5))
+    resolving = ArrayResolution(EIGHT_TRANSDUCERS, pc.Air())
+    hand = PosedSkin(bent(5))
     each = np.arange(0, len(hand.points), 7)
     points, normals = hand.points[each], hand.normals[each]
     expected = share_seen(EIGHT_TRANSDUCERS, points, normals)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import SPOT, Particles
-from pacinian.scene.time.technique import STM
 from pacinian.testing import ManualClock
 
 AIR, FORCE = pc.Air(), 2e-3  # [N]

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.ramps import JUMP, MAX_TICK, Ramps
-from pacinian.scene.sampling.samples import Samples, nothing
+from pacinian.scene.sampling.ramps import JUMP, MAX_TICK, PressureRamps
+from pacinian.scene.sampling.samples import Samples, no_samples
 
 bounded = settings(max_examples=100)
 RAMP, TICK = 0.005, 0.001
@@ -60,7 +60,7 @@ scenes = st.lists(st.tuples(shown, st.integers(1, 4)), min_size=1, max_size=6)
 @given(scenes=scenes)
 @bounded
 def test_no_pressure_changes_faster_than_the_ramp_allows(scenes: Any) -> None:
-    ramps, t = Ramps(RAMP), 0.0
+    ramps, t = PressureRamps(RAMP), 0.0
     before: dict[float, float] = {}
     number: dict[float, int] = {}
     for what, ticks in scenes:
@@ -82,7 +82,7 @@ def test_no_pressure_changes_faster_than_the_ramp_allows(scenes: Any) -> None:
 @given(scenes=scenes, last=shown)
 @bounded
 def test_all_settles_to_the_very_samples_asked_for(scenes: Any, last: Any) -> None:
-    ramps, t = Ramps(RAMP), 0.0
+    ramps, t = PressureRamps(RAMP), 0.0
     for what, ticks in scenes:
         for _ in range(ticks):
             ramps.follow(samples(what), t)
@@ -96,7 +96,7 @@ def test_all_settles_to_the_very_samples_asked_for(scenes: Any, last: Any) -> No
 
 
 def test_it_comes_up_as_a_raised_cosine_and_goes_so_in_the_time_of_the_ramp() -> None:
-    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
+    ramps, here, gone = PressureRamps(RAMP), samples({0: (0.0, 1.0)}), no_samples(ITEMS)
     up = [ramps.follow(here, TICK * i).radiation_pressure[0] for i in range(7)]
     assert up == pytest.approx([*UP.values(), 10.0], rel=1e-4)
     assert up[5] == 10.0
@@ -111,7 +111,7 @@ def test_strong_or_weak_it_takes_the_time_of_the_ramp_and_starts_and_ends_slowly
     most: float, ticks: int
 ) -> None:
     item = (pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=most),)
-    ramps, here = Ramps(RAMP), samples({0: (0.0, 1.0)}, item)
+    ramps, here = PressureRamps(RAMP), samples({0: (0.0, 1.0)}, item)
     P = [ramps.follow(here, i * RAMP / ticks).radiation_pressure[0] for i in range(ticks + 1)]
     assert P[-1] == most
     assert ramps.settled
@@ -127,10 +127,10 @@ def test_what_is_switched_off_fades_as_it_vibrated() -> None:
             position=(0.0, 0.0, 0.2), radiation_pressure=10.0, name="a", envelope=pc.Constant(0.0)
         ),
     )
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(7):
         ramps.follow(samples({0: (0.0, 1.0)}, on), TICK * i)
-    now = ramps.follow(nothing(off), 0.007)
+    now = ramps.follow(no_samples(off), 0.007)
     assert now.items[now.objects[0]] is on[0]
 
 
@@ -139,14 +139,14 @@ def test_what_moves_a_little_keeps_its_pressure_and_what_jumps_does_not() -> Non
         (0.9 * JUMP, {("a", 0.9 * JUMP): 10.0}),
         (1.1 * JUMP, {("a", 0.0): UP[4], ("a", 1.1 * JUMP): UP[1]}),
     ):
-        ramps = Ramps(RAMP)
+        ramps = PressureRamps(RAMP)
         for i in range(7):
             ramps.follow(samples({0: (0.0, 1.0)}), TICK * i)
         assert at(ramps.follow(samples({0: (d, 1.0)}), 0.007)) == pytest.approx(expected, rel=1e-4)
 
 
 def test_what_comes_back_comes_up_from_what_is_left_of_it() -> None:
-    ramps, here, gone = Ramps(RAMP), samples({0: (0.0, 1.0)}), nothing(ITEMS)
+    ramps, here, gone = PressureRamps(RAMP), samples({0: (0.0, 1.0)}), no_samples(ITEMS)
     for i in range(7):
         ramps.follow(here, TICK * i)
     ramps.follow(gone, 0.007)
@@ -157,7 +157,7 @@ def test_what_comes_back_comes_up_from_what_is_left_of_it() -> None:
 
 
 def test_it_goes_down_to_a_fraction_of_itself_as_fast() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(10):
         ramps.follow(samples({0: (0.0, 1.0)}), TICK * i)
     faint = (ITEMS[0].__class__(position=(0.0, 0.0, 0.2), radiation_pressure=1e-3, name="a"),)
@@ -169,7 +169,7 @@ def test_it_goes_down_to_a_fraction_of_itself_as_fast() -> None:
 
 
 def test_objects_that_are_gone_are_known_while_they_fade() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(7):
         ramps.follow(samples({0: (0.0, 1.0), 1: (0.1, 1.0)}), TICK * i)
     left = (ITEMS[1],)
@@ -179,7 +179,7 @@ def test_objects_that_are_gone_are_known_while_they_fade() -> None:
 
 
 def test_samples_of_an_object_that_is_still_there_fade_as_its_own() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(7):
         ramps.follow(samples({0: (0.0, 1.0), 3: (0.1, 1.0)}), TICK * i)
     stronger = tuple(
@@ -192,7 +192,7 @@ def test_samples_of_an_object_that_is_still_there_fade_as_its_own() -> None:
 
 
 def test_nothing_grows_while_samples_come_and_go() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(300):
         now = ramps.follow(samples({i: (0.0, 1.0)}, ITEMS[:1]), TICK * i)
         assert len(now) <= 1 + RAMP / TICK
@@ -200,25 +200,25 @@ def test_nothing_grows_while_samples_come_and_go() -> None:
 
 
 def test_without_a_ramp_it_follows_at_once() -> None:
-    ramps, first, second = Ramps(0.0), samples({0: (0.0, 1.0)}), samples({1: (0.0, 1.0)})
+    ramps, first, second = PressureRamps(0.0), samples({0: (0.0, 1.0)}), samples({1: (0.0, 1.0)})
     assert ramps.follow(first, 0.0) is first
     assert ramps.follow(second, 0.0) is second
 
 
 @pytest.mark.parametrize("later", [0.0, -1e3, -1e-3])
 def test_while_time_stands_still_or_jumps_back_nothing_changes(later: float) -> None:
-    ramps, asked = Ramps(RAMP), samples({0: (0.0, 1.0)})
+    ramps, asked = PressureRamps(RAMP), samples({0: (0.0, 1.0)})
     for i in range(3):
         before = ramps.follow(asked, TICK * i)
     P = before.radiation_pressure
-    now = ramps.follow(nothing(ITEMS), 0.002 + later)
+    now = ramps.follow(no_samples(ITEMS), 0.002 + later)
     assert now.radiation_pressure.tolist() == P.tolist()
-    again = ramps.follow(nothing(ITEMS), 0.002 + later + TICK)
+    again = ramps.follow(no_samples(ITEMS), 0.002 + later + TICK)
     assert again.radiation_pressure == pytest.approx([UP[1]], rel=1e-4)
 
 
 def test_a_jump_of_time_counts_for_a_moment_only() -> None:
-    ramps = Ramps(1.0)
+    ramps = PressureRamps(1.0)
     asked = samples({0: (0.0, 1.0)})
     ramps.follow(asked, 0.0)
     assert ramps.follow(asked, 1e6).radiation_pressure == pytest.approx(
@@ -229,7 +229,7 @@ def test_a_jump_of_time_counts_for_a_moment_only() -> None:
 def test_the_samples_given_are_left_as_they_are() -> None:
     asked = samples({0: (0.0, 1.0), 1: (0.1, 0.5)})
     kept = replace(asked, radiation_pressure=asked.radiation_pressure.copy())
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for i in range(4):
         ramps.follow(asked if i % 2 else samples({2: (0.0, 1.0)}), TICK * i)
     assert np.array_equal(asked.radiation_pressure, kept.radiation_pressure)
@@ -252,7 +252,7 @@ def patch(spacing: float, middle: float = 0.0, first: int = 0, pressure: float =
 
 @pytest.mark.parametrize("spacings", [(0.004, 0.0025), (0.0025, 0.005), (0.005, 0.001)])
 def test_a_region_that_is_sampled_otherwise_goes_on_as_it_was(spacings: Any) -> None:
-    ramps, (before, after) = Ramps(RAMP), spacings
+    ramps, (before, after) = PressureRamps(RAMP), spacings
     for t in np.arange(0.0, 2.0 * RAMP, TICK):
         ramps.follow(patch(before), t)
     then = ramps.follow(patch(after, first=1000), 2.0 * RAMP)
@@ -261,7 +261,7 @@ def test_a_region_that_is_sampled_otherwise_goes_on_as_it_was(spacings: Any) -> 
 
 
 def test_a_region_half_way_up_goes_on_from_there_and_never_above_what_is_asked() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     ramps.follow(patch(0.004), 0.0)
     ramps.follow(patch(0.004), 0.4 * RAMP)
     then = ramps.follow(patch(0.0025, first=1000), 0.6 * RAMP)
@@ -271,7 +271,7 @@ def test_a_region_half_way_up_goes_on_from_there_and_never_above_what_is_asked()
 
 
 def test_what_a_region_grows_by_comes_up_and_what_it_loses_fades() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for t in np.arange(0.0, 2.0 * RAMP, TICK):
         ramps.follow(patch(0.0025), t)
     moved = patch(0.0025, middle=0.0112, first=1000)
@@ -284,7 +284,7 @@ def test_what_a_region_grows_by_comes_up_and_what_it_loses_fades() -> None:
 
 
 def test_another_region_in_the_same_place_comes_up_from_nothing() -> None:
-    ramps = Ramps(RAMP)
+    ramps = PressureRamps(RAMP)
     for t in np.arange(0.0, 2.0 * RAMP, TICK):
         ramps.follow(patch(0.0025), t)
     other = replace(patch(0.0025, first=1000), regions=np.ones(64, dtype=np.int64))

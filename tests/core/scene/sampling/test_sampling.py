@@ -12,13 +12,13 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
+from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.covers import KEPT, Covers
+from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
 from pacinian.scene.sampling.sampler import DENSE
-from pacinian.scene.sampling.sources import Lone, Whole
+from pacinian.scene.sampling.sources import SinglePoint, WholeObject
 from pacinian.scene.shapes.curves import Circle, Line
-from pacinian.scene.time.technique import STM
 
 from ..tools import moved, random_pose
 
@@ -129,14 +129,14 @@ def test_every_sample_belongs_to_its_object(objects: Any, budget: int, room: Any
         elif getattr(item, "felt", "shell") == "shell":
             assert lengths == pytest.approx(np.ones(mine.sum()))
         away = np.linalg.norm(samples.positions[mine] - item.pose.position, axis=1)
-        assert (away <= item.reach + 1e-9).all()
+        assert (away <= item.bounding_radius + 1e-9).all()
 
 
 @given(objects=objects, room=st.sampled_from((None, ROOM)))
 @bounded
 def test_within_the_budget_all_of_an_object_is_covered(objects: Any, room: Any) -> None:
     samples, _ = sampled(objects, room, budget=100_000, spacing=0.0085)
-    covers = [(item, item.cover(0.0085)) for item in objects]
+    covers = [(item, item.sample_surface(0.0085)) for item in objects]
     whole = [item.pose.points(cover.points) for item, cover in covers]
     area = np.concatenate([np.empty(0), *(cover.area for _, cover in covers)])
     everything = np.concatenate([np.empty((0, 3)), *whole])
@@ -485,18 +485,18 @@ def test_a_thousand_objects_are_sampled() -> None:
     samples = pc.Sampler().sample(scene)
     assert len(samples) == 256
     assert samples.objects.tolist() == list(range(256))
-    each = len(shape.cover(DENSE * 0.0085).points)
+    each = len(shape.sample_surface(DENSE * 0.0085).points)
     rich = pc.Sampler(budget=1000 * each).sample(scene)
     assert len(rich) == 1000 * each
 
 
 def test_the_coverings_that_are_kept_are_bounded() -> None:
     sampler = pc.Sampler(budget=100_000)
-    for start in range(0, 2 * KEPT, 128):
+    for start in range(0, 2 * MAX_ENTRIES, 128):
         shapes = [pc.Disc(0.001 + 1e-6 * i) for i in range(start, start + 128)]
         sampler.sample(pc.Scene(tuple(pc.Surface(shape=s, radiation_pressure=1.0) for s in shapes)))
-        assert len(sampler._covers._covers) <= KEPT
-    assert len(sampler._covers._covers) == KEPT
+        assert len(sampler._covers._covers) <= MAX_ENTRIES
+    assert len(sampler._covers._covers) == MAX_ENTRIES
 
 
 def test_a_covering_is_never_taken_for_that_of_a_shape_that_is_gone() -> None:
@@ -533,13 +533,13 @@ def test_a_big_volume_is_sampled_more_coarsely(big: pc.Volume) -> None:
 
 def test_many_shapes_of_their_own_are_not_covered_again(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: Counter[str] = Counter()
-    cover = pc.Sphere.cover
+    cover = pc.Sphere.sample_surface
 
     def counting(self: pc.Sphere, spacing: float) -> Any:
         asked["cover"] += 1
         return cover(self, spacing)
 
-    monkeypatch.setattr(pc.Sphere, "cover", counting)
+    monkeypatch.setattr(pc.Sphere, "sample_surface", counting)
     balls = tuple(
         pc.Surface(shape=pc.Sphere(0.01 + 1e-4 * i), radiation_pressure=1.0) for i in range(100)
     )
@@ -555,8 +555,8 @@ def test_many_shapes_of_their_own_are_not_covered_again(monkeypatch: pytest.Monk
 def test_a_lone_point_is_as_any_object_rendered_whole(
     point: pc.Point, at: tuple[float, float, float], index: int, name: int
 ) -> None:
-    asked = point, index, name, pc.Pose(at), Covers(), (point,)
-    quick, slow = Lone(*asked).at(0.01), Whole(*asked).at(0.01)
+    asked = point, index, name, pc.Pose(at), SampleCache(), (point,)
+    quick, slow = SinglePoint(*asked).at(0.01), WholeObject(*asked).at(0.01)
     for field in dataclasses.fields(slow):
         mine, other = getattr(quick, field.name), getattr(slow, field.name)
         np.testing.assert_array_equal(mine, other)

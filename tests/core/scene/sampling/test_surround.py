@@ -9,11 +9,11 @@ import pytest
 from scipy.spatial import KDTree
 
 import pacinian as pc
-from pacinian.bench.skin import felt_on_skin
 from pacinian.gallery import SCENES
-from pacinian.scene.sampling.resolving import Resolving
+from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.surround import INNER, OUTER
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.skin import felt_on_skin
 
 AIR, ARRAY = pc.Air(), pc.autd(3, 3)
 
@@ -42,7 +42,7 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Sce
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)
     assert len(set(both.keys.tolist())) == len(both)
-    resolved = Resolving(ARRAY, AIR).spacing((0.0, 0.0, 0.205))
+    resolved = ArrayResolution(ARRAY, AIR).spacing((0.0, 0.0, 0.205))
     away, nearest = KDTree(plain.positions).query(both.positions[silent])
     assert away.min() >= INNER * resolved
     assert away.max() < OUTER * resolved

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.pieces import Pieces
+from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -96,9 +96,9 @@ def test_the_length_is_that_of_the_path(curve: Any) -> None:
 @bounded
 def test_the_reach_holds_all_of_it(curve: Any) -> None:
     farthest = np.sqrt((dense(curve, 2001) ** 2).sum(axis=1).max())
-    assert farthest <= curve.reach * (1 + 1e-9)
+    assert farthest <= curve.bounding_radius * (1 + 1e-9)
     if not isinstance(curve, Lissajous):
-        assert farthest == pytest.approx(curve.reach, rel=1e-2)
+        assert farthest == pytest.approx(curve.bounding_radius, rel=1e-2)
 
 
 def test_an_open_curve_goes_there_and_back() -> None:
@@ -138,9 +138,9 @@ def test_a_lissajous_figure_is_on_its_formula(
 @given(curve=curves, spacing=st.floats(2e-3, 0.02))
 @bounded
 def test_a_cover_is_on_the_curve_at_even_steps(curve: Any, spacing: float) -> None:
-    points, normals, area = curve.cover(spacing)
+    points, normals, area = curve.sample_surface(spacing)
     assert len(points) == max(1, math.floor(curve.length / spacing + 1e-9))
-    assert curve.distance(points).max() <= 1e-4 * curve.reach
+    assert curve.distance(points).max() <= 1e-4 * curve.bounding_radius
     assert not normals.any()
     piece = curve.length / len(points)
     assert np.ptp(area) == 0.0
@@ -155,7 +155,7 @@ def test_a_cover_is_on_the_curve_at_even_steps(curve: Any, spacing: float) -> No
 @each
 def test_too_many_samples_are_refused_before_memory_is(curve: Any) -> None:
     with pytest.raises(pc.ArgumentError, match=r"spacing.*samples.*larger"):
-        curve.cover(1e-12)
+        curve.sample_surface(1e-12)
 
 
 # ------------------------------------------------------------------------------- distance
@@ -167,7 +167,7 @@ def test_the_distance_is_that_of_the_nearest_point(curve: Any, seed: int) -> Non
     points = np.random.default_rng(seed).uniform(-0.4, 0.4, (20, 3))
     d = curve.distance(points)
     step = (2.0 if isinstance(curve, Polyline) else 1.0) * curve.length / 4000
-    slack = 1e-4 * curve.reach + 1e-9
+    slack = 1e-4 * curve.bounding_radius + 1e-9
     assert (d <= nearest(curve, points) + slack).all()
     assert (d >= nearest(curve, points) - step - slack).all()
 
@@ -201,7 +201,7 @@ def test_points_that_repeat_change_nothing() -> None:
 @bounded
 def test_pieces_of_any_points_are_finite(points: Any, copies: int) -> None:
     given_as = np.repeat(np.array(points) * 1e-150, copies, axis=0)
-    pieces = Pieces(given_as)
+    pieces = Polyline3D(given_as)
     assert np.isfinite(pieces.at(pieces.length * np.linspace(0.0, 1.0, 7))).all()
 
 

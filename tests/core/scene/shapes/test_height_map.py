@@ -14,7 +14,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 import pacinian as pc
 from pacinian.scene.shapes.height_map import HeightMap
-from pacinian.scene.shapes.solids import gradient
+from pacinian.scene.shapes.sdf import gradient
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -69,8 +69,8 @@ def test_the_distance_to_a_plane_is_exact(x: float, y: float, seed: int) -> None
     assert surface.distance(points) == pytest.approx(points @ up, abs=1e-12)
     assert gradient(surface, points) == pytest.approx(np.tile(up, (len(points), 1)), abs=1e-6)
     assert surface.area == pytest.approx(WIDTH * HEIGHT * math.hypot(x, y, 1.0))
-    assert surface.cover(0.0085).normals == pytest.approx(
-        np.tile(up, (len(surface.cover(0.0085).points), 1))
+    assert surface.sample_surface(0.0085).normals == pytest.approx(
+        np.tile(up, (len(surface.sample_surface(0.0085).points), 1))
     )
 
 
@@ -80,10 +80,12 @@ def test_a_flat_one_is_a_rectangle(seed: int) -> None:
     flat, rectangle = sloped(0.0, 0.0), pc.Rectangle(WIDTH, HEIGHT)
     points = np.random.default_rng(seed).uniform(-0.1, 0.1, (200, 3))
     assert flat.distance(points) == pytest.approx(rectangle.distance(points), abs=1e-15)
-    for ours, theirs in zip(flat.cover(0.0085), rectangle.cover(0.0085), strict=True):
+    for ours, theirs in zip(
+        flat.sample_surface(0.0085), rectangle.sample_surface(0.0085), strict=True
+    ):
         assert ours == pytest.approx(theirs, abs=1e-15)
     assert flat.area == pytest.approx(rectangle.area)
-    assert flat.reach == pytest.approx(rectangle.reach)
+    assert flat.bounding_radius == pytest.approx(rectangle.bounding_radius)
 
 
 @given(surface=maps, seed=st.integers(0, 2**31))
@@ -116,8 +118,8 @@ def test_the_distance_to_a_gentle_hill_is_about_that_to_a_fine_mesh() -> None:
 def test_samples_lie_on_it_with_normals_upward_and_stand_for_all_of_it(
     surface: HeightMap, spacing: float
 ) -> None:
-    points, normals, area = surface.cover(spacing)
-    flat = pc.Rectangle(WIDTH, HEIGHT).cover(spacing)
+    points, normals, area = surface.sample_surface(spacing)
+    flat = pc.Rectangle(WIDTH, HEIGHT).sample_surface(spacing)
     assert np.array_equal(points[:, :2], flat.points[:, :2])
     assert np.abs(surface.distance(points)).max() < 1e-12
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)))
@@ -141,7 +143,7 @@ def test_area_and_reach_are_those_of_a_fine_cover(surface: HeightMap) -> None:
     p = np.stack([x, y, z], axis=-1)
     across = np.cross(p[1:, 1:] - p[:-1, :-1], p[1:, :-1] - p[:-1, 1:])
     assert surface.area == pytest.approx(np.linalg.norm(across, axis=-1).sum() / 2, rel=0.01)
-    assert surface.reach == pytest.approx(np.linalg.norm(p, axis=-1).max())
+    assert surface.bounding_radius == pytest.approx(np.linalg.norm(p, axis=-1).max())
 
 
 def test_rows_and_columns_are_those_of_a_picture() -> None:

@@ -55,9 +55,9 @@ def test_meshes_are_read_from_the_usual_files(tmp_path: Path, suffix: str) -> No
     mesh = Mesh(file=str(path))
     assert mesh.closed
     assert mesh.area == pytest.approx(BRACELET.area, rel=1e-5)
-    assert mesh.reach == pytest.approx(math.hypot(0.04, 0.01), rel=1e-5)
+    assert mesh.bounding_radius == pytest.approx(math.hypot(0.04, 0.01), rel=1e-5)
     assert mesh.extent == pytest.approx((0.04, 0.04, 0.01), rel=1e-5)
-    points, normals, area = mesh.cover(0.006)
+    points, normals, area = mesh.sample_surface(0.006)
     assert np.abs(mesh_of(BRACELET).distance(points)).max() < 1e-7
     assert (mesh_of(BRACELET).distance(points + 1e-4 * normals) > 0.0).all()
     assert len(points) == pytest.approx(mesh.area / 0.006**2, rel=0.25)
@@ -69,7 +69,9 @@ def test_scale_turns_the_mesh_s_units_into_metres(tmp_path: Path) -> None:
     trimesh.creation.box((60.0, 40.0, 20.0)).export(path)
     mesh = Mesh(file=str(path), scale=0.001)
     assert mesh.area == pytest.approx(pc.Box((0.06, 0.04, 0.02)).area)
-    assert np.abs(mesh.cover(0.004).points).max(axis=0) == pytest.approx([0.03, 0.02, 0.01])
+    assert np.abs(mesh.sample_surface(0.004).points).max(axis=0) == pytest.approx(
+        [0.03, 0.02, 0.01]
+    )
     with pytest.raises(pc.ArgumentError, match=r"metres.*millimetres"):
         _ = Mesh(file=str(path)).area
     with pytest.raises(pc.ArgumentError, match=r"^`scale` "):
@@ -101,7 +103,7 @@ def test_a_file_without_triangles_is_refused_by_name(
     if content is not None:
         (tmp_path / name).write_bytes(content)
     mesh = Mesh(file=str(tmp_path / name))
-    for ask in (lambda: mesh.area, lambda: mesh.cover(0.01)):
+    for ask in (lambda: mesh.area, lambda: mesh.sample_surface(0.01)):
         with pytest.raises(pc.ArgumentError, match=name) as caught:
             ask()
         assert caught.value.argument == "mesh"
@@ -210,7 +212,7 @@ def test_a_mesh_file_is_read_once(tmp_path: Path) -> None:
     area = mesh.area
     path.unlink()
     assert mesh.area == area
-    assert len(mesh.cover(0.01).points) > 0
+    assert len(mesh.sample_surface(0.01).points) > 0
 
 
 def test_a_mesh_file_that_changed_is_read_again(tmp_path: Path) -> None:
@@ -303,8 +305,8 @@ def test_a_closed_mesh_is_closed_however_it_is_given(mesh: trimesh.Trimesh, how:
     given = mesh_of(how(mesh))
     assert given.closed
     given.check_closed()
-    points, normals, _ = given.cover(0.008)
-    straight, outward, _ = mesh_of(mesh).cover(0.008)
+    points, normals, _ = given.sample_surface(0.008)
+    straight, outward, _ = mesh_of(mesh).sample_surface(0.008)
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(normals)))
     assert (given.distance(points + 1e-5 * normals) > 0.0).all()
     assert (given.distance(straight + 1e-5 * outward) > 0.0).all()
@@ -351,7 +353,7 @@ def test_a_mesh_that_encloses_nothing_is_no_volume_and_says_why(mesh: Any, probl
         given.check_closed()
     d = given.distance(np.random.default_rng(0).uniform(-1.0, 2.0, (50, 3)))
     assert np.isfinite(d).all()
-    assert len(given.cover(0.01).points) > 0
+    assert len(given.sample_surface(0.01).points) > 0
 
 
 def test_each_body_that_is_inside_out_is_turned_and_a_cavity_is_not() -> None:
@@ -396,7 +398,7 @@ def test_triangles_without_area_or_twice_and_vertices_without_a_face_do_not_coun
     assert mesh.closed
     assert mesh.area == pytest.approx(BOX.area)
     assert mesh.extent == pytest.approx((0.03, 0.02, 0.01))
-    assert mesh.reach == pytest.approx(np.linalg.norm(mesh.extent))
+    assert mesh.bounding_radius == pytest.approx(np.linalg.norm(mesh.extent))
 
 
 def test_rounding_to_single_precision_keeps_a_mesh_closed() -> None:
@@ -442,11 +444,11 @@ def test_meshes_too_large_are_refused_before_they_take_memory(
 ) -> None:
     path = tmp_path / "ball.stl"
     BALL.export(path)
-    monkeypatch.setattr(triangles, "MOST", 100)
+    monkeypatch.setattr(triangles, "MAX_TRIANGLES", 100)
     for mesh in (Mesh(file=str(path)), mesh_of(BALL)):
         with pytest.raises(pc.ArgumentError, match=r"320 triangles: keep to 100"):
             _ = mesh.area
-    monkeypatch.setattr(triangles, "LARGEST", 1 << 10)
+    monkeypatch.setattr(triangles, "MAX_FILE_BYTES", 1 << 10)
     with pytest.raises(pc.ArgumentError, match=r"ball\.stl is .* MiB: keep to"):
         _ = Mesh(file=str(path)).area
 
@@ -457,12 +459,12 @@ def test_meshes_too_large_are_refused_before_they_take_memory(
 @pytest.mark.parametrize("mesh", [BOX, BALL, BRACELET], ids=["box", "ball", "bracelet"])
 def test_samples_are_blue_noise_that_stands_for_the_whole_area(mesh: trimesh.Trimesh) -> None:
     spacing, shape = 0.005, mesh_of(mesh)
-    points, normals, area = shape.cover(spacing)
+    points, normals, area = shape.sample_surface(spacing)
     assert np.abs(shape.distance(points)).max() < 1e-12
     assert (normals != 0.0).any(axis=1).all()
     assert area.sum() == pytest.approx(shape.area)
     assert (area > 0.0).all()
     nearest = KDTree(points).query(points, k=2)[0][:, 1]
     assert nearest.min() >= 0.8 * spacing
-    fine = shape.cover(spacing / 3.0).points
+    fine = shape.sample_surface(spacing / 3.0).points
     assert KDTree(points).query(fine)[0].max() < 1.2 * spacing

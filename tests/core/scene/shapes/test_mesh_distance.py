@@ -135,7 +135,11 @@ def test_distances_are_those_to_the_nearest_triangle_and_negative_where_it_goes_
 @each
 def test_points_on_the_surface_are_at_no_distance(mesh: trimesh.Trimesh) -> None:
     shape = made(mesh)
-    for points in (mesh.triangles.reshape(-1, 3), mesh.triangles_center, shape.cover(0.01).points):
+    for points in (
+        mesh.triangles.reshape(-1, 3),
+        mesh.triangles_center,
+        shape.sample_surface(0.01).points,
+    ):
         assert np.abs(shape.distance(np.asarray(points))).max() < 1e-12
 
 

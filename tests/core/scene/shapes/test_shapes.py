@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 import pacinian as pc
-from pacinian.scene.shapes.solids import gradient, interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 
 from ..tools import mesh_of
 
@@ -198,7 +198,7 @@ def sizes(draw: DrawFn, low: float = 3.0, high: float = 8.0) -> tuple[Size, floa
 @bounded
 def test_a_cover_lies_on_the_shape_and_faces_outward(kind: Kind, case: tuple[Size, float]) -> None:
     size, spacing = case
-    points, normals, _ = kind.make(size).cover(spacing)
+    points, normals, _ = kind.make(size).sample_surface(spacing)
     assert points.dtype == np.float64
     assert np.abs(kind.distance(points, size)).max() < kind.exact
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)), abs=1e-9)
@@ -220,7 +220,7 @@ def test_a_cover_lies_on_the_shape_and_faces_outward(kind: Kind, case: tuple[Siz
 def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, float]) -> None:
     size, spacing = case
     shape = kind.make(size)
-    points, _, area = shape.cover(spacing)
+    points, _, area = shape.sample_surface(spacing)
     low, high = kind.number
     expected = kind.area(size) / spacing**2
     edge = kind.outline(size) / spacing  # of those that hold their outline: a row more on each side
@@ -228,11 +228,13 @@ def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, f
     nearest = KDTree(points).query(points, k=2)[0][:, 1] / spacing
     assert kind.apart[0] - 1e-9 <= nearest.min()
     assert nearest.max() <= kind.apart[1]
-    assert KDTree(points).query(shape.cover(spacing / 2).points)[0].max() < 1.5 * spacing
+    assert KDTree(points).query(shape.sample_surface(spacing / 2).points)[0].max() < 1.5 * spacing
     assert np.linalg.norm(points.mean(axis=0)) < kind.off * spacing
     assert area.max() < 4.0 * spacing**2  # not much more than its cell
     assert area.sum() == pytest.approx(kind.area(size), rel=0.1)
-    for again, first in zip(kind.make(size).cover(spacing), (points, _, area), strict=True):
+    for again, first in zip(
+        kind.make(size).sample_surface(spacing), (points, _, area), strict=True
+    ):
         assert np.array_equal(again, first)
 
 
@@ -241,7 +243,7 @@ def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, f
 
 def test_a_signed_distance_smaller_than_the_spacing_is_sampled_on_its_shell() -> None:
     ball = pc.SDF(lambda p: np.linalg.norm(p, axis=1) - 0.001, (0.001, 0.001, 0.001))
-    points, normals, area = ball.cover(0.0085)
+    points, normals, area = ball.sample_surface(0.0085)
     assert area.sum() == pytest.approx(4e-6 * math.pi, rel=0.01)
     assert np.linalg.norm(points, axis=1) == pytest.approx(np.full(len(points), 0.001))
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)))
@@ -249,11 +251,11 @@ def test_a_signed_distance_smaller_than_the_spacing_is_sampled_on_its_shell() ->
 
 def test_a_signed_distance_without_a_shell_in_its_box_has_no_samples() -> None:
     nothing = pc.SDF(lambda p: np.linalg.norm(p, axis=1) + 0.1, (0.02, 0.02, 0.02))
-    points, normals, area = nothing.cover(0.0085)
+    points, normals, area = nothing.sample_surface(0.0085)
     assert points.shape == normals.shape == (0, 3)
     assert area.shape == (0,)
     assert nothing.area == 0.0
-    assert len(interior(nothing, 0.0085).points) == 0
+    assert len(sample_interior(nothing, 0.0085).points) == 0
 
 
 @each_kind
@@ -268,7 +270,7 @@ def test_the_samples_stand_for_the_area_of_the_formula_however_small_the_shape_i
     shape = kind.make(size)
     measured = 0.02 if kind.name == "sdf" else 1e-12
     assert shape.area == pytest.approx(kind.area(size), rel=measured)
-    points, _, area = shape.cover(spacing)
+    points, _, area = shape.sample_surface(spacing)
     assert np.abs(kind.distance(points, size)).max() < kind.exact
     assert area.sum() == pytest.approx(shape.area, rel=1e-9)
     assert area.min() > 0.0
@@ -325,7 +327,7 @@ def test_signed_distances_are_those_of_independent_formulas(
 def test_a_solid_fits_tightly_in_its_bounding_box(kind: Kind, case: tuple[Size, float]) -> None:
     size, spacing = case
     shape = kind.make(size)
-    reach = np.abs(shape.cover(spacing / 2).points).max(axis=0)
+    reach = np.abs(shape.sample_surface(spacing / 2).points).max(axis=0)
     assert (reach <= np.array(shape.extent) + kind.exact).all()
     assert (reach > np.array(shape.extent) - spacing).all()
 
@@ -336,7 +338,7 @@ def test_a_solid_fits_tightly_in_its_bounding_box(kind: Kind, case: tuple[Size, 
 def test_interior_samples_fill_the_solid_on_a_grid(kind: Kind, case: tuple[Size, float]) -> None:
     size, spacing = case
     shape = kind.make(size)
-    points, normals, area = interior(shape, spacing)
+    points, normals, area = sample_interior(shape, spacing)
     assert area == pytest.approx(np.full(len(points), spacing**2))
     assert (kind.distance(points, size) < 0.0).all()
     cell = 1.0
@@ -363,7 +365,7 @@ def test_interior_samples_fill_the_solid_on_a_grid(kind: Kind, case: tuple[Size,
 
 def test_too_many_interior_samples_are_refused_before_memory_is() -> None:
     with pytest.raises(pc.ArgumentError, match=r"spacing.*samples.*larger"):
-        interior(pc.Box((1.0, 1.0, 1.0)), 1e-4)
+        sample_interior(pc.Box((1.0, 1.0, 1.0)), 1e-4)
 
 
 # -------------------------------------------------------------------------------- bad sizes
@@ -409,7 +411,7 @@ def test_a_box_has_three_sizes() -> None:
 )
 def test_a_signed_distance_that_is_not_one_finite_number_a_point_is_refused(function: Any) -> None:
     solid = pc.SDF(function, (0.02, 0.02, 0.02))
-    for ask in (solid.cover, lambda spacing: interior(solid, spacing)):
+    for ask in (solid.sample_surface, lambda spacing: sample_interior(solid, spacing)):
         with pytest.raises(pc.ArgumentError, match=r"^`function` "):
             ask(0.005)
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.shapes import arrays
-from pacinian.scene.shapes.solids import gradient, interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 from pacinian.scene.shapes.voxels import Voxels
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ BLOCK[1:-1, 1:-1, 1:-1] = 1.0  # 4 x 6 x 8 full ones
 def test_distances_are_those_of_the_solid_to_a_fraction_of_a_voxel(
     radius: float, at: tuple[float, float, float], seed: int
 ) -> None:
-    from pacinian.scene.shapes.combine import Placed
+    from pacinian.scene.shapes.csg import Placed
 
     ball = Placed(pc.Sphere(radius), pc.Pose(at))
     solid = voxelised(ball, (26, 26, 26))
@@ -98,14 +98,14 @@ def test_distance_grows_about_as_fast_as_one_goes() -> None:
     slope = np.linalg.norm(gradient(GRID, points, 1e-7), axis=1)
     assert np.median(slope) == pytest.approx(1.0, abs=0.02)
     assert slope.max() < 1.5
-    shell = np.linalg.norm(gradient(GRID, GRID.cover(0.004).points), axis=1)
+    shell = np.linalg.norm(gradient(GRID, GRID.sample_surface(0.004).points), axis=1)
     assert shell == pytest.approx(np.ones(len(shell)), abs=0.1)
 
 
 @given(spacing=st.floats(0.003, 0.03))
 @bounded
 def test_samples_lie_on_the_shell_and_stand_for_all_of_it(spacing: float) -> None:
-    points, normals, area = GRID.cover(spacing)
+    points, normals, area = GRID.sample_surface(spacing)
     assert len(points) >= 1
     assert np.abs(GRID.distance(points)).max() < 1e-9
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(points)))
@@ -116,7 +116,7 @@ def test_samples_lie_on_the_shell_and_stand_for_all_of_it(spacing: float) -> Non
 
 
 def test_normals_are_about_those_of_the_solid() -> None:
-    points, normals, _ = GRID.cover(0.004)
+    points, normals, _ = GRID.sample_surface(0.004)
     outward = points / np.linalg.norm(points, axis=1, keepdims=True)
     assert (normals * outward).sum(axis=1).min() > math.cos(math.radians(15))
 
@@ -125,11 +125,11 @@ def test_area_extent_and_reach_are_about_those_of_the_solid() -> None:
     assert GRID.area == pytest.approx(BALL.area, rel=0.02)
     assert STAIRS.area == pytest.approx(BALL.area, rel=0.15)
     assert GRID.extent == pytest.approx(BALL.extent, abs=0.1 * PITCH)
-    assert GRID.reach == pytest.approx(BALL.reach, abs=0.2 * PITCH)
+    assert GRID.bounding_radius == pytest.approx(BALL.bounding_radius, abs=0.2 * PITCH)
 
 
 def test_the_interior_is_full() -> None:
-    points, _, area = interior(GRID, 0.003)
+    points, _, area = sample_interior(GRID, 0.003)
     volume = math.prod(2 * half / math.floor(2 * half / 0.003) for half in GRID.extent) * len(
         points
     )
@@ -235,7 +235,7 @@ def test_too_many_are_refused_before_memory_is(tmp_path: Path, monkeypatch: Any)
     with pytest.raises(pc.ArgumentError, match=r"101,000,000 numbers: keep to 100,000,000"):
         Voxels(values=many, pitch=1e-5)
     np.save(tmp_path / "block.npy", BLOCK)
-    monkeypatch.setattr(arrays, "LARGEST", 100)
+    monkeypatch.setattr(arrays, "MAX_NUMBERS", 100)
     with pytest.raises(pc.ArgumentError, match="480 numbers"):
         _ = Voxels(file=str(tmp_path / "block.npy"), pitch=0.01).area
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.bus.admission import TOLD, Peers
+from pacinian.serving.bus.admission import TOLD, PeerRateLimiter
 from pacinian.wire.replies import Error
 
 from ..fake_renderer import client, move
@@ -64,7 +64,7 @@ def test_a_session_is_of_the_connection_that_used_it_first_and_of_its_user() -> 
 
 
 def test_connections_send_at_their_rate_and_only_so_many_are_remembered() -> None:
-    peers = Peers(rate=100.0, most=10)
+    peers = PeerRateLimiter(rate=100.0, most=10)
     sent = sum(peers.may(b"a", 0.001 * i) for i in range(2000))
     assert 100 + 195 <= sent <= 100 + 205
     assert peers.may(b"b", 2.0)

@@ -6,20 +6,20 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.bus.change_batcher import BYTES, MOST, Outbox
-from pacinian.serving.bus.shared_scene import Refusal, Room
-from pacinian.serving.bus.stored_object import HEAVY
+from pacinian.serving.bus.change_batcher import BYTES, MAX_BATCH_OBJECTS, ChangeBatcher
+from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
+from pacinian.serving.bus.stored_object import HEAVY_BYTES
 from pacinian.serving.ipc.messages import (
-    Begin,
     Changes,
+    ChangesAck,
     MoveObject,
     PutObject,
     RemoveObject,
+    ResetScene,
     SetHands,
-    Taken,
 )
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import HandFrame
 from pacinian.wire.time import STEADY, Wave
 
@@ -39,7 +39,7 @@ from ..fake_renderer import (
 
 bounded = settings(max_examples=200)
 NAMES = "abcdefgh"
-LONG = Wave(samples=pack(np.zeros(HEAVY)), rate=1000.0)
+LONG = Wave(samples=pack(np.zeros(HEAVY_BYTES)), rate=1000.0)
 SLOW = 80  # [Pa]; what is stronger has a long envelope
 name = st.sampled_from(NAMES)
 names = st.lists(name, max_size=3, unique=True)
@@ -72,15 +72,15 @@ def command(step: tuple[Any, ...]) -> Any:
     return remove(*chosen)
 
 
-def done(room: Room, who: Any, made: Any, size: int = 100) -> None:
+def done(room: SharedScene, who: Any, made: Any, size: int = 100) -> None:
     try:
         room.do(who, made, 0.0, 0.0, size)
-    except Refusal as refusal:
+    except CommandRejected as refusal:
         assert refusal.code == "unknown"  # noqa: PT017
 
 
-def felt(room: Room, run: int = 7) -> Outbox:
-    outbox = Outbox(run)
+def felt(room: SharedScene, run: int = 7) -> ChangeBatcher:
+    outbox = ChangeBatcher(run)
     outbox.feel(room)
     return outbox
 
@@ -118,7 +118,7 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
             slow |= set(step[1]) if heavy else set()
             done(room, who, made)
             model.do(who, made, 0.0)
-        assert len(room.news) <= 2 * len(NAMES) + 3
+        assert len(room.pending) <= 2 * len(NAMES) + 3
     if file is not None and renderer.last.number != file.number:
         renderer.take(file)
     outbox.taken(renderer.last)
@@ -126,9 +126,9 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
     assert renderer.scene == model.scene
     assert [n for n in renderer.scene if n not in slow] == [n for n in model.scene if n not in slow]
     assert not outbox.errors
-    assert set(room.news.known) == set(model.scene)
+    assert set(room.pending.known) == set(model.scene)
     for who in clients:
-        own = [t for t in room.things.values() if t.owner is who]
+        own = [t for t in room.objects.values() if t.owner is who]
         assert (who.objects, who.bytes) == (len(own), sum(t.size for t in own))
 
 
@@ -138,19 +138,19 @@ def test_nothing_more_is_sent_before_the_last_was_taken() -> None:
     first = outbox.next()
     assert first is not None
     assert first.number == 1
-    assert isinstance(first.changes[0], Begin)
+    assert isinstance(first.changes[0], ResetScene)
     done(room, who, put({"a": point()}))
     assert outbox.waits
     assert outbox.next() is None
-    outbox.taken(Taken(1, 5, 7))
+    outbox.taken(ChangesAck(1, 5, 7))
     second = outbox.next()
     assert second is not None
     assert [type(c) for c in second.changes] == [PutObject]
     done(room, who, move(("a",), 0.5))
-    for not_it in (Taken(1, 5, 7), Taken(2, 5, 99)):  # the last but one; of another bus
+    for not_it in (ChangesAck(1, 5, 7), ChangesAck(2, 5, 99)):  # the last but one; of another bus
         outbox.taken(not_it)
         assert outbox.next() is None
-    outbox.taken(Taken(2, 5, 7))
+    outbox.taken(ChangesAck(2, 5, 7))
     assert outbox.next() is not None
 
 
@@ -158,10 +158,10 @@ def test_a_renderer_that_says_nothing_of_the_first_batch_gets_it_again() -> None
     room = room_of()
     outbox = felt(room)
     assert outbox.next() is not None
-    outbox.taken(Taken(0, 5, 0))  # the one that took it, if any, was not seen and is gone
+    outbox.taken(ChangesAck(0, 5, 0))  # the one that took it, if any, was not seen and is gone
     again = outbox.next()
     assert again is not None
-    assert isinstance(again.changes[0], Begin)
+    assert isinstance(again.changes[0], ResetScene)
 
 
 def test_many_updates_while_nothing_is_taken_take_no_room_and_the_newest_is_sent() -> None:
@@ -175,8 +175,8 @@ def test_many_updates_while_nothing_is_taken_take_no_room_and_the_newest_is_sent
         done(room, who, put({"p": point(1.0 + k % 100)}))
         done(room, who, put({f"q{k}": point()}))
         done(room, who, remove(f"q{k}"))
-    assert len(room.news) == 41
-    assert room.news.superseded == 2000 * 40 - 40 + 1999 + 2000
+    assert len(room.pending) == 41
+    assert room.pending.superseded == 2000 * 40 - 40 + 1999 + 2000
     batch = outbox.next()
     assert batch is not None
     assert len(batch.changes) == 41
@@ -195,7 +195,7 @@ def test_batches_are_bounded_moves_do_not_wait_for_puts_and_puts_not_for_moves()
     done(room, who, put({f"n{i}": point() for i in range(200)}))
     kinds = []
     while (batch := outbox.next()) is not None:
-        assert len(batch.changes) <= MOST
+        assert len(batch.changes) <= MAX_BATCH_OBJECTS
         kinds.append({type(c) for c in batch.changes})
         outbox.taken(renderer.take(batch))
         done(room, who, move(old, 0.25)) if len(kinds) < 5 else None
@@ -328,13 +328,13 @@ def test_a_bus_that_begins_with_no_changes_goes_on_as_any(
     room, who = room_of(), client()
     outbox, renderer = felt(room, run=8), FakeRenderer()
     renderer.scene["old"] = [b"of the bus before", None, None]
-    renderer.last = Taken(3, renderer.run, 7)
+    renderer.last = ChangesAck(3, renderer.run, 7)
     if known:
         outbox.taken(renderer.last)
     done(room, who, put({"a": point()}))
     batch = outbox.next() if early else None
     if seen:
-        renderer.take(Changes(0, outbox.run, (Begin(),)))  # as the loop takes it
+        renderer.take(Changes(0, outbox.run, (ResetScene(),)))  # as the loop takes it
         outbox.taken(renderer.last)
     if batch is not None:
         outbox.taken(renderer.take(batch))

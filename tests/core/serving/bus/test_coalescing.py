@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.acoustics.array import autd
-from pacinian.serving.bus.coalescing import Message, newest
-from pacinian.serving.bus.dispatcher import Desk
-from pacinian.serving.ipc.logs import Sparse
-from pacinian.serving.ipc.messages import SessionInfo, Sessions
+from pacinian.serving.bus.coalescing import Message, coalesce
+from pacinian.serving.bus.dispatcher import CommandDispatcher
+from pacinian.serving.ipc.logs import RateLimitedLog
+from pacinian.serving.ipc.messages import SessionInfo, SessionTable
 from pacinian.serving.settings import Settings
 from pacinian.wire.codec import encode
 from pacinian.wire.commands import AnyCommand, Clear, HandFrame
@@ -38,12 +38,12 @@ commands = st.lists(
 )
 
 
-def desk(*keys: bytes) -> Desk:
-    made = Desk(
-        Settings(), ARRAY, 7, lambda: None, lambda: (None, 0.0), Sparse(lambda: 0.0), AtOnce()  # type: ignore[arg-type]
+def desk(*keys: bytes) -> CommandDispatcher:
+    made = CommandDispatcher(
+        Settings(), ARRAY, 7, lambda: None, lambda: (None, 0.0), RateLimitedLog(lambda: 0.0), AtOnce()  # type: ignore[arg-type]
     )  # fmt: skip
     infos = tuple(SessionInfo(key, f"c{i}", "s", "pacinian") for i, key in enumerate(keys))
-    made.sessions(Sessions(infos, "s"))
+    made.sessions(SessionTable(infos, "s"))
     return made
 
 
@@ -53,9 +53,9 @@ def said(command: AnyCommand, sequence: int = 1, key: bytes = KEYS[0], **given: 
     return Message(key, "pacinian", encode(sent), now)
 
 
-def felt(made: Desk) -> tuple[object, object, object]:
+def felt(made: CommandDispatcher) -> tuple[object, object, object]:
     renderer = FakeRenderer()
-    renderer.drain(made.outbox)
+    renderer.drain(made.batcher)
     there = renderer.hands
     return renderer.scene, there and set(there.hands), there and there.felt
 
@@ -81,7 +81,7 @@ def test_what_is_replaced_is_not_decoded_and_counted_as_dropped() -> None:
     made.messages([said(put({"a": point()}))])
     spoilt = said(move(("a",), 0.0), 2)._replace(data=said(move(("a",), 0.09), 2).data[:-28])
     readable = said(move(("a",), 0.05), 3)
-    kept, replaced = newest([said(move(("a",), 0.01), 2), readable])
+    kept, replaced = coalesce([said(move(("a",), 0.01), 2), readable])
     assert (kept, replaced) == ([readable], {KEYS[0]: 1})
     made.messages([said(move(("a",), 0.01 * x), x) for x in range(2, 12)])
     client = made.clients[KEYS[0]]
@@ -96,17 +96,17 @@ def test_only_a_client_s_own_of_the_same_objects_replaces(kind: str) -> None:
     second = said(move(("b",) if kind == "others" else ("a",), 0.02), 2, KEYS[kind == "another's"])
     if kind == "another connection's":
         second = second._replace(peer=b"x")
-    kept, replaced = newest([first, second])
+    kept, replaced = coalesce([first, second])
     assert kept == [first, second]
     assert not replaced
 
 
 def test_who_sends_too_much_is_told_also_of_what_would_be_replaced() -> None:
-    made = Desk(
+    made = CommandDispatcher(
         Settings(clients=msgspec.structs.replace(Settings().clients, rate=5.0)), ARRAY, 7, lambda: None,
-        lambda: (None, 0.0), Sparse(lambda: 0.0), AtOnce(),  # type: ignore[arg-type]
+        lambda: (None, 0.0), RateLimitedLog(lambda: 0.0), AtOnce(),  # type: ignore[arg-type]
     )  # fmt: skip
-    made.sessions(Sessions((SessionInfo(KEYS[0], "c", "s", "pacinian"),), "s"))
+    made.sessions(SessionTable((SessionInfo(KEYS[0], "c", "s", "pacinian"),), "s"))
     messages = [said(move(("a",), 0.0), i + 1)._replace(time=0.0) for i in range(8)]
     made.messages(messages)
     told = [reply for _, reply in made.replies if isinstance(reply, Error)]

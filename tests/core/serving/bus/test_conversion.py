@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from msgspec.structs import force_setattr
 
-from pacinian.serving.bus.change_batcher import Outbox
+from pacinian.serving.bus.change_batcher import ChangeBatcher
 from pacinian.serving.bus.conversion import Converter
-from pacinian.serving.bus.shared_scene import Refusal, Room
+from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.ipc.messages import PutObject
 from pacinian.serving.settings import Settings
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Envelopes
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.shapes import Polyline
@@ -49,11 +49,11 @@ def test_with_an_id_it_is_answered_when_it_is_converted() -> None:
     room, who = room_of(), client()
     assert do(room, who, put({"light": point()}, id=1))
     assert not do(room, who, put({"a": mesh(), "b": point()}, id=2))
-    assert room.things["a"].heavy
-    assert not room.things["b"].heavy
+    assert room.objects["a"].heavy
+    assert not room.objects["b"].heavy
     assert converted(room) == [(who, Ok(id=2))]
-    assert not room.things["a"].heavy
-    assert who.bytes == sum(thing.size for thing in room.things.values())
+    assert not room.objects["a"].heavy
+    assert who.bytes == sum(thing.size for thing in room.objects.values())
     assert not do(room, who, put({"c": mesh()}))
     assert converted(room) == []
 
@@ -68,7 +68,7 @@ def test_one_that_cannot_be_meant_is_gone_and_its_client_is_told() -> None:
         assert isinstance(error, Error)
         assert (error.code, error.id) == ("argument", ident)
         assert error.path.startswith("$.objects[a]")
-        assert not room.things
+        assert not room.objects
         assert (who.objects, who.bytes) == (0, 0)
 
 
@@ -84,10 +84,10 @@ def test_those_that_are_superseded_are_not_converted_and_take_no_memory() -> Non
 
 def test_one_that_is_removed_while_it_is_converted_stays_removed() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
-    outbox = Outbox(7)
+    outbox = ChangeBatcher(7)
     outbox.feel(room)
     do(room, who, put({"a": mesh()}))
-    thing = room.things["a"]
+    thing = room.objects["a"]
     do(room, who, remove("a"))
     thing.accept(b"late")
     assert converted(room) == []
@@ -100,8 +100,8 @@ def test_small_shapes_that_take_long_are_known() -> None:
     room, who = room_of(), client()
     solids = shapes.Union((shapes.Box((0.1, 0.1, 0.1)), shapes.Sphere(0.1)))
     do(room, who, put({"u": objects.Volume(force=0.1, shape=solids)}))
-    assert room.things["u"].heavy
-    outbox = Outbox(7)
+    assert room.objects["u"].heavy
+    outbox = ChangeBatcher(7)
     outbox.feel(room)
     batch = outbox.next()
     assert batch is not None
@@ -117,12 +117,12 @@ class Later(Executor):
 
 def test_those_that_are_superseded_are_dropped_at_once_and_answered() -> None:
     settings = Settings()
-    room, who = Room(settings, Converter(1e9, Later())), client()
+    room, who = SharedScene(settings, Converter(1e9, Later())), client()
     items: list[Any] = []
     for k in range(1, 201):
         items.append(mesh())
         do(room, who, put({"a": items[-1], f"b{k % 2}": point()}, id=k))
-        items[-1] = weakref.ref(room.things["a"])
+        items[-1] = weakref.ref(room.objects["a"])
         assert len(room._converter) == 1
     gc.collect()
     assert sum(ref() is not None for ref in items) == 1
@@ -148,21 +148,21 @@ def test_each_object_is_judged_by_what_it_is_made_of(count: int) -> None:
     }
     many = {f"p{k}": point() for k in range(count)}
     assert not room.do(who, put({**slow, **many}), 0.0, 0.0, 60_000)
-    assert {name for name, thing in room.things.items() if thing.heavy} == set(slow)
-    sizes = [room.things[name].size for name in slow]
+    assert {name for name, thing in room.objects.items() if thing.heavy} == set(slow)
+    sizes = [room.objects[name].size for name in slow]
     assert min(sizes) > 6000
-    assert 60_000 - len(room.things) <= who.bytes <= 60_000
+    assert 60_000 - len(room.objects) <= who.bytes <= 60_000
     assert converted(room) == []
-    assert not any(thing.heavy for name, thing in room.things.items() if name in slow)
+    assert not any(thing.heavy for name, thing in room.objects.items() if name in slow)
 
 
 def test_many_with_an_id_are_not_converted_while_commands_wait() -> None:
     room, who = room_of(), client()
     many: dict[str, Any] = {f"p{k}": point() for k in range(200)}
     assert not do(room, who, put(many, id=1))
-    assert all(thing.item is not None for thing in room.things.values())
+    assert all(thing.item is not None for thing in room.objects.values())
     assert converted(room) == [(who, Ok(id=1))]
-    assert all(thing.packed for thing in room.things.values())
+    assert all(thing.packed for thing in room.objects.values())
 
 
 def wave_of(names: tuple[str, ...], samples: int, ident: int = 0) -> Envelopes:
@@ -172,14 +172,14 @@ def wave_of(names: tuple[str, ...], samples: int, ident: int = 0) -> Envelopes:
 
 def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
-    outbox = Outbox(7)
+    outbox = ChangeBatcher(7)
     outbox.feel(room)
     do(room, who, put({"a": point(), "b": point()}))
     for k in range(1, 21):
         assert not do(room, who, wave_of(("a", "b"), 20_000 + k, k))
         assert len(room._converter) == 1
-        assert not room.things["a"].wrapped
-        assert who.bytes == sum(thing.size for thing in room.things.values()) > 160_000
+        assert not room.objects["a"].wrapped
+        assert who.bytes == sum(thing.size for thing in room.objects.values()) > 160_000
     do(room, who, wrap(("b",), 0.25))
     assert [reply for _, reply in converted(room)] == [Ok(id=k) for k in range(1, 21)]
     renderer.drain(outbox)
@@ -187,19 +187,19 @@ def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> No
     assert isinstance(a, bytes)
     assert len(a) > 9 * 20_000
     assert b == msgspec.msgpack.encode(Constant(0.25))
-    assert who.bytes == sum(thing.size for thing in room.things.values())
+    assert who.bytes == sum(thing.size for thing in room.objects.values())
     do(room, who, wave_of(("a",), 20_000))
     do(room, who, remove("a", "b"))
     assert converted(room) == []
     assert (who.objects, who.bytes) == (0, 0)
-    assert not room.things
+    assert not room.objects
 
 
 def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> None:
     room, who = room_of(), client()
     do(room, who, put({"a": point()}))
     do(room, who, wrap(("a",), 0.25))
-    before = room.things["a"].wrapped, who.bytes
+    before = room.objects["a"].wrapped, who.bytes
     command = wave_of(("a",), 5000, 3)
     force_setattr(command.envelope, "samples", bytes(4 * 5000 + 1))
     do(room, who, command)
@@ -207,8 +207,8 @@ def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> Non
     assert whose is who
     assert isinstance(error, Error)
     assert error.id == 3
-    assert (room.things["a"].wrapped, who.bytes) == before
-    with pytest.raises(Refusal, match="'no'"):  # which is the answer: there is no other
+    assert (room.objects["a"].wrapped, who.bytes) == before
+    with pytest.raises(CommandRejected, match="'no'"):  # which is the answer: there is no other
         do(room, who, wave_of(("a", "no"), 5000, 4))
     assert converted(room) == []
-    assert room.things["a"].wrapped != before[0]
+    assert room.objects["a"].wrapped != before[0]

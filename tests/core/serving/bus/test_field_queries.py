@@ -6,9 +6,9 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.errors import WireError
-from pacinian.serving.bus.field_queries import Emitted, Fields
-from pacinian.serving.ipc.messages import Device, FrameHead
-from pacinian.wire.bulk import pack, unpack
+from pacinian.serving.bus.field_queries import EmittedGains, FieldQueries
+from pacinian.serving.ipc.messages import DeviceStatus, FrameHead
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.commands import Field
 from pacinian.wire.replies import Error, Pressures
 
@@ -18,9 +18,11 @@ ARRAY, AIR = pc.lattice(0.1, 0.1), pc.Air()
 N = len(ARRAY)
 
 
-def device(generation: int = 1, later: int = 0, amplitudes: int = 256, **given: bool) -> Device:
+def device(
+    generation: int = 1, later: int = 0, amplitudes: int = 256, **given: bool
+) -> DeviceStatus:
     sounding = given.get("sounding", True)
-    return Device(generation, later, "d", 16, amplitudes, 1000.0, None, 0.0, sounding)
+    return DeviceStatus(generation, later, "d", 16, amplitudes, 1000.0, None, 0.0, sounding)
 
 
 def frame(rows: int, generation: int = 1, columns: int = N) -> tuple[bytes, np.ndarray, np.ndarray]:
@@ -44,7 +46,7 @@ def grid(count: int) -> np.ndarray:
     return random.uniform((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3), (count, 3)).astype(np.float32)
 
 
-def run(fields: Fields, most: int = 10_000) -> list[tuple[object, object]]:
+def run(fields: FieldQueries, most: int = 10_000) -> list[tuple[object, object]]:
     answers = []
     for _ in range(most):
         if (answer := fields.step()) is not None:
@@ -56,7 +58,7 @@ def run(fields: Fields, most: int = 10_000) -> list[tuple[object, object]]:
 
 @pytest.mark.parametrize("count", [0, 1, 5000])
 def test_the_pressures_are_those_of_the_emitted_gains(count: int) -> None:
-    fields, who, points = Fields(ARRAY, AIR), client(), grid(count)
+    fields, who, points = FieldQueries(ARRAY, AIR), client(), grid(count)
     assert fields.ask(who, field(points), emitted()) is None
     [(whose, answer)] = run(fields)
     assert whose is who
@@ -69,7 +71,7 @@ def test_the_pressures_are_those_of_the_emitted_gains(count: int) -> None:
 
 
 def test_long_queries_are_done_in_slices_and_clients_take_turns() -> None:
-    fields, one, other = Fields(ARRAY, AIR), client(1), client(2)
+    fields, one, other = FieldQueries(ARRAY, AIR), client(1), client(2)
     assert fields.ask(one, field(grid(20_000)), emitted()) is None
     assert fields.ask(other, field(grid(5), 2), emitted()) is None
     busy = fields.ask(one, field(grid(5), 3), emitted())
@@ -85,7 +87,7 @@ def test_long_queries_are_done_in_slices_and_clients_take_turns() -> None:
 
 
 def test_points_that_cannot_be_meant_are_refused() -> None:
-    fields, who = Fields(ARRAY, AIR), client()
+    fields, who = FieldQueries(ARRAY, AIR), client()
     with pytest.raises(WireError, match="id"):
         fields.ask(who, field(grid(1), 0), emitted())
     with pytest.raises(WireError, match="points"):
@@ -98,7 +100,7 @@ def test_points_that_cannot_be_meant_are_refused() -> None:
 
 
 def test_gains_are_those_of_the_last_row_in_the_device_s_levels() -> None:
-    known = Emitted(N)
+    known = EmittedGains(N)
     assert not known.gains(b"")[0].any()
     data, phase, amplitude = frame(3)
     assert not known.gains(data)[0].any()  # nothing is known of that device
@@ -112,7 +114,7 @@ def test_gains_are_those_of_the_last_row_in_the_device_s_levels() -> None:
 
 
 def test_amplitudes_that_are_not_even_are_those_of_the_table() -> None:
-    known, (data, phase, amplitude) = Emitted(N), frame(1)
+    known, (data, phase, amplitude) = EmittedGains(N), frame(1)
     sizes = np.sin(np.pi / 2.0 * np.arange(16) / 15.0).astype("<f4")
     known.device(replace(device(amplitudes=16), sizes=sizes.tobytes()))
     want = sizes[amplitude[-1]] * np.exp(2j * np.pi * phase[-1] / 16)
@@ -120,13 +122,13 @@ def test_amplitudes_that_are_not_even_are_those_of_the_table() -> None:
 
 
 def test_levels_that_the_device_does_not_have_are_no_sound() -> None:
-    known, (data, _, amplitude) = Emitted(N), frame(1)
+    known, (data, _, amplitude) = EmittedGains(N), frame(1)
     known.device(device(amplitudes=int(amplitude.max())))
     assert not known.gains(data)[0].any()
 
 
 def test_while_devices_change_each_frame_is_read_in_the_levels_it_was_made_for() -> None:
-    known, (old, _, amplitude), (new, _, _) = Emitted(N), frame(1, 1), frame(1, 2)
+    known, (old, _, amplitude), (new, _, _) = EmittedGains(N), frame(1, 1), frame(1, 2)
     known.device(device(1))
     known.device(device(1, later=2, amplitudes=16))
     assert np.abs(known.gains(old)[0]) == pytest.approx(amplitude[0] / 255, abs=1e-6)
@@ -136,7 +138,7 @@ def test_while_devices_change_each_frame_is_read_in_the_levels_it_was_made_for()
 
 
 def test_a_frame_of_another_array_is_none() -> None:
-    known = Emitted(N)
+    known = EmittedGains(N)
     known.device(device())
     assert not known.gains(frame(1, columns=N + 1)[0])[0].any()
     assert not known.gains(frame(1)[0][:-2])[0].any()

@@ -10,23 +10,23 @@ import zmq
 
 import pacinian as pc
 from pacinian.serving.bus import process as module
-from pacinian.serving.bus.process import Bus, opened
+from pacinian.serving.bus.process import Bus, open_bus
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.auth import DOMAIN, USER
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
+    BusStatus,
     Changes,
-    Device,
+    DeviceStatus,
     FrameHead,
     SessionInfo,
-    Sessions,
-    Traffic,
-    frame_capacity,
+    SessionTable,
+    compute_frame_capacity,
     pack,
 )
-from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.settings import Lattice, Network, Settings
-from pacinian.wire import bulk
+from pacinian.wire import binary_arrays
 from pacinian.wire.codec import decode_reply, encode
 from pacinian.wire.commands import Field, HandFrame
 from pacinian.wire.replies import Error, Ok, Pressures
@@ -48,9 +48,9 @@ class Server:
 
     def __init__(self, folder: Path, settings: Settings, stack: contextlib.ExitStack) -> None:
         self.settings, self.folder, self._stack = settings, folder, stack
-        sizes = {**CAPACITIES, "frame": frame_capacity(len(settings.array.make()))}
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         self.memory = {
-            name: stack.enter_context(Latest.create(folder / name, size))
+            name: stack.enter_context(SharedRegister.create(folder / name, size))
             for name, size in sizes.items()
         }
         self.context: zmq.Context[Any] = stack.enter_context(zmq.Context())
@@ -62,7 +62,7 @@ class Server:
 
     def sessions(self, *keys: bytes, owned: str = "s", scene: str = "s") -> None:
         infos = tuple(SessionInfo(key, key[:1].decode(), scene, USER) for key in keys)
-        self.memory["sessions"].write(pack(Sessions(infos, owned)))
+        self.memory["sessions"].write(pack(SessionTable(infos, owned)))
 
     def connect(self, token: str = TOKEN) -> zmq.Socket[Any]:
         socket = self._stack.enter_context(self.context.socket(zmq.DEALER))
@@ -80,10 +80,10 @@ class Server:
             taken = self.renderer.take(msgspec.msgpack.decode(read[1], type=Changes))
             self.memory["taken"].write(pack(taken))
 
-    def traffic(self) -> Traffic:
+    def traffic(self) -> BusStatus:
         read = self.memory["traffic"].read()
         assert read is not None
-        return msgspec.msgpack.decode(read[1], type=Traffic)
+        return msgspec.msgpack.decode(read[1], type=BusStatus)
 
     def until(self, done: Callable[[], Any], *, taking: bool = True) -> Any:
         def look() -> Any:
@@ -109,7 +109,7 @@ def running(folder: Path, settings: Settings) -> Iterator[Server]:
     """With a bus in this thread."""
     with contextlib.ExitStack() as stack:
         server = Server(folder, settings, stack)
-        bus = stack.enter_context(opened(settings, folder, {"token": TOKEN}))
+        bus = stack.enter_context(open_bus(settings, folder, {"token": TOKEN}))
         server.round, server.port, server.bus = bus.round, bus.port, bus
         yield server
 
@@ -161,14 +161,14 @@ def test_another_owner_s_scene_takes_the_place_of_the_first(server: Server) -> N
     send(one, put({"a": point()}, session=A, id=1))
     server.until(lambda: "a" in server.renderer.scene)
     infos = SessionInfo(A, "a", "s", USER), SessionInfo(B, "b", "t", USER)
-    server.memory["sessions"].write(pack(Sessions(infos, "s")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "s")))
     send(other, put({"b": point()}, session=B, id=1))
     assert server.reply(other) == Ok(id=1)
     assert list(server.renderer.scene) == ["a"]
-    server.memory["sessions"].write(pack(Sessions(infos, "t")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "t")))
     server.until(lambda: list(server.renderer.scene) == ["b"])
-    server.memory["sessions"].write(pack(Sessions(infos, "")))
-    server.memory["sessions"].write(pack(Sessions(infos, "s")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "")))
+    server.memory["sessions"].write(pack(SessionTable(infos, "s")))
     server.until(lambda: list(server.renderer.scene) == ["a"])
 
 
@@ -262,18 +262,18 @@ def test_the_field_is_of_what_the_device_emits(server: Server) -> None:
     array = server.settings.array.make()
     N = len(array)
     phase, amplitude = np.arange(N).astype("<u2") % 256, np.full(N, 255, "<u2")
-    device = Device(1, 0, "d", 256, 256, 1000.0, None, 0.0, True)
+    device = DeviceStatus(1, 0, "d", 256, 256, 1000.0, None, 0.0, True)
     server.memory["device"].write(pack(device))
     head = FrameHead(3, 1.5, 1, 1, 1, N)
     server.memory["frame"].write(head.pack(), phase.tobytes(), amplitude.tobytes())
     socket = server.connect()
     points = np.array([[0, 0, 0.2], [0.01, 0, 0.2]] * 4000, "<f4")
-    send(socket, Field(session=A, sequence=1, time=0.0, id=4, points=bulk.pack(points)))
+    send(socket, Field(session=A, sequence=1, time=0.0, id=4, points=binary_arrays.pack(points)))
     send(socket, put({"a": point()}, session=A, sequence=2, id=5))
     assert server.reply(socket) == Ok(id=5)  # which waits for no query
     answer = server.reply(socket)
     assert isinstance(answer, Pressures)
-    p = bulk.unpack(answer.pressures, 2).view(np.complex64)[:, 0]
+    p = binary_arrays.unpack(answer.pressures, 2).view(np.complex64)[:, 0]
     want = pc.field(array, np.exp(2j * np.pi * phase / 256), points, precision="double")
     assert np.abs(p - want).max() < 1e-3 * np.abs(want).max()
 
@@ -295,7 +295,7 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
         process = child_process.start(
-            "bus", child_process.Told(str(tmp_path), PLAIN, {"token": TOKEN})
+            "bus", child_process.LaunchConfig(str(tmp_path), PLAIN, {"token": TOKEN})
         )
         stack.callback(child_process.end, process)
         server.until(lambda: server.memory["traffic"].number)
@@ -314,7 +314,7 @@ def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
     taken = Settings(array=Lattice(0.1, 0.1), network=Network(command=server.port))
     with (
         pytest.raises(pc.ServerError, match="cannot be bound"),
-        opened(taken, tmp_path, {"token": TOKEN}),
+        open_bus(taken, tmp_path, {"token": TOKEN}),
     ):
         pass
 
@@ -322,8 +322,8 @@ def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
 def test_a_round_takes_only_so_many_messages(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "MOST", 10)
-    monkeypatch.setattr(module, "LONG", 1e9)
+    monkeypatch.setattr(module, "MAX_ROUND_MESSAGES", 10)
+    monkeypatch.setattr(module, "MAX_RECEIVE_TIME", 1e9)
     server.sessions(A)
     socket = server.connect()
     send(socket, put({"a": point()}, session=A, id=1))
@@ -347,7 +347,7 @@ def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
         server.memory["changes"].write(pack(Changes(9, 1, ())))
-        with opened(PLAIN, tmp_path, {"token": TOKEN}):
+        with open_bus(PLAIN, tmp_path, {"token": TOKEN}):
             read = server.memory["changes"].read()
             assert read is not None
             told = msgspec.msgpack.decode(read[1], type=Changes)
@@ -365,7 +365,7 @@ def test_whatever_is_raised_it_goes_on(
     one, other = server.connect(), server.connect()
     send(one, put({"a": point()}, session=A, id=1))
     assert server.reply(one) == Ok(id=1)
-    desk = server.bus.desk
+    dispatcher = server.bus.dispatcher
     raised: list[str] = []
 
     def bad(*_: object) -> Any:
@@ -373,9 +373,9 @@ def test_whatever_is_raised_it_goes_on(
         raise RuntimeError(where)
 
     at: Any = {
-        "round": desk.converter, "expire": next(iter(desk.rooms.values())), "step": desk.fields,
-        "next": desk.outbox, "encode": module,
-    }.get(where, desk)  # fmt: skip
+        "round": dispatcher.converter, "expire": next(iter(dispatcher.rooms.values())), "step": dispatcher.queries,
+        "next": dispatcher.batcher, "encode": module,
+    }.get(where, dispatcher)  # fmt: skip
     with monkeypatch.context() as patch:
         patch.setattr(at, where, bad)
         send(one, put({"a": point()}, session=A, id=2, sequence=2))

@@ -10,14 +10,14 @@ import pytest
 from pacinian.errors import WireError
 from pacinian.serving.bus.admission import Client
 from pacinian.serving.bus.conversion import Converter
-from pacinian.serving.bus.scene_snapshot import FULL, shown
-from pacinian.serving.bus.shared_scene import Room
+from pacinian.serving.bus.scene_snapshot import FULL, make_snapshot
+from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import SessionInfo
 from pacinian.serving.settings import Settings
 from pacinian.wire import commands, objects, shapes
-from pacinian.wire.bulk import pack, unpack
+from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import decode_reply, encode
-from pacinian.wire.protocol import LONGEST_COMMAND, LONGEST_REPLY, MOST_SHOWN
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_REPLY_BYTES, MAX_SHOWN
 from pacinian.wire.replies import Shown
 
 from ..fake_renderer import AtOnce
@@ -34,7 +34,7 @@ class Hall:
 
     def __init__(self) -> None:
         settings = Settings()
-        self.room = Room(settings, Converter(settings.safety.pressure, AtOnce()), "hall")
+        self.room = SharedScene(settings, Converter(settings.safety.pressure, AtOnce()), "hall")
         self.client = Client(SessionInfo(KEY, "game", "hall", "user"), 1)
 
     def do(self, kind: type[Any], **fields: Any) -> None:
@@ -47,7 +47,7 @@ class Hall:
     def show(self, scene: str = "", since: int = 0) -> Shown:
         """As it comes over the wire."""
         asked = commands.Show(session=KEY, sequence=1, time=0.0, id=1, scene=scene, since=since)
-        answer = decode_reply(encode(shown(self.room, asked)))
+        answer = decode_reply(encode(make_snapshot(self.room, asked)))
         assert isinstance(answer, Shown)
         return answer
 
@@ -85,7 +85,7 @@ def test_poses_are_those_told_last_and_what_is_gone_has_none(hall: Hall) -> None
 
 def test_an_object_is_told_whole_after_the_renderer_has_it(hall: Hall) -> None:
     hall.put(ball=BALL)
-    for thing in hall.room.things.values():
+    for thing in hall.room.objects.values():
         thing.pack(1e9)
         assert thing.item is None
     assert hall.show().objects == {"ball": BALL}
@@ -104,7 +104,7 @@ def test_much_is_told_in_parts_and_what_is_too_large_is_left_out(hall: Hall) -> 
     seen, since, answers = dict[str, objects.Object](), 0, 0
     while seen.keys() != {"a", "b", "c"}:
         answer = hall.show("hall", since)
-        assert len(encode(answer)) < LONGEST_REPLY
+        assert len(encode(answer)) < MAX_REPLY_BYTES
         seen |= answer.objects
         since, answers = answer.version, answers + 1
         assert answers < 5
@@ -127,21 +127,23 @@ def test_no_answer_is_longer_than_a_reply_may_be(hall: Hall) -> None:
         if answer.version == since:
             break
         since = answer.version
-    assert told == len(hall.room.things) == 1000
-    assert len(answer.names) <= MOST_SHOWN
-    assert LONGEST_COMMAND <= LONGEST_REPLY
+    assert told == len(hall.room.objects) == 1000
+    assert len(answer.names) <= MAX_SHOWN
+    assert MAX_COMMAND_BYTES <= MAX_REPLY_BYTES
 
 
 def test_before_any_scene_was_felt_there_is_nothing() -> None:
     asked = commands.Show(session=KEY, sequence=1, time=0.0, id=7)
-    assert shown(None, asked) == Shown(id=7, scene="", version=0, names=(), poses=b"", objects={})
+    assert make_snapshot(None, asked) == Shown(
+        id=7, scene="", version=0, names=(), poses=b"", objects={}
+    )
     with pytest.raises(WireError, match="must not be 0"):
-        shown(None, commands.Show(session=KEY, sequence=1, time=0.0))
+        make_snapshot(None, commands.Show(session=KEY, sequence=1, time=0.0))
 
 
 def test_what_is_kept_for_lookers_on_counts_as_the_clients(hall: Hall) -> None:
     hall.put(a=mesh(3000))
-    (thing,) = hall.room.things.values()
+    (thing,) = hall.room.objects.values()
     thing.pack(1e9)
     assert hall.client.bytes >= len(thing.packed) + 12 * 3000
     hall.do(commands.Clear)

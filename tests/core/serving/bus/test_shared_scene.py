@@ -7,11 +7,11 @@ import pytest
 
 import pacinian as pc
 from pacinian.errors import WireError
-from pacinian.serving.bus.shared_scene import MEMORY, QUIET, Refusal, Room
-from pacinian.serving.bus.stored_object import TooStrong, refused
+from pacinian.serving.bus.shared_scene import MAX_CLIENT_BYTES, QUIET, CommandRejected, SharedScene
+from pacinian.serving.bus.stored_object import TooStrong, make_error_reply
 from pacinian.serving.settings import Clients, Safety, Settings, Zone
 from pacinian.wire import objects, shapes
-from pacinian.wire.bulk import pack
+from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Clear, HandFrame, Move
 from pacinian.wire.commands import Zone as Ball
 from pacinian.wire.time import Wave
@@ -22,7 +22,7 @@ SMALL = Settings(clients=Clients(objects=5, per_client=3), safety=Safety(pressur
 JOINTS = pack(pc.Hand.open().joints)  # type: ignore[arg-type]
 
 
-def do(room: Room, who: Any, command: Any, now: float = 0.0, size: int = 100) -> None:
+def do(room: SharedScene, who: Any, command: Any, now: float = 0.0, size: int = 100) -> None:
     room.do(who, command, now, now, size)
 
 
@@ -33,7 +33,7 @@ def test_objects_stay_until_their_duration_is_over() -> None:
     do(room, who, put({"a": point(duration=2.0)}), 0.5)
     for now, left in ((2.49, ["a", "b", "c"]), (2.5, ["b", "c"]), (1e9, ["b", "c"])):
         room.expire(now)
-        assert sorted(room.things) == left
+        assert sorted(room.objects) == left
     assert who.objects == 2
 
 
@@ -47,33 +47,33 @@ def test_objects_that_are_put_for_long_again_and_again_take_no_memory() -> None:
 def test_so_many_objects_of_a_client_and_of_a_scene_and_no_more() -> None:
     room, one, other = room_of(SMALL), client(1), client(2)
     do(room, one, put({"a": point(), "b": point(), "c": point()}))
-    with pytest.raises(Refusal, match="more than 3 of one client") as refusal:
+    with pytest.raises(CommandRejected, match="more than 3 of one client") as refusal:
         do(room, one, put({"c": point(), "d": point()}))
     assert (refusal.value.code, refusal.value.path) == ("limit", "$.objects")
     do(room, one, put({"a": point(1.0), "b": point(), "c": point()}))
     do(room, other, put({"d": point(), "e": point()}))
-    with pytest.raises(Refusal, match="more than 5 of one scene"):
+    with pytest.raises(CommandRejected, match="more than 5 of one scene"):
         do(room, other, put({"f": point()}))
     do(room, other, put({"a": point()}))  # takes it over
     assert (one.objects, other.objects) == (2, 3)
-    assert room.things["a"].owner is other
+    assert room.objects["a"].owner is other
 
 
 def test_a_client_has_so_much_memory_and_no_more() -> None:
     room, who = room_of(), client()
-    most = MEMORY >> 20
+    most = MAX_CLIENT_BYTES >> 20
     for i in range(most):
         do(room, who, put({f"o{i}": point()}), size=1 << 20)
-    with pytest.raises(Refusal, match="MiB"):
+    with pytest.raises(CommandRejected, match="MiB"):
         do(room, who, put({"more": point()}), size=1 << 20)
     do(room, who, remove(*(f"o{i}" for i in range(100))))
     assert (who.objects, who.bytes) == (0, 0)
     wave = Wave(samples=pack(np.zeros(100_000)), rate=1000.0)
     do(room, who, put({f"o{i}": point() for i in range(200)}))
-    command = wrap(tuple(room.things), 1.0)
-    with pytest.raises(Refusal, match="MiB"):
+    command = wrap(tuple(room.objects), 1.0)
+    with pytest.raises(CommandRejected, match="MiB"):
         do(room, who, type(command)(**{**_fields(command), "envelope": wave}))
-    assert who.bytes <= MEMORY
+    assert who.bytes <= MAX_CLIENT_BYTES
 
 
 def _fields(command: Any) -> dict[str, Any]:
@@ -85,20 +85,20 @@ def test_too_much_pressure_is_refused_with_its_path(ident: int) -> None:
     room, who = room_of(SMALL), client()
     with pytest.raises(TooStrong) as wrong:
         do(room, who, put({"a": point(), "b": point(51.0)}, id=ident))
-    error = refused(wrong.value, ident)
+    error = make_error_reply(wrong.value, ident)
     assert (error.code, error.id) == ("limit", ident)
     assert error.path == "$.objects[b].radiation_pressure"
-    assert not room.things  # all of a command, or nothing
+    assert not room.objects  # all of a command, or nothing
     assert (who.objects, who.bytes) == (0, 0)
     strong = objects.Point(force=1.0, position=(0.0, 0.0, 0.2))
     with pytest.raises(TooStrong, match="Pa") as wrong:
         do(room, who, put({"c": strong}, id=1))
     assert wrong.value.path == "$.objects[c].force"
     do(room, who, put({"c": strong}))
-    error = room.pack(room.things["c"])
+    error = room.pack(room.objects["c"])
     assert error is not None
     assert error.code == "limit"
-    assert not room.things
+    assert not room.objects
     assert (who.objects, who.bytes) == (0, 0)
 
 
@@ -108,24 +108,24 @@ def test_with_an_id_what_cannot_be_meant_is_refused_at_once_and_changes_nothing(
     bad = objects.Surface(radiation_pressure=1.0, force=1.0, shape=shapes.Disc(0.1))
     with pytest.raises(WireError) as wrong:
         do(room, who, put({"a": point(4.0), "b": bad}, id=4))
-    assert refused(wrong.value, 4).code == "argument"
+    assert make_error_reply(wrong.value, 4).code == "argument"
     assert wrong.value.path.startswith("$.objects[b]")
-    item = room.things["a"].item
+    item = room.objects["a"].item
     assert item is not None
     assert item.radiation_pressure == 3.0
-    assert who.bytes == sum(t.size for t in room.things.values())
+    assert who.bytes == sum(t.size for t in room.objects.values())
 
 
 def test_those_that_are_there_are_moved_and_the_first_that_is_not_is_told() -> None:
     room, who = room_of(), client()
     do(room, who, put({"a": point(), "b": point()}))
-    with pytest.raises(Refusal, match="'no'") as refusal:
+    with pytest.raises(CommandRejected, match="'no'") as refusal:
         do(room, who, move(("a", "no", "b"), 0.5))
     assert (refusal.value.code, refusal.value.path) == ("unknown", "$.names[1]")
-    moved = room.things["b"].move()
+    moved = room.objects["b"].move()
     assert moved is not None
     assert moved.position[0] == 0.5
-    with pytest.raises(Refusal):
+    with pytest.raises(CommandRejected):
         do(room, who, wrap(("no",), 0.5))
     do(room, who, remove("no"))
 
@@ -163,7 +163,7 @@ def test_velocities_go_with_their_pose_and_time() -> None:
         velocities=pack(np.arange(12.0)),
     )  # fmt: skip
     room.do(who, command, 41.5, 42.0, 100)
-    moved = room.things["b"].move()
+    moved = room.objects["b"].move()
     assert moved is not None
     assert moved.velocity == (6.0, 7.0, 8.0)
     assert moved.angular_velocity == (9.0, 10.0, 11.0)
@@ -208,7 +208,7 @@ def test_who_leaves_takes_along_what_it_put_last() -> None:
     do(room, other, put({"b": point(), "c": point()}))
     do(room, one, quiet(Ball(position=(0.0, 0.0, 0.0), pressure=1.0)))
     do(room, one, Clear(session=KEY, sequence=1, time=0.0))
-    assert list(room.things) == ["b", "c"]
+    assert list(room.objects) == ["b", "c"]
     assert (one.objects, one.bytes, other.objects) == (0, 0, 2)
     assert not room.zones
 
@@ -227,7 +227,7 @@ def test_quiet_zones_of_a_scene_are_bounded() -> None:
     room, one, other = room_of(), client(1), client(2)
     balls = [Ball(position=(0.0, 0.0, 0.1), pressure=1.0, radius=0.1)] * QUIET
     do(room, one, quiet(*balls))
-    with pytest.raises(Refusal, match=str(QUIET)):
+    with pytest.raises(CommandRejected, match=str(QUIET)):
         do(room, other, quiet(*balls))
     do(room, one, quiet(*balls[3:]))
     do(room, other, quiet(*balls[:3]))

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.serving.control.output_lease import CLOSING
-from pacinian.serving.ipc.messages import scene_number
+from pacinian.serving.ipc.messages import number_scene
 from pacinian.wire.control import Arm, Bye, Disarm, Reset, Stop
 from pacinian.wire.replies import Ok
 
-from ..fake_clients import LEASE, Desk, Game, armed, code
+from ..fake_clients import LEASE, FakeControl, Game, armed, code
 
 # ends
 
@@ -67,7 +67,7 @@ def test_bye_is_soft_and_a_lost_link_is_not() -> None:
 
 
 def test_another_client_that_is_lost_changes_nothing() -> None:
-    desk = Desk()
+    desk = FakeControl()
     game, _other = desk.hello(), desk.hello(b"other")
     game.arm()
     before = desk.permit
@@ -76,7 +76,7 @@ def test_another_client_that_is_lost_changes_nothing() -> None:
 
 
 def test_when_the_bus_has_gone_all_sessions_end_and_are_told() -> None:
-    desk = Desk()
+    desk = FakeControl()
     desk.hello().arm()
     desk.hello(b"other")
     desk.sessions.end_all("gone", desk.clock.time)
@@ -93,7 +93,7 @@ def test_when_the_bus_has_gone_all_sessions_end_and_are_told() -> None:
 
 def test_the_output_is_taken_only_by_asking_and_only_if_allowed() -> None:
     for allowed in (True, False):
-        desk = Desk(takeover=allowed)
+        desk = FakeControl(takeover=allowed)
         desk.hello(b"old", scene="old").arm()
         new = desk.hello(b"new", scene="new")
         assert code(new.arm()) == "owner"
@@ -104,7 +104,7 @@ def test_the_output_is_taken_only_by_asking_and_only_if_allowed() -> None:
 
 
 def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
-    desk = Desk()
+    desk = FakeControl()
     old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
     old.arm()
     new.take()
@@ -120,7 +120,7 @@ def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
 
 
 def test_of_two_that_take_the_last_one_owns() -> None:
-    desk = Desk()
+    desk = FakeControl()
     a, b, c = desk.hello(b"a"), desk.hello(b"b"), desk.hello(b"c")
     a.arm()
     for game in (b, c):
@@ -136,7 +136,7 @@ def test_of_two_that_take_the_last_one_owns() -> None:
 
 
 def test_a_takers_renewals_do_not_lengthen_what_fades() -> None:
-    desk = Desk()
+    desk = FakeControl()
     desk.hello(b"old").arm()
     new = desk.hello(b"new")
     desk.all(b"new", Arm(session=new.welcome.session, take=True))
@@ -146,7 +146,7 @@ def test_a_takers_renewals_do_not_lengthen_what_fades() -> None:
 
 
 def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
-    desk = Desk()
+    desk = FakeControl()
     desk.hello(b"old").arm()
     new = desk.hello(b"new")
     desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
@@ -156,7 +156,7 @@ def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
 
 
 def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
-    desk = Desk()
+    desk = FakeControl()
     desk.hello(b"a").arm()
     desk.hello(b"b").take()
     desk.sessions.lost(b"b", desk.clock.time)
@@ -185,7 +185,7 @@ def test_anyone_can_stop_without_a_session() -> None:
 
 
 def test_a_stop_while_one_hands_over_holds() -> None:
-    desk = Desk()
+    desk = FakeControl()
     desk.hello(b"a").arm()
     desk.hello(b"b").take()
     desk.sessions.taken()
@@ -219,7 +219,7 @@ def test_a_renderer_that_is_started_again_needs_an_arm_but_no_reset() -> None:
 
 
 def test_a_reset_that_nothing_needs_changes_nothing() -> None:
-    desk = Desk()
+    desk = FakeControl()
     game, other = desk.hello(), desk.hello(b"other")
     game.arm()
     before = desk.permit
@@ -247,7 +247,7 @@ steps = st.lists(
 def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
     script: list[tuple[str, bytes, float]],
 ) -> None:
-    desk = Desk()
+    desk = FakeControl()
     games: dict[bytes, Game] = {}
     sign = dict.fromkeys((b"a", b"b", b"c"), -1e9)  # of life, at most then
     for what, peer, seconds in script:
@@ -286,11 +286,11 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
 
 
 def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:
-    desk = Desk()
+    desk = FakeControl()
     old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
     old.arm()
-    assert desk.permit.scene == scene_number("old")
+    assert desk.permit.scene == number_scene("old")
     desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
-    assert desk.permit.scene == scene_number("old"), "that fades"
+    assert desk.permit.scene == number_scene("old"), "that fades"
     desk.wait(CLOSING)
-    assert desk.permit.scene == scene_number("new") != scene_number("old")
+    assert desk.permit.scene == number_scene("new") != number_scene("old")

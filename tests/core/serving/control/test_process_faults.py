@@ -18,8 +18,8 @@ from msgspec.structs import replace
 
 from pacinian.errors import WireError
 from pacinian.serving.control import process as control_process
-from pacinian.serving.control.sockets import Doors
-from pacinian.serving.ipc.auth import Gate
+from pacinian.serving.control.sockets import ControlSockets
+from pacinian.serving.ipc.auth import Authenticator
 from pacinian.serving.ipc.scheduling import URGENT
 from pacinian.serving.settings import Network
 from pacinian.wire.codec import encode
@@ -233,9 +233,9 @@ def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
     """ZeroMQ's own thread, and so everybody's heartbeat, waits for who does not fetch them."""
     with (
         zmq.Context() as context,
-        Gate(context, {"token": "x"}) as gate,
+        Authenticator(context, {"token": "x"}) as gate,
         StopSocket(tmp_path / "stop", "x") as stop,
-        Doors(context, gate, Network(), stop) as doors,
+        ControlSockets(context, gate, Network(), stop) as doors,
         context.socket(zmq.PAIR) as news,
         context.socket(zmq.PAIR) as monitor,
     ):

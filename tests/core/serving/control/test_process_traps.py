@@ -18,7 +18,7 @@ import zmq
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.wire.codec import decode_reply, encode
 from pacinian.wire.control import Arm, Hello, Renew, Status, Stop
-from pacinian.wire.protocol import LONGEST_CONTROL, MAJOR, MINOR
+from pacinian.wire.protocol import MAJOR, MAX_CONTROL_BYTES, MINOR
 from pacinian.wire.replies import Error, Ok
 
 from ....waiting import PATIENCE, eventually
@@ -142,9 +142,9 @@ def test_the_token_of_a_run_before_is_refused(logged: Any, start_server: Any) ->
 def test_a_message_that_is_too_long_ends_that_connection_only(server: Any) -> None:
     calm = server.client().hello("calm")
     rude = server.client().hello("rude")
-    rude.socket.send(bytes(LONGEST_CONTROL + 1))
+    rude.socket.send(bytes(MAX_CONTROL_BYTES + 1))
     eventually(lambda: [c.name for c in calm.ask(Status).clients] == ["calm"])
-    calm.socket.send(bytes(LONGEST_CONTROL))
+    calm.socket.send(bytes(MAX_CONTROL_BYTES))
 
     def refused() -> Any:
         reply = calm.hear()  # it may be asked meanwhile how late its link is

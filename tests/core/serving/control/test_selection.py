@@ -8,7 +8,7 @@ import pytest
 
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving.control.output_lease import Session
-from pacinian.serving.control.selection import MOST, PATIENCE, SUSPECT, Selection
+from pacinian.serving.control.selection import MAX_PENDING, MAX_SELECTION_TIME, SUSPECT, Selection
 from pacinian.serving.settings import Settings
 from pacinian.wire.control import Choice, Select
 from pacinian.wire.replies import Error, Ok
@@ -59,8 +59,8 @@ def test_what_failed_is_told_at_once_and_what_hangs_after_a_while() -> None:
     ((_, reply),) = selection.answers({"backend 1": "no device"}, 0.1)
     assert (reply.code, reply.message) == ("fault", "backend: no device")
     ask(selection, now=1.0, solver=Choice(name="gs"))
-    assert selection.answers({}, 1.0 + PATIENCE - 0.01) == []
-    ((_, reply),) = selection.answers({}, 1.0 + PATIENCE)
+    assert selection.answers({}, 1.0 + MAX_SELECTION_TIME - 0.01) == []
+    ((_, reply),) = selection.answers({}, 1.0 + MAX_SELECTION_TIME)
     assert reply.code == "fault"
     assert "solver: not done" in reply.message
 
@@ -103,7 +103,7 @@ def test_what_a_newer_one_replaced_does_not_stand_for_the_rest() -> None:
 def test_only_so_many_wait() -> None:
     selection = Selection(Settings())
     assert ask(selection, intensity=0.1) is None
-    for _ in range(MOST - 1):
+    for _ in range(MAX_PENDING - 1):
         assert ask(selection, solver=Choice(name="gs")) is None
     before = selection.orders
     for what in (

@@ -10,13 +10,13 @@ from pacinian.wire.control import Arm, Bye, Renew
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Ok, Renewed, Welcome
 
-from ..fake_clients import LEASE, Desk, Game, armed, code, hello
+from ..fake_clients import LEASE, FakeControl, Game, armed, code, hello
 
 # hello
 
 
 def test_hello_is_answered_with_what_the_client_needs() -> None:
-    desk = Desk()
+    desk = FakeControl()
     reply = desk.ask(b"game", hello(id=3, scene="kitchen"))
     assert isinstance(reply, Welcome)
     assert (reply.id, len(reply.session), reply.scene) == (3, 16, "kitchen")
@@ -32,7 +32,7 @@ def test_hello_is_answered_with_what_the_client_needs() -> None:
 def test_another_major_version_is_refused_and_says_which_side_to_update(
     major: int, side: str
 ) -> None:
-    desk = Desk()
+    desk = FakeControl()
     reply = desk.ask(b"game", hello(protocol=(major, 0), id=1))
     assert code(reply) == "version"
     assert reply.advice == f"update the {side}"
@@ -40,11 +40,11 @@ def test_another_major_version_is_refused_and_says_which_side_to_update(
 
 
 def test_a_newer_minor_version_is_accepted_and_answered_with_ours() -> None:
-    assert Desk().hello(protocol=(MAJOR, MINOR + 9)).welcome.protocol == (MAJOR, MINOR)
+    assert FakeControl().hello(protocol=(MAJOR, MINOR + 9)).welcome.protocol == (MAJOR, MINOR)
 
 
 def test_scenes_are_shared_by_name_and_otherwise_of_ones_own() -> None:
-    desk = Desk()
+    desk = FakeControl()
     a, b = desk.hello(b"a", scene="room"), desk.hello(b"b", scene="room")
     c, d = desk.hello(b"c"), desk.hello(b"d")
     assert a.welcome.scene == b.welcome.scene
@@ -54,7 +54,7 @@ def test_scenes_are_shared_by_name_and_otherwise_of_ones_own() -> None:
 
 
 def test_there_are_only_so_many_clients() -> None:
-    desk = Desk()
+    desk = FakeControl()
     games = [desk.hello(name) for name in (b"a", b"b", b"c", b"d")]
     assert code(desk.ask(b"e", hello())) == "limit"
     assert isinstance(games[0].ask(Bye), Ok)
@@ -62,7 +62,7 @@ def test_there_are_only_so_many_clients() -> None:
 
 
 def test_a_second_hello_ends_the_first_session() -> None:
-    desk = Desk()
+    desk = FakeControl()
     old = desk.hello()
     old.arm()
     new = desk.hello()
@@ -73,7 +73,7 @@ def test_a_second_hello_ends_the_first_session() -> None:
 
 
 def test_keys_are_only_good_on_the_connection_that_said_hello() -> None:
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello()
     thief = Game(desk, b"thief", game.welcome)
     assert code(thief.arm()) == "session"
@@ -85,7 +85,7 @@ def test_keys_are_only_good_on_the_connection_that_said_hello() -> None:
 
 @pytest.mark.parametrize("asked", [0.05, 0.25, 5.0, None])
 def test_a_lease_can_only_be_shorter_than_the_servers(asked: float | None) -> None:
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello(lease=asked)
     assert game.welcome.lease == min(LEASE, asked or LEASE)
     game.arm()
@@ -96,7 +96,7 @@ def test_a_lease_can_only_be_shorter_than_the_servers(asked: float | None) -> No
 
 
 def test_arm_permits_until_the_lease_ends_and_counts() -> None:
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello(scene="room")
     assert game.arm() == Ok(id=7)
     assert desk.permit[:4] == (1, 100.0 + LEASE, 1, 0)
@@ -141,7 +141,7 @@ def test_a_renewal_that_comes_after_the_deadline_resurrects_nothing() -> None:
 
 def test_queued_renewals_do_not_extend_the_lease() -> None:
     """A game that froze leaves renewals on the way: they count from when they were sent."""
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello()
     for _ in range(10):
         desk.wait(0.05)
@@ -157,7 +157,7 @@ def test_queued_renewals_do_not_extend_the_lease() -> None:
 
 
 def test_renewals_must_count_up() -> None:
-    desk = Desk()
+    desk = FakeControl()
     game = desk.hello()
     game.renew()
     for sequence in (1, 1):
@@ -186,7 +186,7 @@ def test_a_jump_of_the_clients_clock_never_lengthens_the_lease(jump: float) -> N
 def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
     """Not one to two intervals: 10,000 expiries, renewed at any phase, late by any way, looked at rarely."""
     random.seed(5)
-    desk = Desk(forget=3600.0)
+    desk = FakeControl(forget=3600.0)
     game = desk.hello()
     worst = 0.0
     for _ in range(10_000):
@@ -219,7 +219,7 @@ def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
 
 
 def test_a_session_that_does_not_renew_is_forgotten() -> None:
-    desk = Desk(forget=10.0)
+    desk = FakeControl(forget=10.0)
     game, other = desk.hello(), desk.hello(b"other")
     told = []
     for _ in range(3):

@@ -24,7 +24,7 @@ from pacinian.serving.control.supervisor import (
     WELL,
     Supervisor,
 )
-from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, hang_limit
+from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, compute_hang_limit
 from pacinian.testing import ManualClock
 from pacinian.wire.connection import Connection
 
@@ -41,8 +41,8 @@ LOOK = 0.02  # [s]
 CHILD = """
 import sys, time, threading
 from pacinian.serving.ipc import child_process
-from pacinian.serving.ipc.shared_memory import Latest
-from pacinian.serving.ipc.messages import Device, Report, Traffic, pack
+from pacinian.serving.ipc.shared_memory import SharedRegister
+from pacinian.serving.ipc.messages import BusStatus, DeviceStatus, RendererStatus, pack
 from pacinian.wire.replies import Plugin
 ended = threading.Event()
 parent, name = child_process.Parent(), sys.argv[1]
@@ -50,12 +50,12 @@ told = parent.told
 if told.spare:
     parent.wait()
 parent.watch(ended.set)
-with Latest.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
+with SharedRegister.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
     while not ended.is_set():
         now = time.perf_counter()
         file.write(pack({
-            "guard": Device(1, 0, "", 16, 16, 1e3, None, now, False),
-            "bus": Traffic(1, now), "render": Report(1, now, {}, solvers=(Plugin(name="auto"),)),
+            "guard": DeviceStatus(1, 0, "", 16, 16, 1e3, None, now, False),
+            "bus": BusStatus(1, now), "render": RendererStatus(1, now, {}, solvers=(Plugin(name="auto"),)),
         }[name]))
         time.sleep(0.005)
 print("ended", name, flush=True)
@@ -338,9 +338,9 @@ def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
 
 
 def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
-    assert hang_limit(0.1, sound=True) == 0.1
-    assert hang_limit(2.0, sound=True) == 0.25
-    assert hang_limit(2.0, sound=False) == 2.0
+    assert compute_hang_limit(0.1, sound=True) == 0.1
+    assert compute_hang_limit(2.0, sound=True) == 0.25
+    assert compute_hang_limit(2.0, sound=False) == 2.0
 
 
 def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:

@@ -10,14 +10,14 @@ import pacinian as pc
 from pacinian.scene.file import Choice as Configured
 from pacinian.serving.guard.device_switcher import (
     AGAIN,
-    KEPT,
     MAX_HANGING,
+    MAX_RESULTS,
     OPENING,
     SUPERSEDED,
-    Devices,
+    DeviceSwitcher,
 )
-from pacinian.serving.guard.watchdog import Guard
-from pacinian.serving.ipc.messages import FrameHead, Orders, Permit
+from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.ipc.messages import FrameHead, Permit, RequestedSettings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
@@ -65,14 +65,14 @@ class Bench:
 
     def __init__(self, choice: Choice | Configured | None = None) -> None:
         self.clock = ManualClock()
-        self.guard = Guard(N, gain=1.0, stale=0.02, clock=ManualClock().now)
+        self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=ManualClock().now)
         self.hang = ""  # the one that opens too late
         self.busy = 0  # so often more none can be opened
         self.broken: dict[str, set[str]] = {}
         self.rates: dict[str, float] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
-        self.devices = Devices(
+        self.devices = DeviceSwitcher(
             self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.waiting.append,
             self.clock,
         )  # fmt: skip
@@ -115,13 +115,13 @@ class Bench:
 @pytest.fixture
 def bench() -> Bench:
     made = Bench()
-    made.devices.begin(Orders())
+    made.devices.begin(RequestedSettings())
     made.run()
     return made
 
 
-def selected(number: int, name: str, reset: int = 0) -> Orders:
-    return Orders(backend=(number, Choice(name=name)), reset=reset)
+def selected(number: int, name: str, reset: int = 0) -> RequestedSettings:
+    return RequestedSettings(backend=(number, Choice(name=name)), reset=reset)
 
 
 def test_it_begins_as_configured(bench: Bench) -> None:
@@ -264,7 +264,7 @@ def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
     bench.made[0].broken.add("send")
     bench.frame()
     assert bench.guard.fault
-    bench.devices.follow(Orders(reset=1))
+    bench.devices.follow(RequestedSettings(reset=1))
     bench.frame()  # there is none meanwhile
     bench.run()
     assert bench.made[0].log[-1] == "close"
@@ -280,11 +280,11 @@ def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
     bench.broken["a"] |= {"open", "send", "silence", "close"}
     bench.frame()
     for k in (1, 2):
-        bench.devices.follow(Orders(reset=k))
+        bench.devices.follow(RequestedSettings(reset=k))
         bench.run()
         assert bench.guard.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
     bench.broken["a"].clear()
-    bench.devices.follow(Orders(reset=3))
+    bench.devices.follow(RequestedSettings(reset=3))
     bench.run()
     assert not bench.guard.fault
     assert bench.now == "a"
@@ -292,7 +292,7 @@ def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
 
 def test_a_reset_without_a_fault_leaves_the_device_alone(bench: Bench) -> None:
     bench.frame()
-    bench.devices.follow(Orders(reset=1))
+    bench.devices.follow(RequestedSettings(reset=1))
     bench.run()
     assert bench.guard.sounding
     assert bench.devices.results["reset 1"] == ""
@@ -321,7 +321,7 @@ def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
 def test_a_first_device_that_does_not_open_is_a_fault() -> None:
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(Orders())
+    bench.devices.begin(RequestedSettings())
     bench.run()
     assert "open failed" in bench.guard.fault
     bench.devices.follow(selected(1, "b"))
@@ -340,22 +340,24 @@ def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> Non
         raise error
 
     bench.devices._make = make
-    bench.devices.begin(Orders())
+    bench.devices.begin(RequestedSettings())
     bench.run()
     assert bench.guard.fault.startswith(f"a: {type(error).__name__}")
 
 
 def test_results_do_not_grow(bench: Bench) -> None:
-    for k in range(1, 3 * KEPT):
-        bench.devices.follow(Orders(reset=k))
-    assert len(bench.devices.results) == KEPT
-    assert f"reset {3 * KEPT - 1}" in bench.devices.results
+    for k in range(1, 3 * MAX_RESULTS):
+        bench.devices.follow(RequestedSettings(reset=k))
+    assert len(bench.devices.results) == MAX_RESULTS
+    assert f"reset {3 * MAX_RESULTS - 1}" in bench.devices.results
 
 
 def test_real_threads_open_a_real_plug_in() -> None:
-    guard = Guard(N, gain=1.0, stale=0.02)
-    devices = Devices(guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0)
-    devices.begin(Orders())
+    guard = OutputGate(N, gain=1.0, stale=0.02)
+    devices = DeviceSwitcher(
+        guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0
+    )
+    devices.begin(RequestedSettings())
     eventually(lambda: devices.poll() or guard.backend)
     assert guard.device({}, ()).amplitudes == 32
 
@@ -406,13 +408,13 @@ def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> N
     bench.frame()
     bench.made[0].broken.add("send")
     bench.frame()
-    bench.devices.follow(Orders(reset=1))
+    bench.devices.follow(RequestedSettings(reset=1))
     bench.waiting.clear()  # it does not go on
     bench.clock.advance(1.1 * OPENING)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["reset 1"]
     assert "not open within" in bench.guard.fault
-    bench.devices.follow(Orders(reset=2))
+    bench.devices.follow(RequestedSettings(reset=2))
     bench.run()
     assert bench.devices.results["reset 2"] == ""
     assert not bench.guard.fault
@@ -440,13 +442,13 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench = Bench()
     bench.busy = 3
-    bench.devices.begin(Orders(), Configured("a"))
+    bench.devices.begin(RequestedSettings(), Configured("a"))
     bench.run()
     assert bench.now == "a"
     assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(Orders(), Configured("a"))
+    bench.devices.begin(RequestedSettings(), Configured("a"))
     bench.run()
     assert "open failed" in bench.guard.fault
     assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
@@ -468,10 +470,10 @@ def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_o
 def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() -> None:
     configured = Configured("a", {"port": "usb-1"})
     first, spare = Bench(configured), Bench(configured)
-    first.devices.begin(Orders())
+    first.devices.begin(RequestedSettings())
     first.run()
     assert first.devices.choice == configured
-    orders = Orders(backend=(1, Choice(name="a", options={"phases": 8})))
+    orders = RequestedSettings(backend=(1, Choice(name="a", options={"phases": 8})))
     first.devices.follow(orders)
     first.run()
     first.frame()

@@ -13,9 +13,9 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.scene.file import Choice
-from pacinian.serving.guard.spare import LOOK, Pulse
+from pacinian.serving.guard.spare import LOOK, HangDetector
 from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
-from pacinian.serving.ipc.messages import Device, Orders, pack
+from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
 from pacinian.wire.control import Choice as Selected
 
 from ....waiting import eventually
@@ -40,7 +40,7 @@ LIMIT = 0.25  # [s]
 
 def looked(seconds: float, sound: bool, every: float = LOOK) -> float:
     """How long it takes until a guard that gives no sign of life is missed, looked at for so long [s]."""
-    pulse, now = Pulse(LIMIT), 100.0
+    pulse, now = HangDetector(LIMIT), 100.0
     assert not pulse.missed(now, sound, now)
     beat, since = now, now
     while now < since + seconds:
@@ -56,7 +56,7 @@ def test_a_guard_without_a_sign_of_life_is_missed_while_there_may_be_sound() -> 
 
 
 def test_one_that_lives_is_not_missed() -> None:
-    pulse = Pulse(LIMIT)
+    pulse = HangDetector(LIMIT)
     assert not any(pulse.missed(0.2 * (k // 10), True, LOOK * k) for k in range(1000))
 
 
@@ -76,8 +76,8 @@ def server() -> Iterator[Server]:
 
 
 def begin(
-    server: Server, told: child_process.Told
-) -> tuple[child_process.Process, child_process.Process, Device]:
+    server: Server, told: child_process.LaunchConfig
+) -> tuple[child_process.Process, child_process.Process, DeviceStatus]:
     """A guard, a spare, which waits, and how the device is: it sounds."""
     guard = server.start(told)
     server.sound()
@@ -127,7 +127,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
     guard, _, before = begin(server, told)
     assert before.choice == Choice("logged", {"log": str(log), "does": ""})
     guard.send_signal(signal.SIGSTOP)  # it does not hear of the selection any more
-    server.memory["orders"].write(pack(Orders(backend=(1, Selected(name="simulated")))))
+    server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="simulated")))))
     guard.send_signal(signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)
     assert after.name == "simulated"

@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.file import Choice
-from pacinian.serving.guard.process import Rounds
-from pacinian.serving.guard.watchdog import KEPT, Guard
+from pacinian.serving.guard.process import GuardLoop
+from pacinian.serving.guard.watchdog import MAX_INPUTS, OutputGate
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
-    MOST_ROWS,
-    Device,
+    MAX_ROWS,
+    DeviceStatus,
     FrameHead,
     Permit,
-    frame_capacity,
+    compute_frame_capacity,
 )
-from pacinian.serving.ipc.shared_memory import Latest
+from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
 
@@ -86,7 +86,7 @@ class Bench:
     def __init__(self, **changes: Any) -> None:
         self.clock = ManualClock(100.0)
         options: dict[str, Any] = {"gain": 1.0, "stale": STALE, "clock": self.clock.now, **changes}
-        self.guard = Guard(N, **options)
+        self.guard = OutputGate(N, **options)
         self.backend = Recorded(self.clock)
         self.guard.take(self.backend, self.backend.can)
         self.permit = FOREVER
@@ -110,7 +110,7 @@ class Bench:
         assert self.backend.loud
 
     @property
-    def status(self) -> Device:
+    def status(self) -> DeviceStatus:
         return self.guard.device({}, ())
 
 
@@ -255,7 +255,7 @@ def test_an_empty_frame_is_no_fault_and_not_stale() -> None:
 BAD: dict[str, Callable[[Bench], bytes]] = {
     "above the gain limit": lambda bench: bench.frame(amplitude=128),
     "phase beyond the device": lambda bench: bench.frame(phase=256),
-    "too many rows": lambda bench: bench.frame(rows=MOST_ROWS + 1),
+    "too many rows": lambda bench: bench.frame(rows=MAX_ROWS + 1),
     "negative rows": lambda bench: FrameHead(1, 0.0, 1, 1, -1, N).pack(),
     "fewer columns": lambda bench: bench.frame(columns=N - 1),
     "cut off": lambda bench: bench.frame()[:-1],
@@ -283,7 +283,7 @@ PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())
 
 @given(st.floats(0.01, 1.0), st.sampled_from([2, 16, 256, 65_536, PULSES]), st.floats(0.0, 1.0))
 def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, part: float) -> None:
-    from pacinian.rendering.drive import Quantiser
+    from pacinian.rendering.quantiser import Quantiser
 
     bench = Bench(gain=gain)
     can = pc.Capability(256, levels)
@@ -441,10 +441,10 @@ def test_each_input_is_noted_once_when_it_is_emitted() -> None:
 
 def test_the_last_inputs_are_kept() -> None:
     bench = Bench()
-    for k in range(1, KEPT + 50):
+    for k in range(1, MAX_INPUTS + 50):
         bench.step(bench.frame(input=k))
-    assert [row[0] for row in inputs(bench)] == list(range(50, KEPT + 50))
-    assert bench.status.inputs_until == KEPT + 49
+    assert [row[0] for row in inputs(bench)] == list(range(50, MAX_INPUTS + 50))
+    assert bench.status.inputs_until == MAX_INPUTS + 49
 
 
 def test_without_a_device_nothing_happens() -> None:
@@ -465,7 +465,7 @@ def test_without_a_device_nothing_happens() -> None:
 def test_generations_go_on_after_a_restart() -> None:
     """And until it has a device, what another guard made sound may sound still."""
     last = Bench().status
-    guard = Guard(N, gain=1.0, stale=STALE)
+    guard = OutputGate(N, gain=1.0, stale=STALE)
     guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
     assert (guard.device({}, ()).generation, guard.sounding) == (0, True)
     backend = Recorded(ManualClock())
@@ -590,11 +590,11 @@ def test_others_are_to_know_at_once_what_is_new_and_nothing_else(what: str) -> N
 
 
 @pytest.fixture
-def memory(tmp_path: Path) -> Iterator[dict[str, Latest]]:
+def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
     """What a guard shares with others, in `tmp_path`."""
-    sizes = {**CAPACITIES, "frame": frame_capacity(len(SIMULATED.array.make()))}
+    sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(SIMULATED.array.make()))}
     files = {
-        name: Latest.create(tmp_path / name, sizes[name])
+        name: SharedRegister.create(tmp_path / name, sizes[name])
         for name in ("permit", "frame", "orders", "device")
     }
     yield files
@@ -602,23 +602,23 @@ def memory(tmp_path: Path) -> Iterator[dict[str, Latest]]:
         file.close()
 
 
-def write_frame(memory: dict[str, Latest], device: int) -> None:
+def write_frame(memory: dict[str, SharedRegister], device: int) -> None:
     """One that sounds."""
     N = len(SIMULATED.array.make())
     head = FrameHead(1, 0.0, FOREVER.epoch, device, 1, N)
     memory["frame"].write(head.pack() + np.full((2, 1, N), 5, np.uint16).tobytes())
 
 
-def open_device(rounds: Rounds, each: Callable[[], object] = lambda: None) -> None:
+def open_device(rounds: GuardLoop, each: Callable[[], object] = lambda: None) -> None:
     """Turn until there is one. each: before every turn."""
     eventually(lambda: rounds.guard.backend, lambda: (each(), rounds.turn()))
 
 
 def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_or_at_once(
-    memory: dict[str, Latest], tmp_path: Path
+    memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
     """What ends the sound is seen so late at most; another device is not waited for."""
-    with Rounds(tmp_path, SIMULATED) as rounds:
+    with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
         assert 0.0 < rounds.turn() <= 1e-3
         memory["permit"].write(FOREVER.pack())
@@ -642,7 +642,7 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
 
 
 def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
-    memory: dict[str, Latest], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    memory: dict[str, SharedRegister], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = ManualClock()
     monkeypatch.setattr(
@@ -651,12 +651,12 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
     )
     news = memory["device"]
 
-    def read_status() -> Device:
+    def read_status() -> DeviceStatus:
         read = news.read()
         assert read is not None
-        return msgspec.msgpack.decode(read[1], type=Device)
+        return msgspec.msgpack.decode(read[1], type=DeviceStatus)
 
-    with Rounds(tmp_path, SIMULATED) as rounds:
+    with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
         rounds.turn()
         assert news.number == 0  # before it is known which others there are
@@ -684,7 +684,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         assert news.number == 4
     last = news.number
 
-    rounds = Rounds(tmp_path, SIMULATED)  # another, which takes over what was known
+    rounds = GuardLoop(tmp_path, SIMULATED)  # another, which takes over what was known
     opens: list[Callable[[], None]] = []
     monkeypatch.setattr(rounds.devices, "_thread", opens.append)
     memory["permit"].write(FOREVER.pack())
@@ -701,12 +701,12 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
 
 
 def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
-    memory: dict[str, Latest], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    memory: dict[str, SharedRegister], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = ManualClock()
     backends = [Recorded(clock) for _ in range(3)]
     backends[0].raises["close"] = OSError("gone")
-    rounds = Rounds(tmp_path, SIMULATED)
+    rounds = GuardLoop(tmp_path, SIMULATED)
 
     def bad() -> None:
         raise RuntimeError("told by a plug-in")

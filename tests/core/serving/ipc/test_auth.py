@@ -13,7 +13,12 @@ from zmq.auth import load_certificate
 
 from pacinian.cli.keys import keys as command
 from pacinian.errors import ArgumentError, ServerError
-from pacinian.serving.ipc.auth import Gate, fresh, make, remote
+from pacinian.serving.ipc.auth import (
+    Authenticator,
+    make_key_pair,
+    make_secrets,
+    write_remote_connection,
+)
 from pacinian.serving.settings import Network, Security, Settings
 from pacinian.wire.connection import Connection
 
@@ -30,7 +35,10 @@ def test_secret_keys_are_for_their_owner_only_whatever_the_umask(tmp_path: Path)
     """`zmq.auth.create_certificates` writes them 0644."""
     before = os.umask(0o022)
     try:
-        pairs = [make(tmp_path / "keys", "server", server=True), make(tmp_path / "keys", "tablet")]
+        pairs = [
+            make_key_pair(tmp_path / "keys", "server", server=True),
+            make_key_pair(tmp_path / "keys", "tablet"),
+        ]
     finally:
         os.umask(before)
     assert [mode(secret) for _, secret in pairs] == [0o600, 0o600]
@@ -46,25 +54,25 @@ def test_secret_keys_are_for_their_owner_only_whatever_the_umask(tmp_path: Path)
 
 
 def test_keys_are_never_overwritten(tmp_path: Path) -> None:
-    make(tmp_path, "tablet")
+    make_key_pair(tmp_path, "tablet")
     with pytest.raises(ServerError, match="already"):
-        make(tmp_path, "tablet")
+        make_key_pair(tmp_path, "tablet")
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", "x" * 65, "a b", "server", "\0"])
 def test_names_that_are_no_files_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(ArgumentError):
-        make(tmp_path, name)
+        make_key_pair(tmp_path, name)
 
 
 def test_a_folder_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ServerError):
-        make(tmp_path / "file", "tablet")
+        make_key_pair(tmp_path / "file", "tablet")
 
 
 def test_on_loopback_each_run_has_a_token_of_its_own() -> None:
-    first, second = fresh(Settings()), fresh(Settings())
+    first, second = make_secrets(Settings()), make_secrets(Settings())
     assert first.keys() == {"token"}
     assert len(first["token"]) == 64
     assert first != second
@@ -73,26 +81,26 @@ def test_on_loopback_each_run_has_a_token_of_its_own() -> None:
 def test_elsewhere_the_servers_keys_are_read_and_a_local_client_is_made(tmp_path: Path) -> None:
     settings = Settings(network=Network(host="0.0.0.0"), security=Security(str(tmp_path)))
     with pytest.raises(ServerError, match="pacinian keys server"):
-        fresh(settings)
-    public, secret = make(tmp_path, "server", server=True)
-    first, second = fresh(settings), fresh(settings)
+        make_secrets(settings)
+    public, secret = make_key_pair(tmp_path, "server", server=True)
+    first, second = make_secrets(settings), make_secrets(settings)
     assert first["server_key"] == second["server_key"] == load_certificate(public)[0].decode()
     assert first["secret_key"] != second["secret_key"]
     if os.name == "posix":
         secret.chmod(0o644)
         with pytest.raises(ServerError, match="chmod 600"):
-            fresh(settings)
+            make_secrets(settings)
 
 
 def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
-    make(tmp_path, "server", server=True)
+    make_key_pair(tmp_path, "server", server=True)
     settings = Settings(network=Network(host="0.0.0.0"), security=Security(str(tmp_path)))
-    secrets = fresh(settings)
+    secrets = make_secrets(settings)
     with zmq.Context() as context:
-        gate = Gate(context, secrets, str(tmp_path))
+        gate = Authenticator(context, secrets, str(tmp_path))
         assert gate.callback("", secrets["public_key"].encode())
         assert not gate.callback("", zmq.curve_keypair()[0])
-        public, _ = make(tmp_path, "tablet")
+        public, _ = make_key_pair(tmp_path, "tablet")
         key = load_certificate(public)[0]
         assert gate.callback("", key)
         assert gate.name(key.decode()) == "tablet"
@@ -106,9 +114,9 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
 
 
 def test_a_connection_file_for_another_machine(tmp_path: Path) -> None:
-    make(tmp_path, "server", server=True)
-    make(tmp_path, "tablet")
-    path = remote(tmp_path, "tablet", "10.0.0.7", (1, 2, 3))
+    make_key_pair(tmp_path, "server", server=True)
+    make_key_pair(tmp_path, "tablet")
+    path = write_remote_connection(tmp_path, "tablet", "10.0.0.7", (1, 2, 3))
     made = Connection.read(path)
     assert (made.control, made.command, made.state) == tuple(
         f"tcp://10.0.0.7:{n}" for n in (1, 2, 3)

@@ -12,7 +12,7 @@ import pytest
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import child_process
-from pacinian.serving.ipc.child_process import Told
+from pacinian.serving.ipc.child_process import LaunchConfig
 from pacinian.serving.settings import Settings
 
 from ....waiting import PATIENCE, eventually
@@ -46,7 +46,7 @@ PARENT = """
 import sys, time
 from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Settings
-started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.Told(sys.argv[2], Settings()))
+started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.LaunchConfig(sys.argv[2], Settings()))
 print(started.pid, flush=True)
 time.sleep(600)
 """
@@ -57,7 +57,7 @@ def source(work: str, *, kill: bool = True) -> str:
 
 
 def launched(work: str, folder: Path, **secrets: str) -> subprocess.Popen[bytes]:
-    told = Told(str(folder), Settings(rate=500.0), secrets)
+    told = LaunchConfig(str(folder), Settings(rate=500.0), secrets)
     return child_process.launch([sys.executable, "-c", source(work)], told)
 
 
@@ -83,13 +83,15 @@ def test_a_child_that_does_not_end_is_killed(tmp_path: Path) -> None:
 
 
 def test_a_child_that_dies_at_once_is_no_error_of_its_parent(tmp_path: Path) -> None:
-    told = Told(str(tmp_path), Settings(), {"long": "x" * 500_000})
+    told = LaunchConfig(str(tmp_path), Settings(), {"long": "x" * 500_000})
     process = child_process.launch([sys.executable, "-c", "raise SystemExit(3)"], told)
     assert child_process.end(process, PATIENCE) == 3
 
 
 def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) -> None:
-    told = Told(str(tmp_path), Settings(), {"long": "x" * 900_000})  # more than a pipe holds
+    told = LaunchConfig(
+        str(tmp_path), Settings(), {"long": "x" * 900_000}
+    )  # more than a pipe holds
     process = child_process.launch([sys.executable, "-c", "import time; time.sleep(600)"], told)
     assert process.poll() is None, "it went on only once the child had ended"
     process.kill()
@@ -97,7 +99,7 @@ def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) 
 
 
 def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
-    told = Told(str(tmp_path), Settings(rate=500.0), spare=1)
+    told = LaunchConfig(str(tmp_path), Settings(rate=500.0), spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
     eventually((tmp_path / "ready").exists)
     process.call()
@@ -107,7 +109,7 @@ def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
 
 
 def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None:
-    told = Told(str(tmp_path), Settings(), spare=1)
+    told = LaunchConfig(str(tmp_path), Settings(), spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
     eventually((tmp_path / "ready").exists)
     assert child_process.end(process, PATIENCE) == 0
@@ -116,7 +118,7 @@ def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None
 
 def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Path) -> None:
     """More than a pipe holds, told at once."""
-    told = Told(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
+    told = LaunchConfig(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
     process.call()
     eventually((tmp_path / "told").exists)
@@ -124,11 +126,11 @@ def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Pat
 
 
 def test_secrets_are_not_shown() -> None:
-    assert "hidden" not in repr(Told("folder", Settings(), {"token": "hidden"}))
+    assert "hidden" not in repr(LaunchConfig("folder", Settings(), {"token": "hidden"}))
 
 
 def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
-    told = Told(str(tmp_path), Settings(), {"long": "x" * child_process.LONGEST})
+    told = LaunchConfig(str(tmp_path), Settings(), {"long": "x" * child_process.MAX_CONFIG_BYTES})
     with pytest.raises(ServerError, match="more than"):
         child_process.launch(["nothing"], told)
 

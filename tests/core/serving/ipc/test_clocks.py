@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.ipc.clocks import BACK, WINDOW, Allowance, ClientClock
-from pacinian.wire.protocol import LATEST
+from pacinian.serving.ipc.clocks import BACK, WINDOW, ClockOffsetEstimator, TokenBucket
+from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
 bounded = settings(max_examples=100)
 seconds = st.floats(-1e6, 1e6)
@@ -27,7 +27,7 @@ def sent(gaps: list[tuple[float, float]], start: float) -> list[tuple[float, flo
 def test_an_age_is_the_way_beyond_the_shortest_whatever_the_clocks_show(
     gaps: list[tuple[float, float]], offset: float
 ) -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     shortest = 10.0
     begin = 0.0
     for t, received, way in sent(gaps, 0.0):
@@ -43,27 +43,27 @@ def test_an_age_is_the_way_beyond_the_shortest_whatever_the_clocks_show(
 @bounded
 @given(st.floats(-500e-6, 500e-6))
 def test_a_clock_that_drifts_is_followed_within_the_window(drift: float) -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     ages = [clock.age(0.01 * i * (1.0 + drift), 0.01 * i) for i in range(10_000)]
     assert max(ages) <= 2.0 * WINDOW * abs(drift) + 1e-9
 
 
 def test_a_clock_set_forward_is_believed_at_once() -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     clock.age(0.0, 100.0)
     assert clock.age(1000.01, 100.01) == 0.0
     assert clock.age(1000.02, 100.03) == pytest.approx(0.01)
 
 
 def test_a_clock_set_back_begins_anew() -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     clock.age(1000.0, 100.0)
     assert clock.age(3.0, 100.01) == 0.0
     assert clock.age(3.01, 100.03) == pytest.approx(0.01)
 
 
 def test_a_clock_set_back_a_little_is_late_until_the_window_has_passed() -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     back = 0.9 * BACK
     clock.age(10.0, 10.0)
     assert clock.age(11.0 - back, 11.0) == pytest.approx(back)
@@ -74,7 +74,7 @@ def test_a_clock_set_back_a_little_is_late_until_the_window_has_passed() -> None
 
 
 def test_after_a_long_silence_nothing_old_counts() -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     clock.age(0.0, 0.0)
     assert clock.age(100.0, 100.5) == 0.0
 
@@ -88,7 +88,7 @@ def test_after_a_long_silence_nothing_old_counts() -> None:
 def test_an_allowance_is_never_exceeded_and_never_withheld(
     gaps: list[float], rate: float, burst: float
 ) -> None:
-    allowance, now, taken = Allowance(rate, burst), 0.0, []
+    allowance, now, taken = TokenBucket(rate, burst), 0.0, []
     for gap in gaps:
         now += gap
         if allowance.take(now):
@@ -101,7 +101,7 @@ def test_an_allowance_is_never_exceeded_and_never_withheld(
 
 
 def test_an_allowance_comes_back_with_time_and_not_when_time_goes_back() -> None:
-    allowance = Allowance(10.0, 2.0)
+    allowance = TokenBucket(10.0, 2.0)
     assert [allowance.take(1.0) for _ in range(3)] == [True, True, False]
     assert not allowance.take(0.0)
     assert not allowance.take(1.05)
@@ -109,9 +109,9 @@ def test_an_allowance_comes_back_with_time_and_not_when_time_goes_back() -> None
 
 
 def test_what_is_old_is_never_young() -> None:
-    clock = ClientClock()
+    clock = ClockOffsetEstimator()
     for i in range(100):
         assert clock.age(0.1 * i, 0.1 * i) == pytest.approx(0.0)
     assert clock.age(0.0, 11.5) == pytest.approx(11.5)  # 10 s old, and 1.5 s under way
     assert clock.age(11.5, 11.6) == pytest.approx(0.1)
-    assert BACK >= LATEST
+    assert BACK >= MAX_TIME_TO_LIVE

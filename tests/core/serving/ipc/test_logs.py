@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from pacinian.serving.ipc.logs import Sparse, _waiting, configure, log
+from pacinian.serving.ipc.logs import RateLimitedLog, _waiting, configure, log
 from pacinian.serving.settings import Log
 from pacinian.testing import ManualClock
 
@@ -42,7 +42,7 @@ def test_what_comes_often_is_logged_now_and_then(
     lines: Callable[[], list[dict[str, Any]]],
 ) -> None:
     clock = ManualClock(1.0)
-    sparse = Sparse(clock.now, often=2.0)
+    sparse = RateLimitedLog(clock.now, often=2.0)
     for _ in range(10):
         sparse.info("reset")
         try:

@@ -57,7 +57,7 @@ try:
 except OSError:
     print("may not")
 else:
-    scheduling.urgent(0)
+    scheduling.raise_priority(0)
     before, _ = nice()
     with zmq.Context() as context, context.socket(zmq.PUB):
         after, levels = nice()
@@ -76,7 +76,7 @@ def nice():  # nothing is told of what no session was ever made for
     return (scheduling.AUTOGROUP.read_text().split() or ["none"])[-1]
 
 before = nice()
-scheduling.urgent(3)
+scheduling.raise_priority(3)
 print(before, nice())
 """
     for alone, nice in ((True, "-3"), (False, "0")):
@@ -100,7 +100,7 @@ def setpriority(which, who, nice):
     kept.append(nice)
 
 os.setpriority, resource.getrlimit = setpriority, lambda which: ({limit}, {limit})
-scheduling.urgent()
+scheduling.raise_priority()
 print(*kept or [0])
 """
     assert told(code) == [str(nice)]
@@ -123,7 +123,7 @@ def setpriority(which, who, nice):
     allowed(which, who, nice)
 
 os.setpriority, resource.getrlimit = setpriority, lambda which: (0, 0)
-scheduling.urgent()
+scheduling.raise_priority()
 print(os.getpriority(os.PRIO_PROCESS, 0))
 """
     assert told(code) == ["-5"]
@@ -137,12 +137,12 @@ try:
     os.setpriority(os.PRIO_PROCESS, 0, -scheduling.URGENT)
 except OSError:
     print("may not") or exit()
-scheduling.ease(os.getpid())
+scheduling.lower_child_priority(os.getpid())
 print(os.getpriority(os.PRIO_PROCESS, 0))
-scheduling.urgent()
+scheduling.raise_priority()
 print(os.getpriority(os.PRIO_PROCESS, 0))
 os.setpriority(os.PRIO_PROCESS, 0, 3)
-scheduling.ease(os.getpid())
+scheduling.lower_child_priority(os.getpid())
 print(os.getpriority(os.PRIO_PROCESS, 0))
 """
     assert told(code) == ["-5", "-15", "3"]
@@ -164,7 +164,7 @@ def setpriority(which, who, nice):
 
 os.setpriority, resource.getrlimit = setpriority, lambda which: ({limit}, {limit})
 os.getpriority = lambda which, who: now
-scheduling.ease(os.getpid())
+scheduling.lower_child_priority(os.getpid())
 print(now)
 """
     assert told(code) == [str(after)]
@@ -175,7 +175,7 @@ def test_what_an_urgent_process_starts_is_not_urgent() -> None:
     asks = "import os; print(os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_RR | os.SCHED_RESET_ON_FORK))"
     code = f"""
 import subprocess, sys
-scheduling.go_first()
+scheduling.use_realtime_class()
 {asks}
 sys.stdout.flush()
 subprocess.run([sys.executable, "-c", {asks!r}])
@@ -192,8 +192,8 @@ def refused(*_):
     raise PermissionError
 
 before, os.sched_setscheduler = os.sched_getaffinity(0), refused
-print(scheduling.go_first() == scheduling.ANY, os.sched_getaffinity(0) == before)
-scheduling.avoid(scheduling.ANY)
+print(scheduling.use_realtime_class() == scheduling.ANY, os.sched_getaffinity(0) == before)
+scheduling.avoid_cores(scheduling.ANY)
 print(os.sched_getaffinity(0) == before)
 """
     assert told(code) == ["True"] * 3
@@ -206,8 +206,8 @@ only = max(os.sched_getaffinity(0))
 os.sched_setaffinity(0, {only})
 import importlib
 importlib.reload(scheduling)
-print(scheduling.go_first() == scheduling.ANY)
-scheduling.avoid(only)
+print(scheduling.use_realtime_class() == scheduling.ANY)
+scheduling.avoid_cores(only)
 print(os.sched_getaffinity(0) == {only})
 """
     assert told(code) == ["True"] * 2
@@ -222,9 +222,9 @@ everywhere, done = os.sched_getaffinity(0), threading.Event()
 if len(everywhere) < 2:
     print("may not")
 else:
-    scheduling.avoid(min(everywhere))
+    scheduling.avoid_cores(min(everywhere))
     print(os.sched_getaffinity(0) == everywhere - {min(everywhere)})
-    scheduling.beside(lambda: print(os.sched_getaffinity(0) == everywhere) or done.set(), "work")
+    scheduling.start_background_thread(lambda: print(os.sched_getaffinity(0) == everywhere) or done.set(), "work")
     done.wait()
 """
     assert told(code) == ["True"] * 2
@@ -241,7 +241,7 @@ except OSError:
 for nice in (-15, 3):
     os.setpriority(os.PRIO_PROCESS, 0, nice)
     done = threading.Event()
-    scheduling.beside(lambda: print(os.getpriority(os.PRIO_PROCESS, 0)) or done.set(), "work")
+    scheduling.start_background_thread(lambda: print(os.getpriority(os.PRIO_PROCESS, 0)) or done.set(), "work")
     done.wait()
     print(os.getpriority(os.PRIO_PROCESS, 0))
 """

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.shared_memory import LOCK, SLOTS, Latest, folder, remove
+from pacinian.serving.ipc.shared_memory import LOCK, SLOTS, SharedRegister, folder, remove
 
 from ....waiting import PATIENCE, eventually
 
@@ -25,8 +25,8 @@ posix = pytest.mark.skipif(os.name != "posix", reason="users, and links to files
 WRITER = """
 import sys
 from pathlib import Path
-from pacinian.serving.ipc.shared_memory import Latest
-memory = Latest.attach(Path(sys.argv[1]))
+from pacinian.serving.ipc.shared_memory import SharedRegister
+memory = SharedRegister.attach(Path(sys.argv[1]))
 sys.stdin.readline()
 while True:
     number = memory.number + 1
@@ -79,10 +79,10 @@ class Overtaken:
         return bytes(first + self.inner[middle : at.stop])
 
 
-def mortal(path: Path, lives: int) -> tuple[Latest, Latest]:
+def mortal(path: Path, lives: int) -> tuple[SharedRegister, SharedRegister]:
     """A writer that is killed, and what is to be closed in its place."""
-    writer = Latest.attach(path)
-    spare = Latest.attach(path)
+    writer = SharedRegister.attach(path)
+    spare = SharedRegister.attach(path)
     left = [lives]
     writer._words.release()
     writer._map.close()
@@ -95,8 +95,8 @@ def mortal(path: Path, lives: int) -> tuple[Latest, Latest]:
 def test_the_newest_value_is_read_whole_and_once(values: list[list[bytes]], capacity: int) -> None:
     with (
         folder() as place,
-        Latest.create(place / "value", capacity) as writer,
-        Latest.attach(place / "value") as reader,
+        SharedRegister.create(place / "value", capacity) as writer,
+        SharedRegister.attach(place / "value") as reader,
     ):
         assert reader.capacity == writer.capacity >= capacity
         assert reader.read() is None
@@ -118,7 +118,7 @@ def test_the_newest_value_is_read_whole_and_once(values: list[list[bytes]], capa
 
 def test_an_array_s_memory_is_a_part(place: Path) -> None:
     levels = np.arange(24, dtype=np.uint16).reshape(2, 3, 4)
-    with Latest.create(place / "value", 64) as memory:
+    with SharedRegister.create(place / "value", 64) as memory:
         memory.write(b"head", levels.data, levels[:, :0].copy().data)
         read = memory.read()
     assert read == (1, b"head" + levels.tobytes())
@@ -130,9 +130,9 @@ def test_a_writer_killed_at_any_store_leaves_the_value_before(
     place: Path, before: int, lives: int
 ) -> None:
     path = place / "value"
-    Latest.create(path, 32).close()
-    with Latest.attach(path) as reader:
-        with Latest.attach(path) as writer:
+    SharedRegister.create(path, 32).close()
+    with SharedRegister.attach(path) as reader:
+        with SharedRegister.attach(path) as writer:
             for k in range(before):
                 writer.write(bytes([k]) * 20)
         victim, spare = mortal(path, lives)
@@ -146,7 +146,7 @@ def test_a_writer_killed_at_any_store_leaves_the_value_before(
         old = (before, bytes([before - 1]) * 20) if before else None
         new = (before + 1, b"new " * 4 + b"est " * 4)
         assert reader.read() == (new if finished else old)
-        with Latest.attach(path) as writer:  # started anew, it goes on with the numbers
+        with SharedRegister.attach(path) as writer:  # started anew, it goes on with the numbers
             number = writer.write(b"after")
         assert number == before + 1 + finished
         assert reader.read(number - 1) == (number, b"after")
@@ -155,7 +155,7 @@ def test_a_writer_killed_at_any_store_leaves_the_value_before(
 @pytest.mark.parametrize("laps", range(1, 3 * SLOTS))
 def test_a_reader_that_is_overtaken_gets_a_whole_newer_value(place: Path, laps: int) -> None:
     path = place / "value"
-    with Latest.create(path, 64) as writer, Latest.attach(path) as reader:
+    with SharedRegister.create(path, 64) as writer, SharedRegister.attach(path) as reader:
         writer.write(bytes([1]) * 64)
         times = [2]
 
@@ -175,7 +175,7 @@ def test_a_reader_that_is_overtaken_gets_a_whole_newer_value(place: Path, laps: 
 
 def test_a_value_is_bound_to_its_number(place: Path) -> None:
     """On a machine that reorders stores a slot may hold a newer value with the old number still."""
-    with Latest.create(place / "value", 16) as memory:
+    with SharedRegister.create(place / "value", 16) as memory:
         memory.write(b"old")
         memory.write(b"new")
         old, new = memory._place(1)[0], memory._place(2)[0]
@@ -187,22 +187,22 @@ def test_a_value_is_bound_to_its_number(place: Path) -> None:
 def test_what_is_no_shared_memory_is_refused(place: Path) -> None:
     path = place / "value"
     with pytest.raises(ServerError, match="shared memory"):
-        Latest.attach(path)
+        SharedRegister.attach(path)
     for content in (b"", b"x", bytes(7), bytes(24), bytes(4096)):
         path.write_bytes(content)
         with pytest.raises(ServerError, match="shared memory"):
-            Latest.attach(path)
+            SharedRegister.attach(path)
     path.unlink()
-    Latest.create(path, 100).close()
+    SharedRegister.create(path, 100).close()
     with pytest.raises(ServerError, match="shared memory"):
-        Latest.create(path, 100)
+        SharedRegister.create(path, 100)
     path.write_bytes(path.read_bytes()[:-8])
     with pytest.raises(ServerError, match="no shared memory"):
-        Latest.attach(path)
+        SharedRegister.attach(path)
 
 
 def test_only_its_owner_may_read_it(place: Path) -> None:
-    Latest.create(place / "value", 100).close()
+    SharedRegister.create(place / "value", 100).close()
     if sys.platform != "win32":
         assert (place / "value").stat().st_mode & 0o777 == 0o600
         assert place.stat().st_mode & 0o777 == 0o700
@@ -210,7 +210,7 @@ def test_only_its_owner_may_read_it(place: Path) -> None:
 
 def test_a_writer_killed_again_and_again_never_harms_its_reader(place: Path) -> None:
     path = place / "value"
-    memory = Latest.create(path, 16_384)
+    memory = SharedRegister.create(path, 16_384)
 
     def started() -> subprocess.Popen[bytes]:
         return subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdin=subprocess.PIPE)
@@ -250,8 +250,8 @@ def test_a_writer_killed_again_and_again_never_harms_its_reader(place: Path) -> 
 
 MAKER = """
 import sys
-from pacinian.serving.ipc.shared_memory import Latest, folder
-with folder() as made, Latest.create(made / "value", 1000):
+from pacinian.serving.ipc.shared_memory import SharedRegister, folder
+with folder() as made, SharedRegister.create(made / "value", 1000):
     print(made, flush=True)
     sys.stdin.read()
 """

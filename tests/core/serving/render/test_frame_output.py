@@ -10,16 +10,16 @@ import pytest
 from msgspec.msgpack import Decoder
 
 import pacinian as pc
-from pacinian.serving.guard.watchdog import Guard
+from pacinian.serving.guard.watchdog import OutputGate
 from pacinian.serving.ipc import messages
-from pacinian.serving.ipc.messages import Device, FrameHead, Permit
-from pacinian.serving.ipc.shared_memory import Latest, Watched
-from pacinian.serving.render.frame_output import Input, Output, Outputs
+from pacinian.serving.ipc.messages import DeviceStatus, FrameHead, Permit
+from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
+from pacinian.serving.render.frame_output import Input, OutputSwitcher, SharedFrameBackend
 from pacinian.testing import ManualClock
 
 ARRAY = pc.autd()
 N = len(ARRAY)
-GOOD = Device(3, 0, "fake", 16, 32, 2000.0, 0.1, 0.0, False)
+GOOD = DeviceStatus(3, 0, "fake", 16, 32, 2000.0, 0.1, 0.0, False)
 SCENE = pc.Scene((pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0),))
 
 
@@ -28,25 +28,25 @@ class Wired:
 
     def __init__(self, folder: Path) -> None:
         self.files = {
-            "frame": Latest.create(folder / "frame", messages.frame_capacity(N)),
-            "device": Latest.create(folder / "device", messages.CAPACITIES["device"]),
-            "permit": Latest.create(folder / "permit", messages.CAPACITIES["permit"]),
+            "frame": SharedRegister.create(folder / "frame", messages.compute_frame_capacity(N)),
+            "device": SharedRegister.create(folder / "device", messages.CAPACITIES["device"]),
+            "permit": SharedRegister.create(folder / "permit", messages.CAPACITIES["permit"]),
         }
-        self.device = Watched(self.files["device"], Decoder(Device).decode, GOOD)
-        self.permit = Watched(self.files["permit"], Permit.unpack, Permit())
+        self.device = RegisterReader(self.files["device"], Decoder(DeviceStatus).decode, GOOD)
+        self.permit = RegisterReader(self.files["permit"], Permit.unpack, Permit())
         self.input = Input()
-        self.outputs = Outputs(
+        self.outputs = OutputSwitcher(
             self.files["frame"], self.device, self.permit, 1000.0, lambda: self.input
         )
 
-    def set(self, device: Device) -> None:
+    def set(self, device: DeviceStatus) -> None:
         self.files["device"].write(messages.pack(device))
         self.device.look()
 
     def read(self) -> tuple[FrameHead, bytes]:
         found = self.files["frame"].read()
         assert found is not None
-        return FrameHead.unpack(found[1]), found[1][messages.frame_capacity(0) :]
+        return FrameHead.unpack(found[1]), found[1][messages.compute_frame_capacity(0) :]
 
 
 @pytest.fixture
@@ -81,7 +81,7 @@ def test_a_frame_arrives_with_all_that_the_guard_looks_at(wired: Wired) -> None:
 @pytest.mark.parametrize("count", [2, 65, 1 << 16])
 def test_amplitudes_that_are_not_even_arrive_with_the_device(wired: Wired, count: int) -> None:
     can = pc.Capability(16, tuple((np.linspace(0.0, 1.0, count) ** 0.8).tolist()), 2000.0, 0.1)
-    guard = Guard(N, gain=1.0, stale=0.1)
+    guard = OutputGate(N, gain=1.0, stale=0.1)
     guard.take(pc.backend("simulated"), can)
     wired.set(guard.device({}, ()))
     assert wired.device.value.amplitudes == count
@@ -100,7 +100,7 @@ def test_a_fault_of_the_device_is_raised_and_silence_has_no_rows(wired: Wired) -
     output.close()
 
 
-def renderer(wired: Wired, output: Output) -> pc.Renderer:
+def renderer(wired: Wired, output: SharedFrameBackend) -> pc.Renderer:
     return pc.Renderer(ARRAY, SCENE, backend=output, rate=1000.0, clock=ManualClock())
 
 

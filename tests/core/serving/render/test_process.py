@@ -17,23 +17,23 @@ from pacinian.scene.file import Units
 from pacinian.serving.ipc import child_process, messages
 from pacinian.serving.ipc.messages import (
     AnyChange,
-    Begin,
     Changes,
-    Device,
+    ChangesAck,
+    DeviceStatus,
     FrameHead,
     HandInfo,
-    Orders,
     Permit,
     PutObject,
-    Report,
+    RendererStatus,
+    RequestedSettings,
+    ResetScene,
     SetHands,
     SetQuiet,
-    Taken,
 )
-from pacinian.serving.ipc.shared_memory import Latest
-from pacinian.serving.render.background_loader import Loader
-from pacinian.serving.render.loop import FILES, Loop
-from pacinian.serving.render.solver_switcher import Solvers, make_solver
+from pacinian.serving.ipc.shared_memory import SharedRegister
+from pacinian.serving.render.background_loader import BackgroundLoader
+from pacinian.serving.render.loop import FILES, ServerLoop
+from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
@@ -45,7 +45,7 @@ from ....waiting import PATIENCE, eventually
 ARRAY, AIR = pc.autd(), pc.Air()
 N = len(ARRAY)
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
-HEAD = messages.frame_capacity(0)
+HEAD = messages.compute_frame_capacity(0)
 NOWHERE = STM(frequency=100.0, along=Polyline(points=bytes(24)))  # a route that goes nowhere
 
 
@@ -67,15 +67,15 @@ class Server:
     """All that is around a loop, on a manual clock."""
 
     def __init__(self, folder: Path, settings: Settings, solver: str = "auto") -> None:
-        sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
-        self.files = {name: Latest.create(folder / name, sizes[name]) for name in FILES}
+        sizes = {**messages.CAPACITIES, "frame": messages.compute_frame_capacity(N)}
+        self.files = {name: SharedRegister.create(folder / name, sizes[name]) for name in FILES}
         self.clock = ManualClock(500.0)
-        self.device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        self.device = DeviceStatus(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         self.tell("device", self.device)
         self.threads: list[Callable[[], None]] = []
-        solvers = Solvers(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
-        self.loader = Loader(lambda _: None)
-        self.loop = Loop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
+        solvers = SolverSwitcher(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
+        self.loader = BackgroundLoader(lambda _: None)
+        self.loop = ServerLoop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
         self.number = 0
         self.run = 11
 
@@ -112,18 +112,18 @@ class Server:
         return self.frame[1]
 
     @property
-    def report(self) -> Report:
+    def report(self) -> RendererStatus:
         self.clock.advance(0.1)  # the next one is due
         self.loop.between()
         found = self.files["report"].read()
         assert found is not None
-        return msgspec.msgpack.decode(found[1], type=Report)
+        return msgspec.msgpack.decode(found[1], type=RendererStatus)
 
     @property
-    def taken(self) -> Taken:
+    def taken(self) -> ChangesAck:
         found = self.files["taken"].read()
         assert found is not None
-        return msgspec.msgpack.decode(found[1], type=Taken)
+        return msgspec.msgpack.decode(found[1], type=ChangesAck)
 
     def close(self) -> None:
         self.loop.close()
@@ -162,7 +162,7 @@ def test_without_a_permit_it_is_silent_and_takes_what_is_told(server: Server) ->
     head, sounds = server.frame
     assert not sounds
     assert (head.rows, head.columns, head.device, head.epoch) == (1, N, 1, 0)
-    assert server.taken == Taken(1, server.loop.run, server.run)
+    assert server.taken == ChangesAck(1, server.loop.run, server.run)
 
 
 def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> None:
@@ -178,7 +178,7 @@ def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> Non
 
 
 def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
-    server.change(Begin(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
+    server.change(ResetScene(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
     server.arm()  # of scene 0
     server.tick(20)
     assert not server.sounds
@@ -240,12 +240,12 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
 ) -> None:
     server = make()
     server.put(name="old")
-    again = Loop(
-        server.files, Settings(), ARRAY, AIR, Solvers(make_solver("auto"), ARRAY, AIR),
+    again = ServerLoop(
+        server.files, Settings(), ARRAY, AIR, SolverSwitcher(make_solver("auto"), ARRAY, AIR),
         server.loader, server.clock,
     )  # fmt: skip
     again.open()
-    assert server.taken == Taken(0, again.run, 0)
+    assert server.taken == ChangesAck(0, again.run, 0)
     again.renderer.tick()
     assert not again.felt.scene.objects
     again.close()
@@ -254,7 +254,7 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
     server.put(name="new")
     server.tick()
     assert [item.name for item in server.loop.felt.scene.objects] == ["new"]
-    assert server.taken == Taken(1, server.loop.run, 12)
+    assert server.taken == ChangesAck(1, server.loop.run, 12)
 
 
 def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
@@ -274,7 +274,7 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
 
 def test_technique_and_intensity_are_ordered(server: Server) -> None:
     server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
-    server.tell("orders", Orders(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
+    server.tell("orders", RequestedSettings(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
     server.tick(2)
     (item,) = server.loop.felt.scene.objects
     assert item.technique == pc.AM(frequency=50.0)
@@ -286,7 +286,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     server.put()
     server.arm()
     server.tick(10)
-    server.tell("orders", Orders(solver=(1, Choice(name="moody"))))
+    server.tell("orders", RequestedSettings(solver=(1, Choice(name="moody"))))
     server.tick(5)
     assert server.loop.renderer.session.solver.name == "auto"  # it is being made
     before = server.files["frame"].number
@@ -296,7 +296,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     assert server.report.results == {"solver 1": ""}
     assert server.report.state["solver"] == "moody"
     assert server.sounds
-    server.tell("orders", Orders(solver=(2, Choice(name="nobody"))))
+    server.tell("orders", RequestedSettings(solver=(2, Choice(name="nobody"))))
     server.tick()
     server.threads.pop()()
     assert "nobody" in server.report.results["solver 2"]
@@ -321,7 +321,7 @@ def test_a_solver_that_raises_halts_until_reset(make: Callable[..., Server]) -> 
     Moody.mood = staticmethod(lambda: None)
     server.tick(5)
     assert server.frame[0].rows == 0
-    server.tell("orders", Orders(reset=1))
+    server.tell("orders", RequestedSettings(reset=1))
     server.tick(10)
     assert server.sounds
     assert server.report.halted == ""
@@ -335,7 +335,7 @@ def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Serv
     server.tell("device", msgspec.structs.replace(server.device, fault="gone"))
     server.tick(2)
     assert "gone" in server.report.halted
-    server.tell("orders", Orders(reset=1))
+    server.tell("orders", RequestedSettings(reset=1))
     server.tick(3)
     assert server.report.results == {}
     server.tell("device", server.device)
@@ -399,7 +399,7 @@ def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept
     make: Callable[..., Server],
 ) -> None:
     server = make(Settings(safety=Safety(zones=(ZONE,)), gain=0.5, power=30.0))
-    server.change(Begin(), zones(ZONE))
+    server.change(ResetScene(), zones(ZONE))
     server.put()
     server.arm()
     server.tick()
@@ -436,12 +436,12 @@ def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
 
 @pytest.mark.parametrize("end", ["terminate", "orphan"])
 def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
-    sizes = {**messages.CAPACITIES, "frame": messages.frame_capacity(N)}
-    files = {name: Latest.create(tmp_path / name, sizes[name]) for name in FILES}
+    sizes = {**messages.CAPACITIES, "frame": messages.compute_frame_capacity(N)}
+    files = {name: SharedRegister.create(tmp_path / name, sizes[name]) for name in FILES}
     settings = Settings(array=Units(columns=1, rows=1))
-    process = child_process.start("render", child_process.Told(str(tmp_path), settings))
+    process = child_process.start("render", child_process.LaunchConfig(str(tmp_path), settings))
     try:
-        device = Device(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
+        device = DeviceStatus(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         files["device"].write(messages.pack(device))
         files["permit"].write(Permit(1, 1e12, 3).pack())
         eventually(lambda: files["taken"].number > 0)
@@ -472,7 +472,9 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
 
 
 def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
-    orders = Orders(technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody")))
+    orders = RequestedSettings(
+        technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody"))
+    )
     server.tell("orders", orders)
     server.tick()
     report = server.report
@@ -491,14 +493,14 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
 def test_it_begins_whatever_the_orders_are(
     make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
 ) -> None:
-    before = Loop.open
+    before = ServerLoop.open
 
-    def opened(loop: Loop) -> None:
-        data = b"\xc1" if damaged else messages.pack(Orders(technique=(4, NOWHERE)))
+    def opened(loop: ServerLoop) -> None:
+        data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
         loop._files["orders"].write(data)
         before(loop)
 
-    monkeypatch.setattr(Loop, "open", opened)
+    monkeypatch.setattr(ServerLoop, "open", opened)
     server = make()
     server.put()
     server.arm()
@@ -517,7 +519,7 @@ def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
         return {"points": bytes(messages.CAPACITIES["report"]) if how == "long" else "\ud800"}
 
     server.tick()
-    monkeypatch.setattr("pacinian.serving.render.status.state", state)
+    monkeypatch.setattr("pacinian.serving.render.status.make_status", state)
     before = server.clock.now()
     report = server.report
     assert report.beat > before
@@ -565,4 +567,4 @@ def test_objects_of_a_bus_that_has_gone_do_not_sound_again(server: Server) -> No
     server.tick(20)
     assert not server.sounds
     assert not server.loop.felt.scene.objects
-    assert server.taken == Taken(0, server.loop.run, server.run + 1)
+    assert server.taken == ChangesAck(0, server.loop.run, server.run + 1)

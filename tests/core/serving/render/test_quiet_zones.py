@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pacinian as pc
-from pacinian.serving.render.quiet_zones import ROOM, Quieting
+from pacinian.serving.render.quiet_zones import ROOM, ZonePlacement
 
 from ....waiting import eventually
 
@@ -18,11 +18,11 @@ def head(x: float = 0.0, pressure: float = 5.0, radius: float = 0.004) -> pc.Zon
 
 
 @pytest.fixture
-def quieting() -> Quieting:
-    return Quieting(ARRAY, AIR, pc.Limits(gain=0.5), fixed=1)
+def quieting() -> ZonePlacement:
+    return ZonePlacement(ARRAY, AIR, pc.Limits(gain=0.5), fixed=1)
 
 
-def covered(quieting: Quieting, *zones: pc.Zone) -> None:
+def covered(quieting: ZonePlacement, *zones: pc.Zone) -> None:
     """Each ball lies within the one that is kept for it, at the gain that was given."""
     assert quieting.limits.gain == 0.5
     for big, small in zip(quieting.limits.zones, zones, strict=True):
@@ -31,7 +31,7 @@ def covered(quieting: Quieting, *zones: pc.Zone) -> None:
         assert big.pressure <= small.pressure
 
 
-def test_zones_are_kept_once_they_are_prepared(quieting: Quieting) -> None:
+def test_zones_are_kept_once_they_are_prepared(quieting: ZonePlacement) -> None:
     assert quieting.keeps(())
     zones = FIXED, head()
     if not quieting.keeps(zones):
@@ -43,7 +43,7 @@ def test_zones_are_kept_once_they_are_prepared(quieting: Quieting) -> None:
     assert quieting.limits.zones == ()
 
 
-def test_a_zone_may_move_a_little_without_a_pause(quieting: Quieting) -> None:
+def test_a_zone_may_move_a_little_without_a_pause(quieting: ZonePlacement) -> None:
     eventually(lambda: quieting.keeps((FIXED, head())))
     at = 0.0
     for _ in range(8):
@@ -61,7 +61,7 @@ def test_a_zone_may_move_a_little_without_a_pause(quieting: Quieting) -> None:
 
 @pytest.mark.parametrize("zone", [head(0.1), head(pressure=1.0), head(radius=0.05)])
 def test_one_that_jumps_is_another_until_which_there_is_silence(
-    quieting: Quieting, zone: pc.Zone
+    quieting: ZonePlacement, zone: pc.Zone
 ) -> None:
     eventually(lambda: quieting.keeps((FIXED, head())))
     before = quieting.limits
@@ -71,7 +71,7 @@ def test_one_that_jumps_is_another_until_which_there_is_silence(
     covered(quieting, FIXED, zone)
 
 
-def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: Quieting) -> None:
+def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: ZonePlacement) -> None:
     around = pc.Zone((0.0, 0.0, 0.0), 1.0, 0.5)
 
     def is_told() -> bool:
@@ -84,7 +84,9 @@ def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: Quie
     covered(quieting, *zones)
 
 
-def test_where_there_is_no_room_to_move_in_a_zone_is_kept_where_it_is(quieting: Quieting) -> None:
+def test_where_there_is_no_room_to_move_in_a_zone_is_kept_where_it_is(
+    quieting: ZonePlacement,
+) -> None:
     x, y, z = (ARRAY.positions[0] - [0.0, 0.0, -0.012]).tolist()
     zone = pc.Zone((x, y, z), 50.0, 0.002)  # the wider ball holds a transducer
     eventually(lambda: quieting.keeps((FIXED, zone)))

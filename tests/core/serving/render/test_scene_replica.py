@@ -11,25 +11,25 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
+from pacinian.scene.modulation.technique import AM, SIMULTANEOUS, STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Object
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.scene.time.technique import AM, SIMULTANEOUS, STM
 from pacinian.serving.ipc.messages import (
     AnyChange,
-    Begin,
     HandInfo,
     MoveObject,
     PutObject,
     RemoveObject,
+    ResetScene,
+    SetEnvelope,
     SetHands,
     SetQuiet,
-    Wrap,
 )
 from pacinian.serving.render import background_loader
-from pacinian.serving.render.background_loader import Loader
+from pacinian.serving.render.background_loader import BackgroundLoader
 from pacinian.serving.render.frame_output import Input
-from pacinian.serving.render.scene_replica import FeltScene
+from pacinian.serving.render.scene_replica import SceneReplica
 
 START = 100.0
 BALL = pc.Volume(shape=pc.Sphere(0.03), force=0.01)
@@ -40,15 +40,15 @@ class Manual:
     """A loader that works when it is told to."""
 
     def __init__(self) -> None:
-        self.loader = Loader(thread=lambda _: None)
+        self.loader = BackgroundLoader(thread=lambda _: None)
 
     def work(self) -> None:
         while len(self.loader):
             self.loader._one()
 
 
-def felt(**given: Any) -> FeltScene:
-    made = FeltScene(None, given.pop("loader", Loader(thread=lambda _: None)), **given)
+def felt(**given: Any) -> SceneReplica:
+    made = SceneReplica(None, given.pop("loader", BackgroundLoader(thread=lambda _: None)), **given)
     made.start = START
     return made
 
@@ -94,7 +94,7 @@ def test_objects_come_move_and_go() -> None:
     assert b.motion == Motion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
     scene.apply([RemoveObject("a"), RemoveObject("never")])
     assert names(scene.scene) == ["b"]
-    scene.apply([Begin()])
+    scene.apply([ResetScene()])
     assert names(scene.scene) == []
 
 
@@ -103,7 +103,9 @@ def test_nothing_new_is_the_same_scene() -> None:
     scene.apply([put("a", POINT)])
     before = scene.scene
     scene.apply([])
-    scene.apply([RemoveObject("b"), move("b", 0.1), Wrap("b", msgspec.msgpack.encode("buzzing"))])
+    scene.apply(
+        [RemoveObject("b"), move("b", 0.1), SetEnvelope("b", msgspec.msgpack.encode("buzzing"))]
+    )
     assert scene.scene is before
 
 
@@ -206,7 +208,9 @@ def test_quiet_zones() -> None:
 @pytest.mark.parametrize("data", [b"", b"\xc1", msgspec.msgpack.encode({"type": "cube"}), b"\x80"])
 def test_what_is_no_object_is_refused_and_the_rest_is_there(data: bytes) -> None:
     scene = felt()
-    scene.apply([put("a", POINT), PutObject("bad", data, False), Wrap("a", data), put("b", POINT)])
+    scene.apply(
+        [put("a", POINT), PutObject("bad", data, False), SetEnvelope("a", data), put("b", POINT)]
+    )
     assert names(scene.scene) == ["a", "b"]
     assert set(scene.refused) == {"bad", "a"}
     scene.apply([put("bad", POINT), RemoveObject("a")])
@@ -243,7 +247,7 @@ def test_a_mesh_is_felt_once_it_is_loaded_until_then_the_one_before() -> None:
     assert item.pose.position[0] == 0.02
 
 
-@pytest.mark.parametrize("then", [RemoveObject("a"), Begin(), put("a", POINT)])
+@pytest.mark.parametrize("then", [RemoveObject("a"), ResetScene(), put("a", POINT)])
 def test_what_came_since_wins_over_what_has_been_loaded(then: AnyChange) -> None:
     manual = Manual()
     scene = felt(loader=manual.loader)
@@ -273,9 +277,9 @@ def test_envelopes_are_wrapped_and_slow_ones_once_they_are_made() -> None:
     manual = Manual()
     scene = felt(loader=manual.loader)
     noise = pc.Noise(low_frequency=10.0, high_frequency=100.0)
-    scene.apply([put("a", POINT), Wrap("a", msgspec.msgpack.encode("buzzing"))])
+    scene.apply([put("a", POINT), SetEnvelope("a", msgspec.msgpack.encode("buzzing"))])
     assert scene.scene.objects[0].envelope == pc.Preset("buzzing")
-    scene.apply([Wrap("a", msgspec.msgpack.encode(noise))])
+    scene.apply([SetEnvelope("a", msgspec.msgpack.encode(noise))])
     assert scene.scene.objects[0].envelope == pc.Preset("buzzing")
     manual.work()
     scene.apply()
@@ -286,20 +290,20 @@ def test_particles_that_move_need_not_be_measured_again() -> None:
     scene = felt()
     crowd = pc.Particles(positions=tuple((i * 1e-5, 0.0, 0.0) for i in range(300)), radiation_pressure=1.0)  # fmt: skip
     scene.apply([put("a", crowd)])
-    reach = scene.scene.objects[0].reach
+    reach = scene.scene.objects[0].bounding_radius
     scene.apply([move("a", 0.1)])
     assert vars(scene.scene.objects[0]) == {"reach": reach}
 
 
 def test_what_is_light_is_what_is_quick() -> None:
-    assert background_loader.light(POINT)
-    assert background_loader.light(BALL)
-    assert not background_loader.light(tetrahedron(0.01))
+    assert background_loader.is_light(POINT)
+    assert background_loader.is_light(BALL)
+    assert not background_loader.is_light(tetrahedron(0.01))
 
 
 def test_the_loader_makes_one_after_the_other_and_goes_on_after_errors() -> None:
     jobs: list[Any] = []
-    loader = Loader(thread=jobs.append)
+    loader = BackgroundLoader(thread=jobs.append)
 
     def bad() -> Object:
         raise RuntimeError("torn")
@@ -327,5 +331,5 @@ def test_of_each_name_only_the_newest_is_loaded() -> None:
     [a] = scene.scene.objects
     assert isinstance(a, pc.Surface | pc.Volume)
     assert a.shape == tetrahedron(0.049).shape
-    scene.apply([put("c", tetrahedron(0.01)), Begin()])
+    scene.apply([put("c", tetrahedron(0.01)), ResetScene()])
     assert len(manual.loader) == 0

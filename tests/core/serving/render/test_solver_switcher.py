@@ -12,12 +12,12 @@ import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
 from pacinian.scene.file import Choice as Configured
-from pacinian.serving.ipc.plugin_list import offers
+from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.render.solver_switcher import (
     MAKING,
     MAX_HANGING,
     SUPERSEDED,
-    Solvers,
+    SolverSwitcher,
     make_solver,
 )
 from pacinian.testing import ManualClock
@@ -84,11 +84,11 @@ def threads() -> Threads:
 
 
 @pytest.fixture
-def solvers(threads: Threads) -> Solvers:
-    return Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append)
+def solvers(threads: Threads) -> SolverSwitcher:
+    return SolverSwitcher(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append)
 
 
-def test_a_solver_takes_over_once_it_is_made(solvers: Solvers, threads: Threads) -> None:
+def test_a_solver_takes_over_once_it_is_made(solvers: SolverSwitcher, threads: Threads) -> None:
     before = solvers.chosen
     solvers.order(1, Choice(name="loud", options={"level": 0.25}))
     assert solvers.poll() == {}
@@ -122,7 +122,7 @@ def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same()
     ],
 )
 def test_what_cannot_solve_is_refused_with_the_reason(
-    solvers: Solvers, threads: Threads, choice: Choice, problem: str
+    solvers: SolverSwitcher, threads: Threads, choice: Choice, problem: str
 ) -> None:
     before = solvers.chosen
     solvers.order(1, choice)
@@ -132,7 +132,7 @@ def test_what_cannot_solve_is_refused_with_the_reason(
 
 
 def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
-    solvers: Solvers, threads: Threads
+    solvers: SolverSwitcher, threads: Threads
 ) -> None:
     before = solvers.chosen
     solvers.order(1, Choice(name="loud"))
@@ -154,7 +154,9 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
 
 def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) -> None:
     clock = ManualClock()
-    solvers = Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    solvers = SolverSwitcher(
+        make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now
+    )
     before = solvers.chosen
     solvers.order(1, Choice(name="loud"))
     hangs = threads.waiting.pop()
@@ -172,7 +174,9 @@ def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) 
 
 def test_solvers_that_hang_are_only_so_many(threads: Threads) -> None:
     clock = ManualClock()
-    solvers = Solvers(make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now)
+    solvers = SolverSwitcher(
+        make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now
+    )
     results: dict[str, str] = {}
     for number in range(1, MAX_HANGING + 2):
         solvers.order(number, Choice(name="loud"))
@@ -207,15 +211,15 @@ def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(
     for cls in (Odd, Unreadable, Huge):
         offer = Offer("solver", cls, cls.name, "tests")
         monkeypatch.setitem(registry.installed().offers, ("solver", cls.name), offer)
-    found = {plugin.name: plugin for plugin in offers("solver")}
+    found = {plugin.name: plugin for plugin in list_offers("solver")}
     assert found["unreadable"].options == found["huge"].options == {}
     assert found["loud"].options == {"level": 0.5}
     assert msgspec.msgpack.encode(tuple(found.values()))
 
 
 def test_offers_are_described() -> None:
-    found = {plugin.name: plugin for plugin in offers("solver")}
+    found = {plugin.name: plugin for plugin in list_offers("solver")}
     assert found["loud"].summary == "A solver that drives all. It keeps nothing."
     assert found["loud"].options == {"level": 0.5}
     assert {"auto", "gs-pat", "lagrange"} <= set(found)
-    assert [plugin.name for plugin in offers("backend")].count("simulated") == 1
+    assert [plugin.name for plugin in list_offers("backend")].count("simulated") == 1

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.facing import Facing
 from pacinian.acoustics.propagation import matrix
-from pacinian.serving.render.status import state
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.serving.render.status import make_status
 from pacinian.testing import ManualClock
 from pacinian.wire.state import State
 from pacinian_plugins.backends.simulated import Simulated
@@ -39,7 +39,7 @@ def ticked(scene: Any, ticks: int = 3, **options: Any) -> pc.Renderer:
 
 def test_it_is_a_state_and_says_what_is_emitted() -> None:
     renderer = ticked(pc.Scene((FAR, A, B)), 10)
-    found = state(renderer, 0.01)
+    found = make_status(renderer, 0.01)
     told = msgspec.convert({"type": "state", **OTHERS, **found}, State)
     np.testing.assert_allclose(floats(told.points, 3), [A.position, B.position])
     np.testing.assert_allclose(floats(told.asked)[:, 0], [4.0, 2.0])
@@ -61,11 +61,11 @@ def test_on_skin_only_what_presses_counts() -> None:
     ball = pc.Volume(shape=pc.Sphere(0.03), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=3.0)
     hand = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.16)))
     renderer = ticked(pc.Scene((ball,), hands=(hand,)))
-    told, samples = state(renderer, 0.003), renderer.samples
+    told, samples = make_status(renderer, 0.003), renderer.samples
     assert samples is not None
     assert samples.capsules is not None
     assert len(samples)
-    facing = Facing.of(samples.normals, samples.capsules)
+    facing = SkinFacing.of(samples.normals, samples.capsules)
     weights = facing.weights(samples.positions, ARRAY.positions)
     every = (matrix(ARRAY, samples.positions) * weights) @ renderer.sounding.T
     p = np.sqrt((np.abs(every) ** 2).mean(axis=1))
@@ -81,7 +81,7 @@ def test_hands_are_carried_on_and_lost_ones_left_out() -> None:
     hand = pc.Hand.open(pose=pc.Pose((0, 0, 0.2)), velocities=(1.0, 0.0, 0.0), time=0.0)
     lost = pc.Hand(np.full((26, 3), np.nan), side="left")
     renderer = ticked(pc.Scene(hands=(lost, hand)))
-    joints = floats(state(renderer, 0.02)["hands"], 3)
+    joints = floats(make_status(renderer, 0.02)["hands"], 3)
     assert hand.joints is not None
     np.testing.assert_allclose(joints, hand.joints + np.array([0.02, 0.0, 0.0]), atol=1e-6)
     renderer.close()
@@ -89,7 +89,7 @@ def test_hands_are_carried_on_and_lost_ones_left_out() -> None:
 
 def test_silence_has_no_points_and_a_fault_is_told() -> None:
     renderer = ticked(pc.Scene())
-    told = state(renderer, 0.003)
+    told = make_status(renderer, 0.003)
     assert "points" not in told
     assert told["fault_count"] == 0
     renderer.scene = pc.Scene((A,))
@@ -98,7 +98,7 @@ def test_silence_has_no_points_and_a_fault_is_told() -> None:
     assert isinstance(device, Simulated)
     device.disconnect()
     renderer.tick(0.004)
-    told = state(renderer, 0.005)
+    told = make_status(renderer, 0.005)
     assert "points" not in told
     assert told["fault_count"] == 1
     assert "disconnected" in told["faults"][0]
@@ -110,15 +110,15 @@ def test_times_of_ticks_are_of_the_last_second() -> None:
     clock = ManualClock()
     device = Simulated(wait=clock.advance)
     renderer = ticked(pc.Scene((A,)), 0, clock=clock, backend=device)
-    assert state(renderer, 0.0)["tick_ms"] == (0.0, 0.0, 0.0)
+    assert make_status(renderer, 0.0)["tick_ms"] == (0.0, 0.0, 0.0)
     device.delay(0.5)
     for _ in range(10):
         renderer.tick()
-    assert state(renderer, 0.0)["tick_ms"] == pytest.approx((0.0, 500.0, 500.0))
+    assert make_status(renderer, 0.0)["tick_ms"] == pytest.approx((0.0, 500.0, 500.0))
     for _ in range(1000):
         renderer.tick()
-    assert state(renderer, 0.0)["tick_ms"][2] < 1.0
-    assert state(renderer, 0.0)["late"] == 1
+    assert make_status(renderer, 0.0)["tick_ms"][2] < 1.0
+    assert make_status(renderer, 0.0)["late"] == 1
     renderer.close()
 
 
@@ -127,7 +127,7 @@ def test_times_of_ticks_are_counted_by_their_size() -> None:
     times = [1e-6, 1.1e-5, 0.9e-3, 1.1e-3, 1.1e-3, 0.0999, 5.0]
     for seconds in times:
         renderer.report.tick(seconds, late=False)
-    counts = np.frombuffer(state(renderer, 0.0)["tick_counts"], "<u4")
+    counts = np.frombuffer(make_status(renderer, 0.0)["tick_counts"], "<u4")
     assert (len(counts), counts.sum()) == (64, len(times))
     wanted = np.clip(np.floor(16 * (np.log10(times) + 5)), 0, 63).astype(int)
     assert np.array_equal(counts, np.bincount(wanted, minlength=64))
@@ -136,5 +136,5 @@ def test_times_of_ticks_are_counted_by_their_size() -> None:
 
 def test_before_the_first_tick_none_is_counted() -> None:
     renderer = ticked(pc.Scene((A,)), 0)
-    assert state(renderer, 0.0)["tick_counts"] == bytes(256)
+    assert make_status(renderer, 0.0)["tick_counts"] == bytes(256)
     renderer.close()

@@ -19,9 +19,9 @@ namespace Pacinian
     /// <summary>What is sent in one command. Used again for the next.</summary>
     internal sealed class Batch
     {
-        public readonly List<string> Names = new List<string>(Protocol.MostObjects);
-        public readonly List<Writer> Parts = new List<Writer>(Protocol.MostObjects);
-        public readonly List<Movement> Movements = new List<Movement>(Protocol.MostObjects);
+        public readonly List<string> Names = new List<string>(Protocol.MaxObjects);
+        public readonly List<Writer> Parts = new List<Writer>(Protocol.MaxObjects);
+        public readonly List<Movement> Movements = new List<Movement>(Protocol.MaxObjects);
 
         public Kind Kind { get; private set; }
 

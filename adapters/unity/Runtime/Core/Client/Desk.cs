@@ -16,8 +16,8 @@ namespace Pacinian
         public Desk(double life)
         {
             Commands = new Commands(life);
-            Data = new byte[Protocol.LongestReply];
-            Spare = new byte[Protocol.LongestReply];
+            Data = new byte[Protocol.MaxReplyBytes];
+            Spare = new byte[Protocol.MaxReplyBytes];
         }
 
         /// <summary>A message as it has come, and room for the next.</summary>

@@ -7,7 +7,7 @@ namespace Pacinian
     /// <summary>What is to be felt. Of what waits to be sent about one object only the newest is sent.</summary>
     public sealed partial class HapticClient
     {
-        private const int Largest = Protocol.LongestCommand - 1024; // [bytes] of one object: the rest is for other fields
+        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of one object: the rest is for other fields
 
         /// <summary>An object: new, or in place of the one of that name. It is read now, and can be changed after.</summary>
         public bool Put(string name, Felt item)

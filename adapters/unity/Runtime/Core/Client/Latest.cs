@@ -108,7 +108,7 @@ namespace Pacinian
         private static bool Fits(Batch batch, Kind kind, double time, int size)
         {
             return batch.Kind == Kind.None || (kind != Kind.Envelope && size <= Full
-                && Math.Abs(time - batch.Time) <= Together && batch.Names.Count < Protocol.MostObjects);
+                && Math.Abs(time - batch.Time) <= Together && batch.Names.Count < Protocol.MaxObjects);
         }
 
         private void Tidy()

@@ -50,7 +50,7 @@ namespace Pacinian
                     NetMQSocket socket = (NetMQSocket)states ?? new DealerSocket();
                     _sockets[i] = socket;
                     socket.Options.Linger = TimeSpan.Zero;
-                    socket.Options.MaxMsgSize = Wire.Protocol.LongestReply;
+                    socket.Options.MaxMsgSize = Wire.Protocol.MaxReplyBytes;
                     socket.Options.CurveServerKey = server;
                     socket.Options.CurveCertificate = new NetMQCertificate(secret, ours);
                     if (states != null)

@@ -45,7 +45,7 @@ namespace Pacinian
             Set(LibZmq.ReceiveRoom, Most);
             Set(LibZmq.HandshakeTimeout, 2000); // [ms], as all below
             Set(LibZmq.ConnectTimeout, 2000);
-            long longest = Protocol.LongestReply;
+            long longest = Protocol.MaxReplyBytes;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
             if (connection.ServerKey.Length > 0)
             {

@@ -7,21 +7,21 @@ namespace Pacinian.Wire
     {
         public const int Major = 1;
         public const int Minor = 1;
-        public const int LongestCommand = 1048576;
-        public const int LongestControl = 65536;
-        public const int LongestReply = 1048576;
+        public const int MaxCommandBytes = 1048576;
+        public const int MaxControlBytes = 65536;
+        public const int MaxReplyBytes = 1048576;
         public const int Session = 16;
-        public const int MostObjects = 256;
-        public const int MostHands = 8;
-        public const int MostZones = 16;
-        public const int MostShown = 1024;
-        public const int MostPoints = 65536;
-        public const int MostVertices = 50000;
-        public const int MostFaces = 50000;
-        public const int MostValues = 200000;
-        public const int MostParticles = 10000;
-        public const int MostParts = 16;
-        public const int MostOptions = 32;
+        public const int MaxObjects = 256;
+        public const int MaxHands = 8;
+        public const int MaxZones = 16;
+        public const int MaxShown = 1024;
+        public const int MaxPoints = 65536;
+        public const int MaxVertices = 50000;
+        public const int MaxFaces = 50000;
+        public const int MaxValues = 200000;
+        public const int MaxParticles = 10000;
+        public const int MaxParts = 16;
+        public const int MaxOptions = 32;
 
         /// <summary>Reads a message of the kind `command`; one of the same kind that is there already is used again.</summary>
         public static bool ReadCommand(Reader r, byte[] data, int start, int count, ref Command value)

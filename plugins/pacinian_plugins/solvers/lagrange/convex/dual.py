@@ -25,9 +25,9 @@ from pacinian_plugins.native import lagrange as kernels
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
-    from pacinian_plugins.solvers.lagrange.convex.rows import Rows
+    from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 
-TINY = 1e-15  # least mu where strength is asked for
+MIN_MU = 1e-15  # least mu where strength is asked for
 BEYOND = 1e6  # ||h||, relative to ||p|| / ||a row of A||
 
 
@@ -47,14 +47,16 @@ class Dual:
     """The dual for A, (R, N) [Pa]; weight: mu, (N,) [Pa^2]; limit: of gains, (N,)."""
 
     A: Complexes
-    rows: Rows
+    rows: Constraints
     weight: Floats
     limit: Floats
     power: float
     along: Complexes | None = None  # c, (R,)
 
     @classmethod
-    def of(cls, A: Complexes, rows: Rows, mu: float, gain: bool, power: float | None) -> Dual:
+    def of(
+        cls, A: Complexes, rows: Constraints, mu: float, gain: bool, power: float | None
+    ) -> Dual:
         """gain: whether |h_n| <= 1. power: P, None for no limit."""
         N = A.shape[1]
         top = np.full(N, 1.0 if gain else np.inf)
@@ -104,7 +106,9 @@ class Dual:
         smooth = replace(self, rows=self.rows.smoothed(rows))
         if self.along is None:
             return smooth
-        return replace(smooth, weight=np.full_like(self.weight, max(2.0 * gains / self.most, TINY)))
+        return replace(
+            smooth, weight=np.full_like(self.weight, max(2.0 * gains / self.most, MIN_MU))
+        )
 
     def spare(self, y: Complexes) -> float:
         """By how much D(y) may exceed the bound for the limits as given, and no weights on limited rows."""

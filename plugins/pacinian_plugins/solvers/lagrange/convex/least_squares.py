@@ -10,11 +10,11 @@ import numpy as np
 from scipy import linalg
 
 import pacinian as pc
-from pacinian.solving.propagator import gram as product
-from pacinian_plugins.solvers.lagrange.convex.climb import climb
+from pacinian.solving.propagator import gram_matrix as product
+from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
+from pacinian_plugins.solvers.lagrange.convex.dual_ascent import ascend_dual
 from pacinian_plugins.solvers.lagrange.convex.newton import Newton
-from pacinian_plugins.solvers.lagrange.convex.rows import Rows
 from pacinian_plugins.solvers.lagrange.convex.start import begin
 
 if TYPE_CHECKING:
@@ -60,14 +60,14 @@ def least_squares(
         )  # fmt: skip
         return _reduced(solve, A, p, soft, start)
     gram = product(A) if gram is None else gram
-    rows = Rows.of(p, exact, quiet)
+    rows = Constraints.of(p, exact, quiet)
     dual = Dual.of(A, rows, mu, gain, power)
     newton = Newton.of(A, gram, mu)
-    answer = climb(newton, dual, begin(dual, gram, start, budget), budget, tolerance, steps)
+    answer = ascend_dual(newton, dual, begin(dual, gram, start, budget), budget, tolerance, steps)
     if answer.kept or answer.late or soft.all():
         return answer
     near = replace(dual, rows=rows.relaxed())
-    second = climb(newton, near, begin(near, gram, start, budget), budget, tolerance, steps)
+    second = ascend_dual(newton, near, begin(near, gram, start, budget), budget, tolerance, steps)
     violation = rows.violation(rows.p - second.made)
     return second._replace(
         violation=violation, kept=False, impossible=answer.impossible,

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import blas, lapack
 
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import products
+from pacinian_plugins.solvers.lagrange.convex import matvec
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,7 +73,7 @@ class Newton:
     @classmethod
     def of(cls, A: Complexes, gram: Complexes, mu: float) -> Newton:
         """In single precision where mu is so large that its rounding does not matter, else in double."""
-        fine = A.dtype == np.complex128 or mu < SINGLE * products.mean_square(gram)
+        fine = A.dtype == np.complex128 or mu < SINGLE * matvec.mean_square(gram)
         return cls(gram, np.empty(2 * A.size, np.float64 if fine else np.float32))
 
     @property

@@ -9,9 +9,9 @@ from scipy.linalg import lapack
 
 import pacinian as pc
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import products
+from pacinian_plugins.solvers.lagrange.convex import matvec
 from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
-from pacinian_plugins.solvers.lagrange.room import in_time
+from pacinian_plugins.solvers.lagrange.workspace import in_time
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags
@@ -58,7 +58,7 @@ def begin_strongest(
 ) -> State:
     """The same where the strength is asked for: Re(y^H c) = 1."""
     assert dual.along is not None
-    none, scale = np.zeros(len(gram), np.bool_), products.mean_square(gram) or 1.0
+    none, scale = np.zeros(len(gram), np.bool_), matvec.mean_square(gram) or 1.0
     points: list[Point] = []
     if y is not None and (whole := float(np.vdot(dual.along, y).real)) > 0.0:
         points.append(dual.at(y / whole))
@@ -76,7 +76,7 @@ def unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
     """The y, (R,), if nothing has a limit; quiet rows are left out, but for `near` ones."""
     rows = dual.rows
     own = np.where(rows.soft | near, 1.0, np.where(rows.quiet, 1.0 / rows.weight, 0.0))
-    ridge = RIDGE * (products.mean_square(gram) + mu)
+    ridge = RIDGE * (matvec.mean_square(gram) + mu)
     i = np.arange(len(gram))
     S = gram.copy()
     S[i, i] += mu * own + ridge

@@ -42,7 +42,7 @@ int32 Groups(const UHapticEnvelope& Given) { return FMath::Max(1, Given.Samples.
 
 wire::Wave Wave(const UHapticEnvelope& Given) {
   wire::Wave Made;
-  const int32 Each = Group(Given), Count = FMath::Min(Groups(Given), static_cast<int32>(wire::MOST_VALUES));
+  const int32 Each = Group(Given), Count = FMath::Min(Groups(Given), static_cast<int32>(wire::MAX_VALUES));
   for (int32 i = 0; i < Count; ++i) {
     const int32 End = FMath::Min((i + 1) * Each, Given.Samples.Num());
     float Sum = 0.0f;
@@ -85,7 +85,7 @@ wire::Envelope ToWire(const UHapticEnvelope* Envelope) {
 FString UHapticEnvelope::GetProblem() const {
   if (Kind != EHapticEnvelope::Wave) return FString();
   if (Samples.Num() == 0) return FString(TEXT("has no samples"));
-  const int32 Most = static_cast<int32>(wire::MOST_VALUES);
+  const int32 Most = static_cast<int32>(wire::MAX_VALUES);
   if (Haptic::Groups(*this) <= Most) return FString();
   return FString::Printf(TEXT("its wave is cut after %d s"), static_cast<int32>(Most * Haptic::Group(*this) / Rate));
 }

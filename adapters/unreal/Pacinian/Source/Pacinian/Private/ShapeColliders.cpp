@@ -68,7 +68,7 @@ bool ToWire(const UPrimitiveComponent* Collider, const FVector& Scale, wire::Sol
     if (!bBall) Shape = wire::Capsule{Metres * Elem.Radius, Metres * Elem.Length};
     Parts.parts.push_back(Piece(MoveTemp(Shape), Elem.Center, Elem.Rotation));
   }
-  if (Parts.parts.size() > wire::MOST_PARTS) {
+  if (Parts.parts.size() > wire::MAX_PARTS) {
     Problem = TEXT("it has more than 16 spheres, boxes and capsules: use fewer, or set Shape to Mesh");
     return false;
   }

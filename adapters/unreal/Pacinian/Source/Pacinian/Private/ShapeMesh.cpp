@@ -42,7 +42,7 @@ bool Weld(const FStaticMeshLODResources& Level, const FVector& Scale, wire::Mesh
     for (const uint32 Corner : {A, bMirrored ? C : B, bMirrored ? B : C}) Append(Made.faces, Corner);
   }
   const std::size_t Faces = Made.faces.size() / 12;
-  return Known.Num() <= wire::MOST_VERTICES && Faces > 0 && Faces <= static_cast<std::size_t>(wire::MOST_FACES);
+  return Known.Num() <= wire::MAX_VERTICES && Faces > 0 && Faces <= static_cast<std::size_t>(wire::MAX_FACES);
 }
 
 }  // namespace

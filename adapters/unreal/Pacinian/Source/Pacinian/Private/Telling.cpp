@@ -58,7 +58,7 @@ void Remember(FHapticLink& Link) {
 void TellHands(FHapticLink& Link, UHapticScene& Scene) {
   const bool bTold = Link.HandsSession == Link.Session;
   if (Scene.Hands.Num() == 0 && !(bTold && Link.Hands.size() > 0)) return;
-  Link.Hands.resize(std::min<std::size_t>(Scene.Hands.Num(), wire::MOST_HANDS));
+  Link.Hands.resize(std::min<std::size_t>(Scene.Hands.Num(), wire::MAX_HANDS));
   for (std::size_t i = 0; i < Link.Hands.size(); ++i) {
     FHapticHand Hand{Link.Hands[i]};
     Scene.Hands[static_cast<int32>(i)]->Fill(Hand, Link.Space);
@@ -68,7 +68,7 @@ void TellHands(FHapticLink& Link, UHapticScene& Scene) {
 }
 
 void TellZones(FHapticLink& Link, UHapticScene& Scene) {
-  Link.Zones.resize(std::min<std::size_t>(Scene.Zones.Num(), wire::MOST_ZONES));
+  Link.Zones.resize(std::min<std::size_t>(Scene.Zones.Num(), wire::MAX_ZONES));
   for (std::size_t i = 0; i < Link.Zones.size(); ++i) {
     const UQuietZoneComponent& Given = *Scene.Zones[static_cast<int32>(i)];
     const pacinian::Vec3 Place = Link.Space.Into(Given.GetComponentLocation());

@@ -8,9 +8,9 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr std::size_t most = wire::MOST_OBJECTS;  // in one message
+constexpr std::size_t most = wire::MAX_OBJECTS;  // in one message
 constexpr std::size_t full = 900'000;     // [bytes] of objects in one message
-constexpr std::size_t largest = wire::LONGEST_COMMAND - 1024;  // [bytes] of one object: the rest is for other fields
+constexpr std::size_t largest = wire::MAX_COMMAND_BYTES - 1024;  // [bytes] of one object: the rest is for other fields
 constexpr std::size_t kept = 1024;        // names that are remembered: more than a server takes
 constexpr double moment = 0.01;           // [s] within which what was asked for is of one time
 

@@ -25,20 +25,20 @@ bool decode(const std::uint8_t* data, std::size_t size, T& out, WireError& error
 
 bool decode_command(const std::uint8_t* data, std::size_t size, AnyCommand& out,
                     WireError& error) {
-  return decode(data, size, out, error, LONGEST_COMMAND);
+  return decode(data, size, out, error, MAX_COMMAND_BYTES);
 }
 
 bool decode_control(const std::uint8_t* data, std::size_t size, AnyControl& out,
                     WireError& error) {
-  return decode(data, size, out, error, LONGEST_CONTROL);
+  return decode(data, size, out, error, MAX_CONTROL_BYTES);
 }
 
 bool decode_reply(const std::uint8_t* data, std::size_t size, AnyReply& out, WireError& error) {
-  return decode(data, size, out, error, LONGEST_REPLY);
+  return decode(data, size, out, error, MAX_REPLY_BYTES);
 }
 
 bool decode_state(const std::uint8_t* data, std::size_t size, AnyState& out, WireError& error) {
-  return decode(data, size, out, error, LONGEST_REPLY);
+  return decode(data, size, out, error, MAX_REPLY_BYTES);
 }
 
 }  // namespace pacinian::wire

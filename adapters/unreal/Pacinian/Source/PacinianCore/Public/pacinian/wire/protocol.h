@@ -8,20 +8,20 @@ namespace pacinian::wire {
 
 constexpr std::int64_t MAJOR = 1;
 constexpr std::int64_t MINOR = 1;
-constexpr std::int64_t LONGEST_COMMAND = 1048576;
-constexpr std::int64_t LONGEST_CONTROL = 65536;
-constexpr std::int64_t LONGEST_REPLY = 1048576;
+constexpr std::int64_t MAX_COMMAND_BYTES = 1048576;
+constexpr std::int64_t MAX_CONTROL_BYTES = 65536;
+constexpr std::int64_t MAX_REPLY_BYTES = 1048576;
 constexpr std::int64_t SESSION = 16;
-constexpr std::int64_t MOST_OBJECTS = 256;
-constexpr std::int64_t MOST_HANDS = 8;
-constexpr std::int64_t MOST_ZONES = 16;
-constexpr std::int64_t MOST_SHOWN = 1024;
-constexpr std::int64_t MOST_POINTS = 65536;
-constexpr std::int64_t MOST_VERTICES = 50000;
-constexpr std::int64_t MOST_FACES = 50000;
-constexpr std::int64_t MOST_VALUES = 200000;
-constexpr std::int64_t MOST_PARTICLES = 10000;
-constexpr std::int64_t MOST_PARTS = 16;
-constexpr std::int64_t MOST_OPTIONS = 32;
+constexpr std::int64_t MAX_OBJECTS = 256;
+constexpr std::int64_t MAX_HANDS = 8;
+constexpr std::int64_t MAX_ZONES = 16;
+constexpr std::int64_t MAX_SHOWN = 1024;
+constexpr std::int64_t MAX_POINTS = 65536;
+constexpr std::int64_t MAX_VERTICES = 50000;
+constexpr std::int64_t MAX_FACES = 50000;
+constexpr std::int64_t MAX_VALUES = 200000;
+constexpr std::int64_t MAX_PARTICLES = 10000;
+constexpr std::int64_t MAX_PARTS = 16;
+constexpr std::int64_t MAX_OPTIONS = 32;
 
 }  // namespace pacinian::wire

@@ -1,1 +1,0 @@
-"""Run time against error: ours and the peers, on the same problems, by one evaluator."""

@@ -1,0 +1,129 @@
+"""What `demo` and `render` share: the progress bar, the summary, the picture."""
+
+from __future__ import annotations
+
+import json
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from contextlib import AbstractContextManager
+
+    from pacinian.rendering.renderer import Renderer
+    from pacinian.rendering.report import Report
+
+
+SHOWN = 8  # objects whose felt figures are shown
+
+
+def progress(
+    what: str, seconds: float, quiet: bool
+) -> AbstractContextManager[Callable[[Report], object] | None]:
+    """A progress bar on standard error, drawn between ticks by the loop's own thread; none where quiet."""
+    from pacinian.notebook import progress as bar
+
+    return nullcontext() if quiet else bar(what, seconds)
+
+
+def picture(renderer: Renderer, path: str, title: str) -> str:
+    """Draw the field of the last gains; return the file, or nothing where it cannot be drawn."""
+    import numpy as np
+
+    from pacinian import plot
+    from pacinian.errors import MissingExtra
+
+    if not path:
+        return ""
+    session = renderer.session
+    points = np.array(session.propagator.points)
+    try:
+        page = plot.slices(session.array, renderer.emitted, points, session.medium, title)
+        plot.save(page, path)
+    except (MissingExtra, OSError) as error:
+        click.echo(f"no picture: {error}", err=True)
+        return ""
+    return path
+
+
+def drawable(context: click.Context, parameter: click.Parameter, path: str) -> str:
+    """Check, before anything runs, that a picture can be written to `path`."""
+    if path and Path(path).suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise click.BadParameter(f"{path!r} must end in .png, .pdf or .svg")
+    try:
+        if path:
+            Path(path).parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise click.BadParameter(f"{path!r} cannot be written: {error}") from error
+    return path
+
+
+def summary(renderer: Renderer, extra: dict[str, Any]) -> dict[str, Any]:
+    """All that is told of a run."""
+    session = renderer.session
+    return {
+        "transducers": len(session.array),
+        "samples": len(session.propagator.points),
+        "rate": 1.0 / renderer.period,
+        "solver": session.solver.name,
+        "backend": renderer.backend.name,
+        **renderer.report.summary(),
+        **extra,
+    }
+
+
+def tell(told: dict[str, Any], as_json: bool) -> None:
+    """Print a summary: a table, or one JSON object. Ends with exit code 1 after a fault, 130 after Ctrl-C."""
+    if as_json:
+        click.echo(json.dumps(told))
+    else:
+        _table(told)
+    if told["interrupted"]:
+        raise SystemExit(130)
+    if told["fault_count"]:
+        raise SystemExit(1)
+
+
+def _table(told: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from pacinian.solving.felt_regions import FeltRegion
+
+    table = Table(box=None, show_header=False, pad_edge=False)
+    rows = {
+        "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
+        "solver, backend": f"{told['solver']}, {told['backend']}",
+        "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {_late(told)}",
+        "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
+        "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the sound pressures asked",
+        **{
+            f"felt of {name}": str(FeltRegion(**felt))
+            for name, felt in list(told["felt"].items())[:SHOWN]
+        },
+        "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
+        "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)
+        or "nothing",
+    }
+    if base := told.get("dummy"):
+        rows["dummy loop"] = f"{base['ticks']} ticks, {_late(base)}, {_times(base)}"
+    if told.get("picture"):
+        rows["picture"] = told["picture"]
+    if told.get("record"):
+        rows["recording"] = told["record"]
+    for i, fault in enumerate(told["faults"][:5]):
+        rows[f"fault {i + 1} of {told['fault_count']}"] = fault
+    for name, value in rows.items():
+        table.add_row(name, value)
+    Console().print(table)
+
+
+def _late(told: dict[str, Any]) -> str:
+    return f"{told['late_ticks']} late ({told['late_ticks'] / max(1, told['ticks']):.2%})"
+
+
+def _times(told: dict[str, Any]) -> str:
+    return f"p50 {told['tick_p50_ms']:.3f} ms, p99 {told['tick_p99_ms']:.3f} ms"

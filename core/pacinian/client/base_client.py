@@ -1,0 +1,140 @@
+"""A session that can be lost and made anew: what `Client` is beside what it says."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import threading
+import time
+import warnings
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, NoReturn, Self
+
+from pacinian.checks import check_number
+from pacinian.client.connection_file import resolve_connection
+from pacinian.client.server_session import ServerSession
+from pacinian.errors import ConnectionLost, ServerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from types import TracebackType
+
+    from pacinian.client.timing import Trips
+    from pacinian.errors import Refused
+    from pacinian.wire.connection import Connection
+
+
+class BaseClient:
+    """Arguments as of `Client`; a context manager. Belongs to the thread that makes it."""
+
+    def __init__(
+        self,
+        connection: Connection | Path | str | None = None,
+        *,
+        name: str = "python",
+        scene: str = "",
+        lease: float | None = None,
+        timeout: float = 2.0,
+        keys: Path | str | None = None,
+        reconnect: bool = False,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._timeout = check_number("timeout", timeout, low=0.0, above=True)
+        self._where, self._keys, self._again, self._clock = connection, keys, reconnect, clock
+        self._hello: dict[str, Any] = {"client": name, "scene": scene, "lease": lease}
+        self._owner = os.getpid(), threading.get_ident()
+        self._ids, self._closed = itertools.count(), False
+        self._dialogue = self._connect()
+
+    @property
+    def trips(self) -> Trips:
+        """Round trips of the last blocking calls."""
+        return self._dialogue.timing.trips
+
+    @property
+    def errors(self) -> list[Refused]:
+        """What the server refused of calls that did not wait; asking takes them away."""
+        self._look()
+        told = list(self._dialogue.errors)
+        self._dialogue.errors.clear()
+        return told
+
+    @property
+    def connected(self) -> bool:
+        """Whether the session still is."""
+        self._look()
+        return not self._dialogue.lost
+
+    @property
+    def armed(self) -> bool:
+        """Whether this client's scene may be felt, as the server said last."""
+        return self._dialogue.armed and self._dialogue.owner
+
+    @property
+    def lease(self) -> float:
+        """From the last renewal to silence [s], as agreed with the server."""
+        return self._dialogue.welcome.lease
+
+    @property
+    def scene(self) -> str:
+        """The name of the scene."""
+        return self._dialogue.welcome.scene
+
+    @property
+    def server(self) -> str:
+        """What the server says that it is."""
+        return self._dialogue.welcome.server
+
+    def reconnect(self) -> None:
+        """A new session, after a loss or instead of this one: the connection file is read again."""
+        self._check()
+        self._dialogue.close()
+        self._dialogue = self._connect()
+
+    def close(self) -> None:
+        """Say bye: silence, if this client owns the output; its objects go with it."""
+        self._check(closed=True)
+        self._closed = True
+        self._dialogue.close()
+
+    def __del__(self) -> None:
+        """As `close`: a cell of a notebook that is run again finds the output free."""
+        if not self.__dict__.get("_closed", True) and "_dialogue" in self.__dict__:
+            with suppress(Exception):  # not in another thread or process
+                self.close()
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=2)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Client has sockets of its own: make one in each process")
+
+    def _connect(self) -> ServerSession:
+        given = resolve_connection(self._where, self._keys)
+        return ServerSession(given, self._clock, self._timeout, self._ids, **self._hello)
+
+    def _check(self, closed: bool = False) -> None:
+        if (os.getpid(), threading.get_ident()) != self._owner:
+            raise ServerError("a Client belongs to the thread that made it: make one in each")
+        if self._closed and not closed:
+            raise ConnectionLost("this Client was closed")
+
+    def _look(self) -> None:
+        with suppress(ConnectionLost):
+            self._live(again=False).look()
+
+    def _live(self, *, again: bool = True) -> ServerSession:
+        self._check()
+        if self._dialogue.lost and again and self._again:
+            self.reconnect()
+        return self._dialogue

@@ -1,0 +1,58 @@
+"""How to connect: a connection file, and CURVE keys in files of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from msgspec.structs import replace
+
+from pacinian.errors import ArgumentError, ConnectionLost, ServerError
+from pacinian.wire.connection import Connection
+
+SERVER = "server.key"
+FIX = "`pacinian keys` makes one"
+
+
+def resolve_connection(
+    connection: Connection | Path | str | None, keys: Path | str | None
+) -> Connection:
+    """How to connect: as given, or as a file says; with the keys of a file or a folder.
+
+    keys: NAME.key_secret, or a folder that has one; the server's public key is in the connection, or beside it.
+    Raises ConnectionLost, ArgumentError.
+    """
+    if isinstance(connection, Connection):
+        made = connection
+    else:
+        try:
+            made = Connection.read(connection or "")
+        except ServerError as error:
+            raise ConnectionLost(str(error)) from None
+    return made if keys is None else _with_keys(made, Path(keys))
+
+
+def _with_keys(connection: Connection, path: Path) -> Connection:
+    secret = path
+    if path.is_dir():
+        ours = [file for file in path.glob("*.key_secret") if file.stem != "server"]
+        if len(ours) != 1:
+            raise ArgumentError("keys", f"must be one file: {path} has {len(ours)} *.key_secret")
+        secret = ours[0]
+    public, private = _read(secret)
+    server = secret.with_name(SERVER)
+    theirs = _read(server)[0] if server.exists() else connection.server_key
+    if not theirs or not private:
+        lacks = f"{secret} has no secret key" if theirs else f"{server} is not there"
+        raise ArgumentError("keys", f"must have our secret and the server's public key: {lacks}")
+    # a stop without a connection is proven by the keys of the file alone
+    return replace(connection, server_key=theirs, public_key=public, secret_key=private, stop="")
+
+
+def _read(path: Path) -> tuple[str, str]:
+    from zmq.auth import load_certificate
+
+    try:
+        public, secret = load_certificate(path)
+    except (OSError, ValueError) as error:
+        raise ArgumentError("keys", f"{path} is no key: {error}; {FIX}") from error
+    return public.decode(), (secret or b"").decode()

@@ -1,0 +1,343 @@
+"""One session with the server, from hello to bye: what is lost with it is not taken up again."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import itertools
+import math
+from collections import deque
+from functools import cache
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import zmq
+from msgspec.structs import replace
+
+from pacinian.client.link import Link, connect, make_socket, milliseconds
+from pacinian.client.outbox import Outbox
+from pacinian.client.state_subscription import read_newest
+from pacinian.client.timing import Timing
+from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
+from pacinian.wire.codec import encode
+from pacinian.wire.control import Arm, Bye, Hello, Renew, Request
+from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.replies import Error, Ok, Renewed, Welcome
+from pacinian.wire.state import STATE, State
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from msgspec import Struct
+
+    from pacinian.wire.commands import AnyCommand
+    from pacinian.wire.connection import Connection
+    from pacinian.wire.replies import AnyReply
+
+R = TypeVar("R", bound="AnyReply | State")
+
+SHARE = 0.25  # of the lease between two renewals
+FAREWELL = 0.2  # [s] that a bye may take
+MAX_ERRORS = 100  # errors of commands that were not waited for
+ENDED = "expired", "owner", "fault", "stopped"  # what ends the sound of an owner, unasked
+
+
+class ServerSession:
+    """A session. lost: why it ended, or "". armed, owner: as the server said last.
+
+    errors: of what was not waited for, newest last. notices: why the sound ended, not told yet. Raises
+    ConnectionLost, Refused.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        clock: Callable[[], float],
+        timeout: float,
+        ids: itertools.count[int],
+        **hello: Any,
+    ) -> None:
+        self.clock, self.timeout, self.timing = clock, timeout, Timing()
+        self.lost, self.armed, self.owner = "", False, False
+        self.errors, self.notices = (
+            deque[Refused](maxlen=MAX_ERRORS),
+            deque[Refused](maxlen=MAX_ERRORS),
+        )
+        self.outbox = Outbox()
+        self._come: deque[AnyReply | State] = deque()
+        self._due = math.inf  # [s] when the session is to be renewed by itself
+        self._ended = ""  # why a link has ended; told after all that came before
+        self._connection, self._ids, self._sequence = connection, ids, itertools.count(1)
+        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+        self._links: list[Link] = []
+        self._states: zmq.Socket[bytes] | None = None
+        self._poller = zmq.Poller()
+        try:
+            for at in (connection.control, connection.command):
+                heartbeat = at == connection.control
+                self._links.append(Link(self._context, connection, at, heartbeat=heartbeat))
+                self._poller.register(self._links[-1].socket, zmq.POLLIN)
+                self._poller.register(self._links[-1].monitor, zmq.POLLIN)
+            self._control, self._command = self._links
+            self.welcome = self._hello(hello)
+            self._due = self.clock() + self.every
+            for link in self._links:
+                link.known = True
+        except BaseException:
+            self.close()
+            raise
+
+    def _hello(self, given: dict[str, Any]) -> Welcome:
+        sent = self.clock()
+        welcome = self._call(
+            self._control,
+            Hello(protocol=(MAJOR, MINOR), version=read_version(), **given),
+            Welcome,
+            self.timeout,
+        )
+        self.timing.clocked(sent, self.clock(), welcome.time)
+        if (theirs := welcome.protocol[0]) != MAJOR:
+            older = "server" if theirs < MAJOR else "client"
+            problem = f"the server speaks protocol {theirs}, this client {MAJOR}"
+            raise Refused("version", problem, advice=f"update the {older}")
+        return welcome
+
+    @property
+    def every(self) -> float:
+        """Between two renewals [s]."""
+        return SHARE * self.welcome.lease
+
+    def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
+        """A request to the control socket, and its answer."""
+        request = kind(session=self.welcome.session, **fields)
+        return self._call(self._control, request, answer, self.timeout)
+
+    def request_slow(self, request: type[Request], timeout: float, **fields: Any) -> None:
+        """A request that takes up to `timeout` [s], in which the lease goes on, too, if it is armed."""
+        message = request(session=self.welcome.session, **fields)
+        self._call(self._control, message, Ok, timeout, lease=True)
+
+    def arm(self, take: bool) -> None:
+        """Why it did not sound before its Ok is forgotten; what comes after that is not."""
+        self.ask(Arm, Ok, take=take)
+        self.notices.clear()
+        self.armed = self.owner = True
+        self.look()
+
+    def stop(self, message: Struct) -> None:
+        """As `ask`, with a message that needs no session."""
+        self._call(self._control, message, Ok, self.timeout)
+
+    def request_nowait(self, kind: type[Request], **fields: Any) -> int:
+        """A request that is not waited for: an error of it goes to `errors`, with the number that is returned."""
+        self.look()
+        request = kind(session=self.welcome.session, id=self._number(), **fields)
+        if not self._sent(self._control, encode(request)):
+            self.lose("the server takes no more requests")
+        return request.id
+
+    def send_command(self, command: AnyCommand, answer: type[R]) -> R:
+        """A command, and its answer."""
+        self.look()
+        if not self._flush(self.timeout):
+            self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
+        sequence = next(self._sequence)
+        return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
+
+    def send_nowait(self, command: AnyCommand) -> None:
+        """A command that is not waited for, and waits itself while there is no room: the newest for each object."""
+        self.look()
+        if self._flush() and self._post(command):
+            return
+        encode(command)  # raises now if it never can be sent
+        self.outbox.add(command)
+
+    def renew(self) -> None:
+        """The owner is alive; tells why it does not sound any more, each reason once. Does not wait."""
+        try:
+            self.look()
+        except ConnectionLost:
+            if self.notices:  # it came before
+                raise self.notices.popleft() from None
+            raise
+        self._renew()
+        self._flush()
+        if self.notices:
+            raise self.notices.popleft()
+
+    def look(self, wait: float = 0.0) -> None:
+        """Take in what has come, waiting at most so long [s] for the first of it."""
+        self._receive(wait)
+        while self._come:
+            self._note(self._come.popleft())
+        self._go_on()
+
+    def newest(self, timeout: float) -> State | None:
+        """The newest state that has been published, waited for at most so long [s]; None if none came."""
+        end = self.clock() + timeout
+        self.look()
+        if self._states is None:
+            self._states = make_socket(self._context, zmq.SUB, self._connection)
+            connect(self._states, self._connection.state)
+            self._states.subscribe(STATE)
+        watched = zmq.Poller()
+        watched.register(self._states, zmq.POLLIN)
+        for link in self._links:
+            watched.register(link.socket, zmq.POLLIN)
+            watched.register(link.monitor, zmq.POLLIN)
+        while True:
+            found = read_newest(
+                self._states, lambda state: self.timing.age(state.time, self.clock())
+            )
+            left = end - self.clock()
+            if found or left <= 0.0:
+                return found
+            if not watched.poll(milliseconds(min(left, self.every))) and left <= self.every:
+                return None
+            self.look()
+
+    def close(self) -> None:
+        """Say bye if anybody listens, and end it."""
+        if not self.lost and hasattr(self, "welcome"):
+            self._due = math.inf
+            try:
+                bye = Bye(session=self.welcome.session)
+                self._call(self._control, bye, Ok, min(self.timeout, FAREWELL))
+            except PacinianError:
+                pass
+        self.lost = self.lost or "the session was closed"
+        self.armed = self.owner = False
+        for link in self._links:
+            link.close()
+        if self._states is not None:
+            self._states.close(0)
+        self._context.term()
+
+    def _call(
+        self, link: Link, message: Any, answer: type[R], timeout: float, *, lease: bool = False
+    ) -> R:
+        number = self._number()
+        what = type(message).__name__.lower()
+        data = encode(replace(message, id=number))
+        self.look()
+        sent = self.clock()
+        found = (
+            self._answer(number, sent + timeout, lease) if self._sent(link, data, timeout) else None
+        )
+        if found is None:
+            self._go_on()
+            self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
+        self.timing.answered(sent, self.clock())
+        if isinstance(found, Error):
+            if found.code == "session":
+                self.lose(found.message)
+            raise _refuse(found)
+        if not isinstance(found, answer):
+            raise WireError(f"`{what}` was answered by a {type(found).__name__}")
+        return found
+
+    def _answer(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
+        """The reply of that number; those before are noted. None if it does not come until `end` [s]."""
+        while (left := end - self.clock()) > 0.0:
+            step = (
+                min(left, max(self._due - self.clock(), 0.0)) if lease or not self.armed else left
+            )
+            if not self._receive(step, lease) and step == left:
+                break
+            while self._come:
+                if (reply := self._come.popleft()).id == number:
+                    return reply
+                self._note(reply)
+        return None
+
+    def _renew(self) -> None:
+        renew = Renew(
+            session=self.welcome.session,
+            id=self._number(),
+            sequence=next(self._sequence),
+            time=self.clock(),
+        )
+        self._due = self.clock() + self.every
+        self._sent(self._control, encode(renew))
+
+    def _receive(self, wait: float, lease: bool = False) -> bool:
+        """Whether there is anything in `_come`, waiting at most so long [s].
+
+        While nothing is armed the session is renewed by itself, for the server forgets who says nothing for long; what
+        is armed goes on only by the game's own `renew`, or a `lease` that it has asked for.
+        """
+        if self.lost:
+            raise ConnectionLost(self.lost)
+        self._go_on()
+        ready = dict(self._poller.poll(0 if self._come else milliseconds(wait)))
+        for link in self._links:
+            if link.socket in ready:
+                self._come += link.receive()
+        for link in self._links:
+            if link.monitor in ready and not self._ended:
+                self._ended = str(link.lost())
+        self._go_on()
+        if not self._ended and (lease or not self.armed) and self.clock() >= self._due:
+            self._renew()
+        return bool(self._come)
+
+    def _go_on(self) -> None:
+        """Unless a link has ended, and nothing that came before is left."""
+        if self._ended and not self._come:
+            self.lose(self._ended)
+
+    def _note(self, reply: AnyReply | State) -> None:
+        """What was not asked, or not waited for."""
+        if isinstance(reply, Renewed):
+            self.armed, self.owner = reply.armed, reply.owner
+            if reply.id:
+                self.timing.clocked(reply.time, self.clock(), reply.server_time)
+        elif isinstance(reply, Error):
+            if reply.code == "session":
+                self.lose(reply.message)
+            elif reply.id == 0 and reply.code in ENDED:
+                self.armed = False
+                self.notices.append(_refuse(reply))
+            else:
+                self.errors.append(_refuse(reply))
+
+    def _flush(self, timeout: float = 0.0) -> bool:
+        """Send what waits, within `timeout` [s] in all; True if nothing is left."""
+        now = self.clock()
+        return not self.outbox.waiting or self.outbox.flush(
+            now, lambda command: self._post(command, now + timeout - self.clock())
+        )
+
+    def _post(self, command: AnyCommand, timeout: float = 0.0) -> bool:
+        data = encode(replace(command, sequence=next(self._sequence)))
+        return self._sent(self._command, data, timeout)
+
+    def _sent(self, link: Link, data: bytes, timeout: float = 0.0) -> bool:
+        try:
+            return link.send(data, timeout)
+        except ConnectionLost as error:
+            self.lose(str(error))
+
+    def _number(self) -> int:
+        return next(self._ids) % 0xFFFFFFFF + 1
+
+    def lose(self, why: str) -> NoReturn:
+        """End it, and tell why."""
+        self.lost = why
+        self.close()
+        begun = "; nothing of this session goes on" if hasattr(self, "welcome") else ""
+        raise ConnectionLost(why + begun)
+
+
+@cache
+def read_version() -> str:
+    """Of Pacinian, as installed; "" where it is not."""
+    try:
+        return importlib.metadata.version("pacinian")
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def _refuse(error: Error) -> Refused:
+    advice = error.advice
+    if error.code == "version" and not advice:
+        advice = f"update the older of the two: this client speaks {MAJOR}.{MINOR}"
+    return Refused(error.code, error.message, error.path, advice, error.id)

@@ -1,0 +1,348 @@
+"""From samples to the rows of a frame: solve what is new, keep what is not, let amplitudes vary."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.cycle import Cycle
+from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
+from pacinian.rendering.mixing import (
+    find_fading,
+    mean_amplitude,
+    split_by_voice,
+    voice_amplitudes,
+)
+from pacinian.rendering.slew_limiter import SlewRateLimiter
+from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
+from pacinian.solving.solution import Status
+
+if TYPE_CHECKING:
+    from collections import Counter
+
+    from pacinian.rendering.cycle import Part
+    from pacinian.rendering.reachability import ReachabilityFilter
+    from pacinian.rendering.slew_limiter import Smoothing
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.session import Session
+    from pacinian.solving.problem import Limits
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Floats, Gains, Singles
+
+MIN_POWER = 1e-30  # that is divided by
+CACHE_BYTES = 32 << 20  # [bytes] of solutions of the steps of a modulation
+BETTER = 0.99  # of the error that a solution had when its time was up: so much less is worth another tick
+TRIES = 6  # in a row that may not help: one may have had no time, where others have the processor
+
+Step = tuple[object, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CachedSolution:
+    """Gains for some samples.
+
+    gains: at full envelope, (N,). voices: their amplitudes over time; None where they are in the gains.
+    parts: what each of more than one voice contributes, (voices + 1, N). solution: the evidence. samples:
+    what was asked. steady: whether it serves all times as it is. final: whether to solve again would be
+    in vain: the time was not up, or more of it did not help. vain: how often it has not, in a row.
+    """
+
+    gains: Gains
+    voices: EnvelopeGroups | None
+    parts: Gains | None
+    solution: Solution
+    samples: Samples
+    steady: bool
+    final: bool
+    vain: int = 0
+
+    @property
+    def nbytes(self) -> int:
+        """Of its gains."""
+        return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
+
+
+class Modulator:
+    """Turns samples into rows of gains.
+
+    session: solves. times: of a tick's rows from its begin, (K,) [s]. gap: from row to row [s]. skipped:
+    counts what was not needed, by reason. cycle: makes regions in several frames, if that may be.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        times: Floats,
+        gap: float,
+        smoothing: Smoothing,
+        skipped: Counter[str],
+        cycle: Cycle | None = None,
+    ) -> None:
+        self.session, self.skipped = session, skipped
+        self.switches = False
+        """Whether squares have steps: for a device that is on or off."""
+        self.smoother = SlewRateLimiter(smoothing, len(session.array))
+        self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
+        self.solved: list[CachedSolution] = []
+        """What sounds: one solution for all rows, or one for each."""
+        self.fresh: list[CachedSolution] = []
+        """Those that were solved for this tick."""
+        self.placed: CachedSolution | None = None
+        """The one whose points the propagator has; None where it may have others."""
+        self.cycle = cycle or Cycle(session)
+        self._row = 0  # number of the next row
+        self._key: tuple[object, ...] = ()
+        self._steps: dict[Step, CachedSolution] = {}
+        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
+        self._followed: list[CachedSolution] = []
+        self._before: CachedSolution | None = None  # whose envelopes what still fades has
+        self._span = 0  # rows that are left of a change
+        self._growth = 1.0
+        self._limited = False  # anew: what kept other limits may not fade
+        self._further = True  # with what there was no time for
+        self._several = False  # frames that sound in turn
+        self.retime(times, gap)
+
+    @property
+    def reach(self) -> ReachabilityFilter:
+        """Which samples sound can be sent to."""
+        return self.cycle.parts[0].reach
+
+    def retime(self, times: Floats, gap: float) -> None:
+        """Make rows at other times from the next tick on, as for a new player; what is solved stays."""
+        K, N = len(times), len(self.session.array)
+        self.times, self._gap = times, gap
+        self.steady = False
+        """Whether the next tick's rows are the last one of these, if nothing changes."""
+        self._carriers = np.zeros((K, N), dtype=np.complex64)
+        self._smooth = np.zeros((K, N), dtype=np.complex64)
+        self._rows = np.zeros((K, N), dtype=np.complex64)
+
+    def reset(self) -> None:
+        """Forget what was solved, and begin from silence."""
+        self._key, self._steps, self._limited = (), {}, False
+        self.solved, self._followed, self.placed, self._before = [], [], None, None
+        self.cycle.reset()
+        self.smoother.reset()
+
+    def solve(
+        self, samples: Samples, t: float, limits: Limits, deadline: float, further: bool = True
+    ) -> None:
+        """Bring the solutions up to date for the tick that begins at time t [s]; deadline: [s] from now.
+
+        further: whether to go on with what there was no time for.
+        """
+        self._further = further
+        key = samples, limits, self.session.solver
+        if self._key != key:
+            self._limited = self._limited or (bool(self._key) and self._key[1] is not limits)
+            self._key, self._steps, self._parts = key, {}, _parts(samples)
+            self._growth = _growth(samples)
+            alone = bool(self._parts[1]) or limits_join(limits)
+            self.cycle.begin(samples, 1 if alone else None)
+        self.fresh = []
+        base, parts = self._parts
+        self._several = self.cycle.count > 1
+        if self._several:
+            self.solved = self._in_turn(limits, deadline)
+            return
+        if not parts:
+            found = self._found((), base, t, limits, deadline)
+            self.cycle.consider(found)
+            self.solved = [found]
+            return
+        solved: list[CachedSolution] = []
+        for now in (t + self.times).tolist():
+            step = tuple(item.technique.step(now) for item, _ in parts)
+            kept = self._steps.get(step)
+            if kept is None or not self._done(kept):
+                row = join_samples([base, *(_presented(item, part, now) for item, part in parts)])
+                kept = self._found(step, row, t, limits, deadline / len(self.times))
+            else:
+                self.skipped["solve, step of a modulation known"] += 1
+            solved.append(kept)
+        self.solved = solved
+
+    def _done(self, kept: CachedSolution) -> bool:
+        """Whether what is kept will do for now."""
+        return kept.final or not self._further
+
+    def rows(self, t: float, ticks: int = 1) -> Gains:
+        """Gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
+
+        ticks: from one solution to the next one, over which a change is spread.
+        """
+        solved = self.solved
+        flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
+        flat = flat and not self._several
+        if flat:
+            self._smooth[:], self._before = self.smoother.gains, None
+            self.smoother.rest()
+        else:
+            self._follow(solved, ticks)
+        at, before = t + self.times, self._before
+        if flat:
+            self._even(solved[0], voice_amplitudes(solved[0], at, self.switches))
+        for n, one in enumerate(() if flat else solved):
+            own = slice(n, len(at), len(solved))  # its rows
+            a, s = voice_amplitudes(one, at[own], self.switches), self._smooth[own]
+            if before is None and one.parts is None:
+                self._rows[own] = a[0][:, None] * s
+                continue
+            sound, rest = split_by_voice(one, a, s)
+            if before is not None:
+                fading = voice_amplitudes(before, at[own], self.switches)
+                more, rest = split_by_voice(before, fading, rest)
+                sound += more
+            self._rows[own] = sound + mean_amplitude(one, a)[:, None] * rest
+        self._row += len(at)
+        self.steady = flat and solved[0].steady
+        return self._rows
+
+    def _even(self, one: CachedSolution, a: Singles) -> None:
+        """Write rows of which nothing fades. a: amplitudes of the voices, (V, K)."""
+        if one.parts is None:
+            np.multiply(a[0][:, None], self._smooth, out=self._rows)
+            return
+        g = one.gains
+        turn = np.vdot(g, self._smooth[0]) / max(float(np.vdot(g, g).real), MIN_POWER)
+        a = np.vstack([a, mean_amplitude(one, a)])
+        np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
+
+    def _follow(self, solved: list[CachedSolution], ticks: int) -> None:
+        carriers = self._carriers[: len(solved)]
+        for carrier, one in zip(carriers, solved, strict=True):
+            carrier[:] = one.gains
+        # a focus that is meant to jump is not held back, and new limits hold from the first row on
+        jumps = self._limited or bool(self._parts[1]) or self.cycle.count > 1
+        self.smoother.settings = self._jumps if jumps else self._smoothing
+        self._limited = False
+        if solved != self._followed:
+            self._span = ticks * len(self.times)
+            self._before = find_fading(self._followed, solved)
+        span = 1 if self.smoother.settings.rate is None else self._span
+        self.smoother.follow(carriers, self._gap, self._smooth, span, self._growth)
+        self._span -= len(self.times)
+        self._followed = solved
+
+    def _found(
+        self, step: Step, samples: Samples, t: float, limits: Limits, deadline: float
+    ) -> CachedSolution:
+        """The solution for `samples`, at hand or new.
+
+        Where limits join all gains (power, quiet zones, exact samples), gains cannot be put together from
+        each voice's: their mean strength over the tick is then solved for.
+        """
+        voices = EnvelopeGroups(samples)
+        P = samples.radiation_pressure
+        joint = len(voices) > 1 and limits_join(limits)
+        if joint:
+            strength = voices.strength(t + self.times).mean(axis=1)
+            P, step = P * strength[voices.index], (*step, strength.tobytes())
+        kept = self._steps.get(step)
+        if kept is not None and self._done(kept):
+            self.skipped["solve, nothing moved"] += 1
+            return kept
+        made = self._made(self.cycle.parts[0], samples, P, voices, joint, limits, deadline)
+        if kept is not None and made.solution.error > BETTER * kept.solution.error:
+            vain = kept.vain + 1
+            final = made.final or vain == TRIES
+            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
+        self.fresh.append(made)
+        self.placed = made
+        if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
+            self._steps = {}
+        self._steps[step] = made
+        return made
+
+    def _in_turn(self, limits: Limits, deadline: float) -> list[CachedSolution]:
+        """What each row plays where a few frames make what is asked: one of these is solved anew, if any needs it."""
+        cycle, samples = self.cycle, self.cycle.samples
+        part = cycle.due()
+        if part is None:
+            self.skipped["solve, nothing moved"] += 1
+        elif self._further or not cycle.sounding:
+            P, voices = samples.radiation_pressure, EnvelopeGroups(samples)
+            made = self._made(part, samples, P, voices, False, limits, deadline)
+            cycle.keep(part, made)
+            cycle.consider(made)
+            self.fresh.append(made)
+            self.placed = None
+        rows = (cycle.row(self._row + k) for k in range(len(self.times)))
+        return [solved for solved in rows if solved is not None]
+
+    def _made(
+        self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
+        deadline: float,
+    ) -> CachedSolution:  # fmt: skip
+        """A new solution for pressures P, (M,) [Pa], or for what the other parts of the cycle leave of them.
+
+        joint: whether the voices' strengths are in P already.
+        """
+        several = self.cycle.count > 1
+        q = samples.positions
+        sounded = (P > 0.0) | (samples.regions == BESIDE)
+        sounded &= part.reach.reachable(q, self.skipped)
+        if several:
+            sounded &= self.cycle.sounds(part)
+        index = voices.index
+        if limits.exact is not None:  # which of them, of those that are left
+            exact = limits.exact_mask(len(q))[sounded] if len(q) else None
+            limits = replace(limits, exact=exact)
+        if not sounded.all():
+            samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
+        facing, self.placed = None, None
+        if samples.capsules is not None and len(q):
+            facing = SkinFacing.of(samples.normals, samples.capsules)
+            P = P * part.reach.share(q, facing, self.skipped)
+        if several:
+            P = self.cycle.left(part, sounded, P, facing)
+        session = part.session
+        session.solver = self.session.solver
+        solution = session.solve(
+            q,
+            sound_pressure(P, session.medium),
+            limits=limits,
+            deadline=deadline,
+            facing=facing,
+            regions=samples.regions,
+        )
+        voices.index = index
+        parts = None
+        if len(voices) > 1 and not joint and len(q):
+            parts = split_contributions(solution, session.propagator, index, len(voices))
+        late = solution.late and solution.targets.regions is not None
+        final = not late and solution.status is not Status.deadline
+        steady, sounding = voices.steady and final, None if joint else voices
+        return CachedSolution(solution.gains, sounding, parts, solution, samples, steady, final)
+
+
+def limits_join(limits: Limits) -> bool:
+    """Whether limits join all gains, so that these cannot be put together from parts."""
+    return limits.power is not None or bool(limits.solver_limits)
+
+
+def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
+    """Samples that stay as they are, and those of each object that does not sound all of its own at once."""
+    items = samples.items
+    moving = [i for i in np.unique(samples.objects).tolist() if not items[i].technique.still]
+    if not moving:
+        return samples, []
+    parts = [(items[i], samples.only(samples.objects == i)) for i in moving]
+    return samples.only(~np.isin(samples.objects, moving)), parts
+
+
+def _growth(samples: Samples) -> float:
+    """How many times louder samples are at the most that their objects press with."""
+    P, most = samples.radiation_pressure.sum(), samples.most.sum()
+    return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
+
+
+def _presented(item: Object, samples: Samples, t: float) -> Samples:
+    return item.technique.present(samples, t, item.pose.matrix)

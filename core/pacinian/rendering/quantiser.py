@@ -1,0 +1,96 @@
+"""The last steps before the device: envelopes on gains, gains to device levels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.plugins.backend import Capability, Frame
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats, Gains, Levels, Singles
+
+
+def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
+    """Gains (N,) at K moments: the envelope, (K,), scales radiation pressure, so gains by its root.
+
+    out: (K, N).
+    """
+    np.multiply(np.sqrt(envelope).astype(np.float32)[:, None], gains, out=out)
+
+
+SURE = 1.0 / 256.0  # of a level; amplitudes this near to one are rounded to it
+PARTS = 4096  # of 0..1, in each of which the search for a level begins at another one
+
+
+def dither_thresholds(count: int) -> Singles:
+    """From how far below a level amplitudes are rounded up to it, 0..1, for N transducers: fixed dithering.
+
+    As many round up at each share of a level as should, in an order without a pattern. All that focus at one point
+    with one amplitude would else err alike, and their errors add up as their sound does.
+    """
+    order = np.random.PCG64(0).random_raw(count).argsort().argsort()
+    return (SURE + (1.0 - 2.0 * SURE) * (order + 0.5) / count).astype(np.float32)
+
+
+class Quantiser:
+    """Rounds gains to a device's levels, into one frame that is reused.
+
+    rows, columns: K and N of a frame.
+    """
+
+    def __init__(self, capability: Capability, rows: int, columns: int) -> None:
+        self.capability = capability
+        self._phase = np.zeros((rows, columns), dtype=np.uint16)
+        self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
+        self._dither = np.tile(dither_thresholds(columns), rows)
+        self._none = np.zeros_like(self._dither)
+        # apart, so that a look at what is emitted leaves the frame alone
+        self._look = np.zeros((2, columns), dtype=np.uint16)
+        self._made = np.zeros(columns, dtype=np.complex64)
+        turns = np.arange(capability.phases) / capability.phases
+        self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
+        self._size = capability.sizes.copy()  # kernels take none that is read-only
+        self._inverse = None if capability.even else invert_levels(self._size)
+
+    def frame(
+        self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
+    ) -> Frame:
+        """The frame for gains (K, N), no amplitude above `ceiling`, the gain limit; due at `time` [s].
+
+        down: round amplitudes down, so that a limit on power holds too.
+        """
+        self._round(
+            gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
+        )
+        return Frame(sequence, time, self._phase, self._amplitude)
+
+    def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
+        """What the device makes of gains (N,); the array is reused."""
+        from pacinian.native import rendering as kernels
+
+        phase, amplitude = self._look
+        self._round(gains, ceiling, down, phase, amplitude)
+        kernels.dequantise(phase, amplitude, self._unit, self._size, self._made)
+        return self._made
+
+    def _round(
+        self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels
+    ) -> None:
+        from pacinian.native import rendering as kernels
+
+        can, threshold = self.capability, self._none if down else self._dither
+        top, highest = len(self._size) - 1, can.highest(ceiling)
+        if self._inverse is None:
+            kernels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)
+        else:
+            kernels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
+
+
+def invert_levels(size: Singles) -> tuple[Singles, Singles, Levels]:
+    """What `levels.quantise_by` looks amplitudes up in: size, slope, first."""
+    slope = np.append(1.0 / np.diff(size.astype(np.float64)), 0.0).astype(np.float32)
+    starts = np.arange(PARTS + 1, dtype=np.float32) / np.float32(PARTS)
+    first = np.searchsorted(size, starts, side="right") - 1
+    return np.append(size, np.float32(np.inf)), slope, first.astype(np.uint16)

@@ -1,0 +1,89 @@
+"""Which samples sound can be sent to, and how much of what is sent presses on each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.array import Array
+from pacinian.acoustics.propagation import matrix
+from pacinian.checks import FAR
+from pacinian.errors import PointOnTransducer
+from pacinian.scene.sampling.array_resolution import WELL, grazing
+
+if TYPE_CHECKING:
+    from collections import Counter
+
+    from pacinian.acoustics.skin_facing import SkinFacing
+    from pacinian.session import Session
+    from pacinian.types import Flags, Floats
+
+TOUCHING = 1e-5  # [m]; a sample this near to a transducer is on it
+CELL, CELLS = 0.02, 10_000  # [m]; the power of the sound is asked for once in each
+MAX_SUBSET = 128  # transducers that stand for all in that
+MIN_PRESSURE = 1e-300
+
+
+class ReachabilityFilter:
+    """Of one session's array."""
+
+    def __init__(self, session: Session) -> None:
+        array = session.array
+        self._array, self._medium, self._propagator = array, session.medium, session.propagator
+        self._some = _choose_subset(array)
+        self._powers: dict[tuple[float, ...], float] = {}
+        away = np.abs(array.positions - self._propagator.origin)
+        self._extent = away.max(axis=0) + TOUCHING  # [m]
+
+    def reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
+        """Which of the points q, (M, 3) [m], sound can be sent to: not too far, and on no transducer."""
+        kept = np.ones(len(q), dtype=np.bool_)
+        if not len(q):
+            return kept
+        d = np.abs(q - self._propagator.origin)
+        if d.max() > FAR / 2.0:
+            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
+            skipped["samples out of reach"] += len(q) - int(kept.sum())
+        inside = (d <= self._extent).all(axis=1)
+        if self._medium.singular and inside.any():
+            for m in np.flatnonzero(inside):
+                r = self._array.positions - q[m]
+                if (r * r).sum(axis=1).min() < TOUCHING**2:  # no hand can be there
+                    kept[m] = False
+                    skipped["samples on a transducer"] += 1
+        return kept
+
+    def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
+        """The share of its pressure that each sample is asked for, by what of the sound presses on it, (M,)."""
+        self._propagator.set_points(q, facing)
+        seen = self._propagator.powers / self._free(q)
+        if seen.min() >= WELL:
+            return np.ones(len(q))
+        share = grazing(seen)
+        skipped["samples hardly reached"] += int((share < 0.5).sum())
+        return share
+
+    def _free(self, q: Floats) -> Floats:
+        """The power of all sound at points q, (M, 3) [m], if all of it pressed, (M,) [Pa^2]."""
+        cells = list(map(tuple, np.floor(q / CELL).tolist()))
+        if len(self._powers) > CELLS:
+            self._powers.clear()
+        new = [cell for cell in dict.fromkeys(cells) if cell not in self._powers]
+        if new:
+            middles = CELL * (np.array(new) + 0.5)
+            try:
+                B = matrix(self._some, middles, self._medium)
+            except PointOnTransducer:  # so near to it, all counts
+                return np.full(len(q), MIN_PRESSURE)
+            share = len(self._array) / len(self._some)
+            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
+            self._powers.update(zip(new, powers.tolist(), strict=True))
+        return np.array([self._powers[cell] for cell in cells])
+
+
+def _choose_subset(array: Array) -> Array:
+    """Of many transducers a few, from all over it."""
+    step = -(-len(array) // MAX_SUBSET)
+    r, n, s = array.positions[::step], array.normals[::step], array.responses[::step]
+    return Array(r, n, array.transducer, s)

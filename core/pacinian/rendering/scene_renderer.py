@@ -1,0 +1,45 @@
+"""A renderer from a scene file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pacinian.errors import ArgumentError, PluginError, SceneFileError
+from pacinian.plugins import registry
+from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.scene.file import Choice
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.solving.problem import Limits
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.plugins.registry import Kind
+    from pacinian.scene.file import SceneFile
+
+
+def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
+    """A renderer of a scene file's scene. Raises SceneFileError, with `path` and the key."""
+    solver = _make("solver", file.solver, path)
+    backend = _make("backend", file.backend, path)
+    try:
+        return Renderer(
+            file.array.make(),
+            file.scene,
+            medium=file.medium.make(),
+            solver=solver,
+            backend=backend,
+            rate=file.rate,
+            limits=Limits(gain=file.gain),
+            sampler=Sampler(file.sampling.budget, file.sampling.spacing, ramp=RAMP),
+        )
+    except ArgumentError as error:
+        raise SceneFileError(path, "", str(error)) from error
+
+
+def _make(kind: Kind, choice: str | Choice, path: Path | str) -> Any:
+    chosen = choice if isinstance(choice, Choice) else Choice(choice)
+    try:
+        return registry.installed().make(kind, chosen.name, dict(chosen.options))
+    except (PluginError, ArgumentError) as error:
+        raise SceneFileError(path, f"$.{kind}", str(error)) from error

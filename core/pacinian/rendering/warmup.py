@@ -1,0 +1,32 @@
+"""Before the first tick: compile and load what it needs, so that it is like the others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.scene.modulation.envelope import resolve
+from pacinian.session import Session
+
+if TYPE_CHECKING:
+    from pacinian.scene.scene import Scene
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Floats
+
+
+def try_out(session: Session) -> Solution:
+    """Solve for one point, then two on skin, with nothing kept of it. Raises what the solver raises."""
+    spare = Session(session.array, session.medium, session.solver)
+    points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
+    up = np.array([[0.0, 0.0, -1.0]] * 2)
+    spare.solve(points[:1], [1.0])
+    return spare.solve(points, [1.0, 1.0], facing=SkinFacing(up))
+
+
+def load_envelopes(scene: Scene, times: Floats) -> None:
+    """Load the envelopes of a scene, at a tick's rows' times (K,) [s]: a recorded wave takes 0.3 s."""
+    held = {id(item.envelope): resolve(item.envelope) for item in scene.objects}
+    for envelope in held.values():
+        envelope.at(times)

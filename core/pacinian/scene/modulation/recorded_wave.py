@@ -1,0 +1,148 @@
+"""Recorded waves as envelopes."""
+
+from __future__ import annotations
+
+import functools
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.checks import check_number, check_numbers
+from pacinian.errors import ArgumentError
+from pacinian.scene.modulation.wav import read_wav
+from pacinian.scene.modulation.waves import EDGE, between, between_edges
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats, Singles
+
+MAX_DURATION = 600.0  # [s]
+MAX_RATE = 1e6  # [Hz] of samples
+FINE = 16_000.0  # [Hz] at least, of the table: a device at 1, 2, 4 or 8 kHz mostly reads its very values
+FELT = 1000.0  # [Hz]; skin feels nothing above
+SMOOTH = 0.02  # [s]
+
+
+class Table(NamedTuple):
+    """A wave, ready to be read. values: in 0..1 and two more than it lasts. rate: [Hz]. duration: [s]."""
+
+    values: Singles
+    rate: float
+    duration: float
+
+
+class Wave(
+    Struct, frozen=True, forbid_unknown_fields=True, dict=True, tag_field="type", tag="wave"
+):
+    """A recorded wave: of a WAV file (8 to 32 bits, or float; the mean of its channels), or given here.
+
+    file: its path; in a scene file, from that file's folder. samples: x in -1..1 (more is clipped), at
+    `rate` [Hz]. loop: again and again, else once from t = 0 on, and nothing before and after: it comes and
+    goes within 1.5 ms.
+
+    mode: "waveform": the radiation pressure follows the wave itself, (1 + x) / 2. It is the default since
+    only it keeps the frequencies, and skin tells waves apart by these; silence is a steady half, which
+    is hardly felt. "loudness": it follows the wave's strength, |x| smoothed over 20 ms, 1 for a tone at
+    full scale; a vibration is then added by the technique (AM).
+
+    A waveform is low-passed once, below 1 kHz (down by 60 dB from there on; even to 900 Hz): that is all
+    that skin feels, and what a device at 2 kHz would fold down. At most 64 MiB and 600 s.
+    Raises ArgumentError; for a file when it is first used, by `duration` or `at`.
+    """
+
+    file: str = ""
+    samples: tuple[float, ...] = ()
+    rate: float | None = None
+    loop: bool = True
+    mode: Literal["waveform", "loudness"] = "waveform"
+
+    def __post_init__(self) -> None:
+        if self.mode not in ("waveform", "loudness"):
+            raise ArgumentError("mode", f'must be "waveform" or "loudness", not {self.mode!r}')
+        x = check_numbers("samples", self.samples, (None,))
+        force_setattr(self, "samples", tuple(x.tolist()))
+        force_setattr(self, "file", str(self.file))
+        if bool(self.file) == bool(len(x)):
+            raise ArgumentError("wave", "needs either a file or samples, and not both")
+        if bool(self.file) == (self.rate is not None):
+            raise ArgumentError("rate", "is needed with samples; a file has its own")
+        if self.rate is not None:
+            force_setattr(self, "rate", _rate("rate", self.rate, len(x)))
+
+    @property
+    def duration(self) -> float:
+        """How long it lasts [s]."""
+        return self._table.duration
+
+    def at(self, t: Floats) -> Floats:
+        """The factor at times t [s], same shape."""
+        values, rate, duration = self._table
+        if self.loop:
+            return between(values, (t % duration) * rate)
+        edge = min(EDGE, duration / 2.0)
+        within = between_edges(t, duration - edge, edge)
+        return within * between(values, np.clip(t, 0.0, duration) * rate)
+
+    @functools.cached_property
+    def _table(self) -> Table:
+        if self.rate is not None:
+            x = np.array(self.samples, dtype=np.float32)
+            return _table(x, self.rate, self.loop, self.mode)
+        try:
+            stat = Path(self.file).stat()
+        except (OSError, ValueError) as error:
+            raise ArgumentError("wave", f"{self.file} cannot be read: {error}") from error
+        return _load(self.file, stat.st_mtime_ns, stat.st_size, self.loop, self.mode)
+
+
+@functools.lru_cache(maxsize=16)
+def _load(file: str, time: int, size: int, loop: bool, mode: str) -> Table:
+    """The table of a file in its present state."""
+    rate, x = read_wav(file)
+    return _table(x, _rate(f"wave {file}", rate, len(x)), loop, mode)
+
+
+def _rate(name: str, rate: float, count: int) -> float:
+    """The rate of `count` samples [Hz], checked, and with it how long they last."""
+    rate = check_number(name, rate, low=1.0, high=MAX_RATE)
+    if not 0 < count <= MAX_DURATION * rate:
+        raise ArgumentError(name, f"must last up to {MAX_DURATION:g} s, not {count / rate:g} s")
+    return rate
+
+
+def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
+    """The table of samples x, (L,), in -1..1."""
+    from scipy.signal import oaconvolve
+
+    x = np.clip(x, -1.0, 1.0)
+    count, duration = len(x), len(x) / rate
+    up, down = max(1, math.ceil(FINE / rate)), max(1, int(rate // FINE))
+    if mode == "loudness":
+        x, h = np.abs(x), _hann(rate * up, max(SMOOTH, 2.0 / rate))
+    else:
+        h = _low_pass(rate * up, min(FELT, rate / 2.0))
+    beyond = len(h) // (2 * up) + 1 + 2 * down  # samples that the filter sees past either end
+    x = np.pad(x, beyond, mode="wrap" if loop else "constant")
+    stuffed = np.zeros(len(x) * up, dtype=np.float32)
+    stuffed[::up] = up * x
+    y = oaconvolve(stuffed, h, mode="same")[beyond * up :][: count * up + 2 * down : down]
+    y = np.pi / 2.0 * y if mode == "loudness" else (1.0 + y) / 2.0
+    return Table(np.clip(y, 0.0, 1.0).astype(np.float32), rate * up / down, duration)
+
+
+def _low_pass(rate: float, edge: float) -> Singles:
+    """A filter at `rate` [Hz]: even to 0.9 `edge` [Hz], nothing from there on."""
+    from scipy.signal import firwin, kaiserord
+
+    taps, beta = kaiserord(60.0, 0.1 * edge / (rate / 2.0))
+    h = firwin(taps | 1, 0.95 * edge, window=("kaiser", beta), fs=rate)
+    return np.asarray(h, dtype=np.float32)
+
+
+def _hann(rate: float, seconds: float) -> Singles:
+    """A smooth mean over `seconds` at `rate` [Hz]."""
+    h = np.hanning(2 * round(seconds * rate / 2.0) + 1)
+    return np.asarray(h / h.sum(), dtype=np.float32)

@@ -1,0 +1,107 @@
+"""Routes of a single focus that stands for all samples of an object in turn."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from pacinian.scene.modulation.tangent_plane import compute_weights, fit_plane
+from pacinian.scene.shapes.polyline import MIN_LENGTH, Polyline3D
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.shapes.curves import Curve
+    from pacinian.types import Floats
+
+DIGITS = 9  # of a metre
+
+Route: TypeAlias = "Callable[[int, int], Samples]"
+"""The focus at place i of n on a route."""
+
+
+def visit_one_by_one(samples: Samples) -> Route:
+    """From sample to sample, by a short tour from the lowest key on: for an equal time at each.
+
+    The focus has that sample's own radiation pressure. With more samples than places, some are left out.
+    """
+    from pacinian.scene.modulation import visit_order
+
+    by_key = np.argsort(samples.keys, kind="stable")
+    order = by_key[visit_order.order_through(np.ascontiguousarray(samples.positions[by_key]))]
+
+    @functools.cache
+    def stop(m: int) -> Samples:
+        return _named(samples.only(order[m : m + 1]))
+
+    return lambda i, n: stop(i * len(order) // n)
+
+
+def visit_around(samples: Samples, frame: Floats) -> Route:
+    """Around the samples: along their convex hull in their tangent plane, at constant speed.
+
+    From where the plane's x-axis points to, on towards y. frame: as for `plane`. The radiation pressure
+    is the samples' mean, weighted by itself: those that hardly press do not count.
+    """
+    from pacinian.scene.modulation import visit_order
+
+    w = compute_weights(samples)
+    centre, axes, _ = fit_plane(samples, w, frame)
+    flat = (samples.positions - centre) @ axes.T[:, :2]
+    corners = visit_order.order_around(flat, np.lexsort((flat[:, 1], flat[:, 0])))
+    ring = np.concatenate([corners, corners[:1]])
+    pieces = Polyline3D(np.concatenate([samples.positions[ring], samples.normals[ring]], axis=1))
+    mean, start = _mean(samples, w, np.zeros(3)), _start(flat[ring], pieces.arc)
+    length = max(pieces.length, MIN_LENGTH)
+
+    def focus(i: int, n: int) -> Samples:
+        here = pieces.at(np.array([(start + length * i / n) % length]))
+        position, normal = here[:, :3], here[:, 3:]
+        size = np.sqrt((normal * normal).sum())
+        return replace(mean, positions=position, normals=normal / size if size else normal)
+
+    return focus
+
+
+def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
+    """Along a curve in the samples' tangent plane, about their centre.
+
+    frame: as for `plane`. The radiation pressure is as for `visit_around`.
+    """
+    w = compute_weights(samples)
+    centre, axes, normal = fit_plane(samples, w, frame)
+    mean = _mean(samples, w, normal)
+    return lambda i, n: replace(mean, positions=centre + curve.at(np.array([i / n])) @ axes)
+
+
+def _named(one: Samples) -> Samples:
+    """One sample with the key of its object's focus: always the same, and no other sample's."""
+    return replace(one, keys=np.asarray(-1 - one.objects, dtype=np.int64))
+
+
+def _mean(samples: Samples, w: Floats, normal: Floats) -> Samples:
+    """One sample for all, with weights w, (M,), and a normal, (3,)."""
+    return replace(
+        _named(samples.only(np.zeros(1, dtype=np.intp))),
+        radiation_pressure=np.array([w @ samples.radiation_pressure]),
+        normals=normal[None],
+        area=np.array([w @ samples.area]),
+    )
+
+
+def _start(ring: Floats, arc: Floats) -> float:
+    """How far along a ring of corners, (C + 1, 2) [m], it passes the x-axis through its middle.
+
+    arc: the length up to each corner, (C + 1,) [m]. Corners on a side move neither that nor the middle.
+    """
+    d = ring[1:] - ring[:-1]
+    sides = np.sqrt((d * d).sum(axis=1))
+    middle = sides @ (ring[1:, 1] + ring[:-1, 1]) / (2.0 * max(sides.sum(), MIN_LENGTH))
+    y = np.round(ring[:, 1] - middle, DIGITS)
+    i = int(((y[:-1] <= 0.0) & (y[1:] > 0.0)).argmax())
+    rise = y[i + 1] - y[i]
+    return float(arc[i] + (-y[i] / rise if rise > 0.0 else 0.5) * (arc[i + 1] - arc[i]))

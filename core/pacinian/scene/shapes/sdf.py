@@ -1,0 +1,184 @@
+"""Shapes given by a signed-distance function, and samples of any solid: on its shell, and inside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import force_setattr
+
+from pacinian.acoustics.pose import Vector, vector
+from pacinian.checks import check_length
+from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.local_samples import LocalSamples, sample_grid
+from pacinian.scene.shapes.poisson_disk import APART, thin_out
+from pacinian.types import Floats
+
+if TYPE_CHECKING:
+    from pacinian.types import Indices
+
+STEPS = 5
+ON = 0.01  # share of the spacing within which a projected point is on the shell
+CELLS = 50_000  # of a box that holds a solid, to measure its area
+
+
+class Solid(Protocol):
+    """What a volume needs of its shape."""
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        ...
+
+    @property
+    def extent(self) -> Vector:
+        """Half the size of a box about the origin that holds it [m]."""
+        ...
+
+    @property
+    def bounding_radius(self) -> float:
+        """Distance of its farthest point from its origin [m], at most."""
+        ...
+
+    def distance(self, points: Floats) -> Floats:
+        """Signed distance of points, (K, 3), (K,) [m]; negative inside."""
+        ...
+
+    def sample_surface(self, spacing: float) -> LocalSamples:
+        """Samples of its shell, about `spacing` [m] apart."""
+        ...
+
+
+class SDF(Struct, frozen=True, eq=False, dict=True):
+    """A volume given by a signed-distance function.
+
+    function: points, (K, 3) [m], to distances, (K,) [m], negative inside. extent: half the size of a
+    box about the origin that holds it [m]. Raises ArgumentError.
+    """
+
+    function: Callable[[Floats], Floats]
+    extent: Vector
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "extent", vector("extent", self.extent))
+        for half in self.extent:
+            check_length("extent", half)
+
+    @property
+    def area(self) -> float:
+        """[m^2], measured on a grid: an estimate."""
+        return self._area
+
+    @cached_property
+    def _area(self) -> float:
+        return measure_solid(self)
+
+    @property
+    def bounding_radius(self) -> float:
+        """Distance of its farthest point from its origin [m], at most."""
+        return math.hypot(*self.extent)
+
+    def distance(self, points: Floats) -> Floats:
+        """Signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
+        d = np.asarray(self.function(points), dtype=np.float64)
+        if d.shape != (len(points),) or not np.isfinite(d).all():
+            raise ArgumentError(
+                "function",
+                f"must give one finite distance a point, shape ({len(points)},), not shape {d.shape}, "
+                f"{np.isfinite(d).sum()} of {d.size} finite",
+            )
+        return d
+
+    def sample_surface(self, spacing: float) -> LocalSamples:
+        """Points of a fine grid near the shell, projected on it and thinned to `spacing` [m]."""
+        return sample_solid(self, spacing)
+
+
+def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
+    """Points of a fine grid near a shell, projected on it by Newton steps and thinned to `spacing` [m]."""
+    extent = np.array(solid.extent)
+    points, area = _near(solid, spacing / 3.0, -extent, extent)
+    for _ in range(STEPS):
+        d, slope = solid.distance(points)[:, None], gradient(solid, points)
+        points = points - d * slope / np.maximum((slope**2).sum(axis=1, keepdims=True), 0.25)
+    held = (np.abs(points) <= extent + ON * spacing).all(axis=1)
+    on = held & (np.abs(solid.distance(points)) < ON * spacing)
+    points, area = points[on], area[on]
+    kept = thin_out(points, APART * spacing)
+    area = share_area(points, area, kept)
+    return LocalSamples(
+        points[kept], normalise(gradient(solid, points[kept])), scale_shell(area, solid.area)
+    )
+
+
+def measure_solid(solid: Solid) -> float:
+    """The area of a shell [m^2], by the cells of a grid that it passes through: an estimate."""
+    low, high = -np.array(solid.extent), np.array(solid.extent)
+    area = np.zeros(0)
+    for _ in range(2):  # in its own box, then in the part of it where the shell is
+        step = math.cbrt(float((high - low).prod()) / CELLS)
+        points, area = _near(solid, step, low, high)
+        if not len(points):
+            break
+        low, high = points.min(axis=0), points.max(axis=0)
+    return float(area.sum())
+
+
+def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Points of a grid near a shell, and its area in the cell about each: (K, 3) [m], (K,) [m^2].
+
+    Engquist, Tornberg and Tsai, "Discretization of Dirac delta functions in level set methods", 2005.
+    """
+    x, y, z = (high - low) / 2.0 + 2.0 * step
+    points = sample_grid((x, y, z), step) + (low + high) / 2.0
+    cell = 8.0 * x * y * z / len(points)  # [m^3]
+    d = np.abs(solid.distance(points))
+    near = d < math.sqrt(3.0) * math.cbrt(cell)
+    points, slope = points[near], gradient(solid, points[near])
+    width = np.maximum(math.cbrt(cell) * np.abs(slope).sum(axis=1), 1e-30)
+    delta = np.maximum(1.0 - d[near] / width, 0.0) / width
+    return points, cell * delta * np.sqrt((slope**2).sum(axis=1))
+
+
+def sample_interior(solid: Solid, spacing: float) -> LocalSamples:
+    """A centred grid inside of a volume, `spacing` [m] apart; normals away from its middle.
+
+    The area of each sample is spacing^2.
+    """
+    points = sample_grid(solid.extent, spacing)
+    points = points[solid.distance(points) < 0.0]
+    return LocalSamples(
+        points, normalise(gradient(solid, points)), np.full(len(points), spacing**2)
+    )
+
+
+def gradient(solid: Solid, points: Floats, step: float = 1e-5) -> Floats:
+    """Gradient of the distance at points, (K, 3), by central differences over `step` [m]."""
+    slopes = [solid.distance(points + e) - solid.distance(points - e) for e in step * np.eye(3)]
+    return np.stack(slopes, axis=-1) / (2.0 * step)
+
+
+def normalise(directions: Floats) -> Floats:
+    """Directions, (K, 3), made unit; those of no length stay zero."""
+    size = np.sqrt((directions**2).sum(axis=1, keepdims=True))
+    return directions / np.where(size > 0.0, size, 1.0)
+
+
+def share_area(points: Floats, area: Floats, kept: Indices) -> Floats:
+    """Area of those points that are kept: each also has that of the others that are nearest to it."""
+    from scipy.spatial import KDTree
+
+    if not len(kept):
+        return np.empty(0)
+    nearest = KDTree(points[kept]).query(points)[1]
+    return np.bincount(nearest, area, len(kept)).astype(np.float64)
+
+
+def scale_shell(area: Floats, total: float) -> Floats:
+    """Areas made to sum to a total [m^2]; where they are all zero, equal ones."""
+    area = area if area.any() else np.ones_like(area)
+    return area * (total / max(float(area.sum()), 1e-300))

@@ -1,0 +1,54 @@
+"""A quiet zone: what is asked. How it is kept: `nulls`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.checks import check_number, check_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.types import Flags, Floats
+
+MAX_RADIUS = 10.0  # [m], a zone's radius at most
+LOOKED_AT = 2048  # points of a zone at a time
+GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of points that spread evenly in a cube
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A ball that stays quiet: the sound pressure is at most `pressure` [Pa] everywhere in it, in free air.
+
+    position: its centre [m]. radius: [m]; 0 for a point. Nothing can be felt in it. Raises ArgumentError.
+    """
+
+    position: tuple[float, float, float]
+    pressure: float
+    radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        x, y, z = check_numbers("zone.position", self.position, (3,)).tolist()
+        force = object.__setattr__
+        force(self, "position", (x, y, z))
+        force(self, "radius", check_number("zone.radius", self.radius, low=0.0, high=MAX_RADIUS))
+        force(self, "pressure", check_number("zone.pressure", self.pressure, low=0.0, above=True))
+
+    def holds(self, points: Floats) -> Flags:
+        """Which points, (M, 3) [m], are in it."""
+        return np.asarray(np.linalg.norm(points - np.array(self.position), axis=1) <= self.radius)
+
+    def places(self) -> Iterator[Floats]:
+        """Points of it, (K, 3) [m], again and again others; half of them on its surface."""
+        count, k = (LOOKED_AT if self.radius else 1), 0
+        while True:
+            u = np.modf((np.arange(k, k + count)[:, None] + 0.5) * GOLDEN)[0]
+            k += count
+            z, angle = 2.0 * u[:, 0] - 1.0, 2.0 * np.pi * u[:, 1]
+            across = np.sqrt(1.0 - z * z)
+            ways = np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=1)
+            away = np.where(np.arange(count) % 2 == 0, 1.0, np.cbrt(u[:, 2]))
+            yield np.array(self.position) + self.radius * away[:, None] * ways

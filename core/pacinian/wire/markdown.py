@@ -1,0 +1,93 @@
+"""The wire as a page to read: prose from page.md, tables from the message classes."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, get_args
+
+from pacinian.wire import commands, control, objects, protocol, replies, shapes, state, time
+from pacinian.wire.message_docs import GROUPS, describe_fields, name_class, summarise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from msgspec import Struct
+
+    Kinds = Iterable[type[Struct]]
+
+LEASE = 0.25  # [s], unless configured otherwise
+
+
+def make_page() -> str:
+    """The page, in Markdown."""
+    text = (files("pacinian.wire") / "page.md").read_text(encoding="utf-8")
+    parts = _parts()
+    return re.sub(r"\{\{(.+?)\}\}", lambda match: parts[match[1]], text)
+
+
+def _parts() -> dict[str, str]:
+    shown: set[type[Struct]] = set()
+
+    def sections(kinds: Kinds, base: type[Struct] | None = None) -> str:
+        new = [kind for kind in kinds if kind not in shown]
+        shown.update(new)
+        return "\n\n".join(_section(kind, base) for kind in new)
+
+    made = {
+        "version": f"{protocol.MAJOR}.{protocol.MINOR}",
+        "lease": f"{LEASE:g}",
+        "codes": _meanings("code", replies.CODES),
+        "outputs": _meanings("output", state.OUTPUTS),
+        "presets": ", ".join(f'`"{name}"`' for name in get_args(time.PresetName)),
+        "command fields": _table(commands.Command),
+        "commands": sections(commands.COMMANDS, commands.Command),
+        "command parts": sections([commands.HandFrame, commands.Zone]),
+        "request fields": _table(control.Request),
+        "controls": sections([*control.CONTROLS, control.Choice], control.Request),
+        "reply fields": _table(replies.Reply),
+        "replies": sections([*replies.REPLIES, replies.Plugin, replies.Sound], replies.Reply),
+        "states": sections([*state.STATES, state.ClientState]),
+        "felt fields": _table(objects.Felt),
+        "objects": sections(objects.OBJECTS, objects.Felt),
+        "object parts": sections([shapes.Pose, objects.Texture, objects.Material, objects.Motion]),
+        "shells": sections(_kinds(shapes.Shell)),
+        "solids": sections(_kinds(shapes.Solid)),
+        "curves": sections(_kinds(shapes.Curve)),
+        "envelopes": sections(_kinds(time.Envelope)),
+        "techniques": sections(_kinds(time.Technique)),
+    }
+    limits = {
+        name: f"{getattr(protocol, name):,}" for name in ("MAX_COMMAND_BYTES", "MAX_CONTROL_BYTES")
+    }
+    return made | limits | {f"group {name}": _links(group) for name, group in GROUPS.items()}
+
+
+def _kinds(group: Any) -> list[type[Struct]]:
+    """The classes of a union."""
+    return [kind for kind in get_args(group) if isinstance(kind, type)]
+
+
+def _links(group: Any) -> str:
+    return ", ".join(
+        f"[`{name_class(kind)}`](#{name_class(kind).lower()})" for kind in _kinds(group)
+    )
+
+
+def _section(kind: type[Struct], base: type[Struct] | None) -> str:
+    inherited = base if base and issubclass(kind, base) else None
+    return f"### `{name_class(kind)}`\n\n{summarise(kind)}\n\n{_table(kind, inherited)}".rstrip()
+
+
+def _table(kind: type[Struct], base: type[Struct] | None = None) -> str:
+    said = describe_fields(kind, but=base)
+    if not said:
+        return ""
+    rows = [("field", "type", "bounds", "default", "meaning"), ("---",) * 5]
+    rows += [(f"`{s.name}`", s.type, s.bounds, s.default or "needed", s.meaning) for s in said]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _meanings(title: str, words: Mapping[Any, str]) -> str:
+    rows = [f"| `{word}` | {meaning} |" for word, meaning in words.items()]
+    return "\n".join([f"| {title} | meaning |", "| --- | --- |", *rows])

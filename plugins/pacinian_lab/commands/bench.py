@@ -1,0 +1,240 @@
+"""`pacinian bench`: run time against error."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from pacinian_lab.commands.bench_devices import devices
+from pacinian_lab.commands.bench_expiry import expiry
+from pacinian_lab.commands.bench_faults import faults, hostile
+from pacinian_lab.commands.bench_regions import regions
+from pacinian_lab.commands.bench_scenes import scenes
+from pacinian_lab.commands.bench_server import bus
+from pacinian_lab.commands.bench_view import view
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from pacinian_lab.solvers.problems import Problem
+    from pacinian_lab.solvers.rows import Row
+    from pacinian_lab.solvers.worker_process import Worker
+
+# units, points, levels, seeds, seconds
+NORMAL = ([1, 4, 9], [4, 16, 64], [0.5, 1.0], 3, 0.1)
+QUICK = ([1, 9], [4, 16], [0.5, 1.0], 1, 0.02)
+LARGE = ([9], [256, 1024], [0.5, 1.0], 1, 1.0)
+
+
+def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
+    """A callback that reads values with commas between them."""
+
+    def read(context: click.Context, parameter: click.Parameter, text: str | None) -> Any:
+        try:
+            return None if text is None else [kind(part.strip()) for part in text.split(",")]
+        except ValueError as error:
+            raise click.BadParameter(f"{text!r} is no list of numbers: {error}") from error
+
+    return read
+
+
+@click.group(invoke_without_command=True)
+@click.option("--quick", is_flag=True, help="Few problems and one thread: some seconds.")
+@click.option("--large", is_flag=True, help="256 and 1024 points before 9 units instead.")
+@click.option("--solvers", callback=several(str), help="Of ours only these.  [default: all]")
+@click.option(
+    "--units", callback=several(int), help="AUTD units, square numbers.  [default: 1,4,9]"
+)
+@click.option("--points", callback=several(int), help="Numbers of points.  [default: 4,16,64]")
+@click.option(
+    "--levels",
+    callback=several(float),
+    help="2-norm of the targets over what one focus could reach.  [default: 0.5,1.0]",
+)
+@click.option("--seeds", type=click.IntRange(1), help="Problems of each kind.  [default: 3]")
+@click.option(
+    "--threads", callback=several(int), help="Allowed, each in turn.  [default: 1 and all]"
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0.0, 600.0),
+    help="How long one solver is measured on one problem.  [default: 0.1]",
+)
+@click.option(
+    "--limit",
+    type=click.FloatRange(0.1),
+    default=60.0,
+    show_default=True,
+    help="Seconds after which it is given up there.",
+)
+@click.option(
+    "--peers",
+    is_flag=False,
+    flag_value="",
+    metavar="[DIR]",
+    help="Also autd3, AcousTools and levitate, from the environments that `.ci/peers` builds in DIR.",
+)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("bench"),
+    show_default=True,
+    help="Folder for bench.csv, bench.json and the pictures.",
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+@click.pass_context
+def bench(
+    context: click.Context,
+    /,
+    quick: bool,
+    large: bool,
+    solvers: list[str] | None,
+    threads: list[int] | None,
+    limit: float,
+    peers: str | None,
+    out: Path,
+    as_json: bool,
+    **chosen: Any,
+) -> None:
+    """Measure run time against error: every installed solver, cold and warm, on random problems.
+
+    Each contestant runs in a process of its own, with one thread and with all, and is evaluated by the
+    same plain NumPy code in double precision. Rows are written as they come: Ctrl-C keeps them.
+    """
+    if context.invoked_subcommand is not None:
+        _alone(context)
+        return
+    from pacinian.plugins.registry import installed
+    from pacinian_lab.solvers import report, run
+    from pacinian_lab.solvers.problems import problems
+
+    preset = LARGE if large else QUICK if quick else NORMAL
+    for name, value in zip(("units", "points", "levels", "seeds", "seconds"), preset, strict=True):
+        chosen[name] = value if chosen[name] is None else chosen[name]
+    todo = problems(chosen["units"], chosen["points"], chosen["levels"], chosen["seeds"])
+    for name in solvers or ():
+        installed().find("solver", name)
+    allowed = set(threads or ({1} if quick else {1, run.cores()}))
+    if min(allowed) < 1:
+        raise click.BadParameter("must be 1 or more", param_hint="--threads")
+    workers = run.workers(sorted(allowed), _root(peers))
+    _make(out)
+    try:
+        rows, interrupted = _measure(workers, solvers, todo, chosen["seconds"], limit, out)
+    finally:
+        for worker in workers:
+            worker.close()
+    found = report.plain(rows, workers, interrupted=interrupted, limit=limit, **chosen)
+    (out / "bench.json").write_text(json.dumps(found), encoding="utf-8")
+    files = [out / "bench.csv", out / "bench.json", *_draw(rows, out)]
+    if as_json:
+        click.echo(json.dumps({**found, "files": [str(file) for file in files]}))
+    else:
+        _print(rows)
+        for file in files:
+            click.echo(f"wrote {file}")
+    if interrupted:
+        raise SystemExit(130)
+
+
+def _alone(context: click.Context) -> None:
+    """Refuse options of this command before a command of its own, which has others."""
+    for name in context.params:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise click.UsageError(f"give options after `{context.invoked_subcommand}`, not before")
+
+
+def _root(given: str | None) -> Path | None:
+    """The folder of the peers' environments, None where none are asked for."""
+    from pacinian_lab.solvers import peers
+
+    if given is None:
+        return None
+    root = Path(given) if given else peers.folder()
+    missing = [peer for peer in peers.PEERS if peers.python(root, peer) is None]
+    if len(missing) == len(peers.PEERS):
+        raise click.UsageError(peers.advice(root, missing))
+    if missing:
+        click.echo(peers.advice(root, missing), err=True)
+    return root
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise click.BadParameter(str(error), param_hint="--out") from error
+
+
+def _measure(
+    workers: Sequence[Worker],
+    solvers: Sequence[str] | None,
+    todo: Sequence[Problem],
+    seconds: float,
+    limit: float,
+    out: Path,
+) -> tuple[list[Row], bool]:
+    """The rows, and whether Ctrl-C ended it."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.solvers import run
+    from pacinian_lab.solvers.rows import Writer
+
+    rows: list[Row] = []
+    bar = Progress(console=Console(stderr=True), transient=True, refresh_per_second=2)
+    with bar, Writer(out / "bench.csv") as writer:
+        task = bar.add_task("starting", total=None)
+        try:
+            entries = run.entries(workers, solvers, bar.console.print)
+            run.warm_up(entries)
+            bar.update(task, total=len(entries) * len(todo))
+            for row in run.measure(entries, todo, seconds, limit):
+                writer.write(row)
+                rows.append(row)
+                done = f"N {row.N}, M {row.M}, level {row.level:g}"
+                bar.update(task, advance=1, description=done)
+        except KeyboardInterrupt:
+            return rows, True
+    return rows, False
+
+
+def _draw(rows: Sequence[Row], out: Path) -> list[Path]:
+    from pacinian.errors import MissingExtra
+    from pacinian_lab.solvers.plots import draw
+    from pacinian_lab.solvers.summary import cells
+
+    try:
+        return draw(cells(rows), out)
+    except MissingExtra as error:
+        click.echo(f"no pictures: {error}", err=True)
+        return []
+
+
+def _print(rows: Sequence[Row]) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.solvers import tables
+    from pacinian_lab.solvers.summary import cells, growth
+    from pacinian_lab.solvers.targets import verdicts
+
+    found = cells(rows)
+    console = Console()
+    shown = [*tables.results(found), tables.updates(found), tables.resources(rows)]
+    if lines := growth(found):
+        shown.append(tables.exponents(lines))
+    for table in (*shown, tables.verdicts(verdicts(rows))):
+        console.print(table)
+        console.print()
+    for cell in found:
+        if cell.note:
+            place = f"N {cell.N}, M {cell.M}, level {cell.level:g}"
+            console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
+
+
+for command in (scenes, regions, bus, view, devices, expiry, faults, hostile):
+    bench.add_command(command)

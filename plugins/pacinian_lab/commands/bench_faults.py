@@ -1,0 +1,95 @@
+"""`pacinian bench faults` and `pacinian bench hostile`: the server, broken and flooded."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from pacinian_lab.server.faults.run import Row
+
+
+@click.command()
+@click.option(
+    "--repeats", type=click.IntRange(1), default=5, show_default=True, help="Of each fault."
+)
+@click.option("--only", "words", multiple=True, help="Faults with this word, again for more.")
+@click.option(
+    "--busy", type=click.IntRange(0), default=0, help="Beside so many processes that never wait."
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON list instead of a table.")
+def faults(repeats: int, words: tuple[str, ...], busy: int, as_json: bool) -> None:
+    """Break a real server in every known way: time to silence, time to sound again.
+
+    Clients, the server's processes and devices are killed, stopped, frozen, cut off and unplugged while a game
+    sounds. A test device writes down what it is told, so that times are those of the last link of the chain.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.server.faults.run import FAULTS, measure
+    from pacinian_lab.server.faults.tables import faults as table
+
+    chosen = [f for f in FAULTS if not words or any(word in f.name for word in words)]
+    if not chosen:
+        raise click.BadParameter("no fault has that word", param_hint="--only")
+    rows: list[Row] = []
+    with Progress(console=Console(stderr=True), transient=True, refresh_per_second=2) as bar:
+        task = bar.add_task("starting", total=len(chosen))
+        for row in measure(chosen, repeats, busy):
+            rows.append(row)
+            bar.update(task, advance=1, description=row.fault)
+    if as_json:
+        click.echo(json.dumps([asdict(row) for row in rows]))
+    else:
+        Console().print(table(rows))
+        for row in rows:
+            for note in (f"bound: {row.stated}", *row.notes):
+                click.echo(f"- {row.fault}: {note}")
+    if any(row.failed for row in rows):
+        raise SystemExit(1)
+
+
+@click.command()
+@click.option(
+    "--messages", type=click.IntRange(1), default=1_000_000, show_default=True, help="In all."
+)
+@click.option(
+    "--seconds", type=click.FloatRange(1.0), default=300.0, show_default=True,
+    help="After which no more are sent.",
+)  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="The same is spoiled alike.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+def hostile(messages: int, seconds: float, seed: int, as_json: bool) -> None:
+    """Send a real server what nobody should: spoiled messages, raw bytes, other protocols.
+
+    A game sounds meanwhile. In turn with the flood there is as much work beside the server that it sees nothing
+    of: what gaps that makes are the machine's doing.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.server.fuzz import run, tables
+
+    with Progress(console=Console(stderr=True), transient=True, refresh_per_second=2) as bar:
+        task = bar.add_task("messages", total=messages)
+        found = run.run(messages, seconds, seed, lambda done: bar.update(task, completed=done))
+    judged = tables.verdicts(found)
+    if as_json:
+        told: dict[str, Any] = {
+            "sent": found.flooded.sent, "codes": found.flooded.codes, "counts": found.counts,
+            "growth": found.growth,
+            "verdicts": [verdict._asdict() for verdict in judged],
+        }  # fmt: skip
+        click.echo(json.dumps(told))
+    else:
+        console = Console()
+        shown = (tables.phases, tables.sent, tables.refused, tables.memory, tables.judged)
+        for made in shown:
+            console.print(made(found))
+            console.print()
+    if not all(verdict.met for verdict in judged[1:]):
+        raise SystemExit(1)

@@ -1,0 +1,178 @@
+"""`pacinian bench regions`: how evenly surfaces and volumes press."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.array import Array
+    from pacinian_lab.regions.peers import Peers
+
+
+@click.command()
+@click.option(
+    "--units", type=int, default=9, show_default=True, help="AUTD units, a square number."
+)
+@click.option(
+    "--shape", "chosen", multiple=True, metavar="NAME", help="Only this one, again for more."
+)
+@click.option(
+    "--solver", "solvers", multiple=True, metavar="NAME", help="Also this one, again for more."
+)
+@click.option(
+    "--strength", "strengths", multiple=True, type=click.FloatRange(0.0, 10.0, min_open=True),
+    help="Of the strongest even field, again for more.  [default: 0.25, 0.5, 1]",
+)  # fmt: skip
+@click.option(
+    "--peers", is_flag=False, flag_value="", metavar="[DIR]",
+    help="Also autd3's gspat and greedy, from the environment that `.ci/peers` builds in DIR.",
+)  # fmt: skip
+@click.option(
+    "--cost", is_flag=True,
+    help="Measure instead what a region of 60, 120 and 250 samples costs on 1 and 9 units.",
+)  # fmt: skip
+@click.option(
+    "--contacts", is_flag=True,
+    help="Measure instead what a hand feels of balls and an edge that it touches.",
+)  # fmt: skip
+@click.option(
+    "--pictures", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
+    help="Draw the shapes into this folder instead, at half of the strongest even field.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON list instead of tables.")
+def regions(
+    units: int,
+    chosen: tuple[str, ...],
+    solvers: tuple[str, ...],
+    strengths: tuple[float, ...],
+    peers: str | None,
+    cost: bool,
+    contacts: bool,
+    pictures: Path | None,
+    as_json: bool,
+) -> None:
+    """Measure how evenly surfaces and volumes press, at places that no solver was given.
+
+    Each shape is made by regions, by foci of free phase 8.5 and 4.25 mm apart, and by one focus that sweeps it, whose
+    mean counts. docs/regions.md explains the figures.
+    """
+    from pacinian.acoustics.array import autd
+    from pacinian.plugins.registry import installed
+    from pacinian_lab.regions.shapes import SHAPES
+
+    side = math.isqrt(max(units, 0))
+    if side * side != units or not units:
+        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}", param_hint="--units")
+    for name in chosen:
+        if name not in SHAPES:
+            raise click.BadParameter(
+                f"{name!r} is none of {'; '.join(SHAPES)}", param_hint="--shape"
+            )
+    for name in solvers:
+        installed().find("solver", name)
+    names = chosen or tuple(SHAPES)
+    if cost:
+        _measure_cost(as_json)
+    elif contacts:
+        _measure_contacts(autd(side, side), as_json)
+    elif pictures is not None:
+        _draw(autd(side, side), names, pictures)
+    else:
+        with contextlib.ExitStack() as stack:
+            asked = (
+                None
+                if peers is None
+                else stack.enter_context(contextlib.closing(_start_peers(peers, side)))
+            )
+            _measure(autd(side, side), names, solvers, strengths, asked, as_json)
+
+
+def _measure(
+    array: Array,
+    names: tuple[str, ...],
+    solvers: tuple[str, ...],
+    strengths: tuple[float, ...],
+    peers: Peers | None,
+    as_json: bool,
+) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.regions.run import STRENGTHS, measure
+    from pacinian_lab.regions.tables import tabulate
+
+    console, every = Console(), list[dict[str, Any]]()
+    for name in names:
+        rows = list(measure(array, name, solvers, strengths or STRENGTHS, peers))
+        every += [_plain(row._asdict()) for row in rows]
+        for table in () if as_json else tabulate(rows):
+            console.print(table)
+            console.print()
+    if as_json:
+        click.echo(json.dumps(every))
+
+
+def _plain(row: dict[str, Any]) -> dict[str, Any]:
+    """A row as JSON knows it: null for NaN."""
+    return {
+        name: None if isinstance(value, float) and math.isnan(value) else value
+        for name, value in row.items()
+    }
+
+
+def _start_peers(given: str, side: int) -> Peers:
+    """Start autd3's process. Raises UsageError, with the command that installs it, where it is missing."""
+    from pacinian_lab.regions.peers import PEER, Peers
+    from pacinian_lab.solvers import peers
+    from pacinian_lab.solvers.worker_process import Worker
+
+    root = Path(given) if given else peers.folder()
+    python = peers.python(root, PEER)
+    if python is None:
+        raise click.UsageError(peers.advice(root, [PEER]))
+    return Peers(Worker.of(PEER, str(python), threads=1), side)
+
+
+def _measure_cost(as_json: bool) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.regions.cost import measure_cost
+    from pacinian_lab.regions.tables import tabulate_cost
+
+    costs = list(measure_cost())
+    if as_json:
+        click.echo(json.dumps([cost._asdict() for cost in costs]))
+    else:
+        Console().print(tabulate_cost(costs))
+
+
+def _measure_contacts(array: Array, as_json: bool) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.regions.contacts import measure_contacts
+    from pacinian_lab.regions.tables import tabulate_contacts
+
+    found = list(measure_contacts(array))
+    if as_json:
+        click.echo(json.dumps([contact._asdict() for contact in found]))
+        return
+    console = Console()
+    for table in tabulate_contacts(found):
+        console.print(table)
+        console.print()
+
+
+def _draw(array: Array, names: tuple[str, ...], folder: Path) -> None:
+    from pacinian_lab.regions.pictures import draw
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise click.BadParameter(str(error), param_hint="--pictures") from error
+    for path in draw(array, names, folder):
+        click.echo(f"wrote {path}")

@@ -1,0 +1,192 @@
+"""`pacinian bench scenes`: the built-in scenes at 1 kHz."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.acoustics.array import Array
+    from pacinian_lab.scenes.audibility import Sound
+    from pacinian_lab.scenes.growth import Growth
+    from pacinian_lab.scenes.run import Row
+    from pacinian_lab.scenes.savings import Saving
+
+TICKS = 60  # of each side of a comparison, for each second of a scene
+
+
+def names(
+    context: click.Context, parameter: click.Parameter, given: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Names of scenes, all unless given."""
+    from pacinian.gallery import SCENES
+
+    for name in given:
+        if name not in SCENES:
+            raise click.BadParameter(f"{name!r} is none of {', '.join(SCENES)}")
+    return given
+
+
+@click.command()
+@click.option(
+    "--units", type=int, default=9, show_default=True, help="AUTD units, a square number."
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0.02, 600.0),
+    default=5.0,
+    show_default=True,
+    help="How long each scene runs; as long again for the dummy loop.",
+)
+@click.option(
+    "--scene", "chosen", multiple=True, callback=names, metavar="NAME",
+    help="Only this one, again for more; then no skips and no growth.  [default: all]",
+)  # fmt: skip
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Also write all that was found to this file, as JSON.",
+)
+@click.option(
+    "--pictures",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Draw the scenes into this folder instead; nothing is measured.",
+)
+@click.option(
+    "--json", "as_json", is_flag=True,
+    help="The scenes as one JSON list instead of tables; skips and growth only for --out.",
+)  # fmt: skip
+def scenes(
+    units: int,
+    seconds: float,
+    chosen: tuple[str, ...],
+    out: Path | None,
+    pictures: Path | None,
+    as_json: bool,
+) -> None:
+    """Measure the built-in scenes at 1 kHz: time per tick by stage, late ticks, error.
+
+    Each runs second by second in turn with a loop that burns as much time: what that is late by is the
+    machine's doing. Then what each skip saves, on against off in turn, growth with the number of objects, and
+    what can be heard with smooth output and without.
+    """
+    from pacinian.acoustics.array import autd
+    from pacinian.gallery import SCENES
+    from pacinian_lab.scenes import report as scene_report
+
+    side = math.isqrt(max(units, 0))
+    if side * side != units or not units:
+        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}", param_hint="--units")
+    array, todo = autd(side, side), chosen or tuple(SCENES)
+    _try(out, pictures)
+    if pictures is not None:
+        _draw(array, todo, pictures, as_json)
+        return
+    more = not chosen and (out is not None or not as_json)
+    found, interrupted = _measure(array, todo, seconds, more)
+    if out is not None:
+        told = scene_report.plain(*found, units=units, seconds=seconds, interrupted=interrupted)
+        out.write_text(json.dumps(told), encoding="utf-8")
+    if as_json:
+        click.echo(json.dumps([asdict(row) for row in found.rows]))
+    else:
+        _print(found)
+    if interrupted:
+        raise SystemExit(130)
+
+
+def _try(out: Path | None, pictures: Path | None) -> None:
+    """See, before anything runs, that what is found can be written."""
+    try:
+        if out is not None:
+            out.parent.mkdir(parents=True, exist_ok=True)
+            out.touch()
+        if pictures is not None:
+            pictures.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise click.BadParameter(str(error), param_hint="--out or --pictures") from error
+
+
+class Found(NamedTuple):
+    """What was measured."""
+
+    rows: list[Row]
+    savings: list[Saving]
+    growth: list[Growth]
+    sounds: list[Sound]
+
+
+def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> tuple[Found, bool]:
+    """What was found, and whether Ctrl-C ended it. more: skips and growth too."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.scenes import audibility as sounds
+    from pacinian_lab.scenes import growth, savings
+    from pacinian_lab.scenes import run as scenes
+    from pacinian_lab.scenes.skips import skips
+
+    found, ticks = Found([], [], [], []), max(1, round(TICKS * seconds))
+    others = skips() if more else []
+    with Progress(console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("", total=len(todo) + len(others) + 2 * more)
+
+        def step(what: str, done: int = 1) -> None:
+            bar.update(task, description=what, advance=done)
+            bar.refresh()  # by this thread: another one would disturb the loop
+
+        try:
+            for name in todo:
+                step(name, 0)
+                found.rows.append(scenes.measure(array, name, seconds))
+                step(name)
+            for skip in others:
+                found.savings.append(savings.measure(array, skip, ticks))
+                step("skips")
+            if more:
+                found.growth.extend(growth.measure(array, ticks))
+                step("sounds")
+                found.sounds.extend(sounds.measure(array))
+        except KeyboardInterrupt:
+            return found, True
+    return found, False
+
+
+def _print(found: Found) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.scenes import report as scene_report
+    from pacinian_lab.scenes import tables as scene_tables
+
+    console = Console()
+    shown = [
+        scene_tables.scenes(found.rows),
+        scene_tables.felt(found.rows),
+        scene_tables.stages(found.rows),
+    ]
+    if found.savings:
+        shown.append(scene_tables.savings(found.savings))
+    if found.growth:
+        shown.append(scene_tables.growth(found.growth))
+    if found.sounds:
+        shown.append(scene_tables.sounds(found.sounds))
+    told = scene_report.verdicts(found.rows, found.savings, found.growth)
+    shown.append(scene_tables.verdicts(told))
+    for table in shown:
+        console.print(table)
+        console.print()
+
+
+def _draw(array: Array, todo: Sequence[str], folder: Path, as_json: bool) -> None:
+    from pacinian_lab.scenes.pictures import draw
+
+    files = [str(path) for path in draw(array, todo, folder)]
+    click.echo(json.dumps(files) if as_json else "\n".join(f"wrote {file}" for file in files))

@@ -1,0 +1,108 @@
+"""`pacinian bench bus`: the server's latency and load, with real processes and real sockets."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import click
+
+if TYPE_CHECKING:
+    from pacinian_lab.server.load import Final, Row
+    from pacinian_lab.server.sender import Times
+
+What = Literal["latency", "load", "all"]
+
+
+def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
+    """Of a square of so many units."""
+    root = math.isqrt(max(units, 0))
+    if root * root != units or not units:
+        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}")
+    return root
+
+
+@click.command()
+@click.argument("what", type=click.Choice(["latency", "load", "all"]), default="all")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(1.0, 3600.0),
+    default=60.0,
+    show_default=True,
+    help="How long each rate is measured; a quarter for what is only there to compare with.",
+)
+@click.option(
+    "--units", "side", callback=side, type=int, default=9, show_default=True,
+    help="AUTD units, a square number.",
+)  # fmt: skip
+@click.option(
+    "--clients", type=int, multiple=True, default=(1, 8, 64), show_default=True,
+    help="How many load the server, again for more.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+def bus(what: What, seconds: float, side: int, clients: tuple[int, ...], as_json: bool) -> None:
+    """Measure a server in processes of its own: how old what is felt is, and what it bears.
+
+    latency: from a hand's pose sent to the frame emitted, at 90 Hz and at 1 kHz, beside the round trip of a bare
+    ROUTER and DEALER. load: 1, 8 and 64 clients with 10,000 messages a second in all, and ten times that.
+    """
+    from pacinian_lab.server import report
+
+    found, interrupted = _measure(what, side, seconds, clients)
+    if as_json:
+        told = report.plain(*found, units=side * side, seconds=seconds, interrupted=interrupted)
+        click.echo(json.dumps(told))
+    else:
+        _print(found)
+    if interrupted:
+        raise SystemExit(130)
+
+
+class Found(NamedTuple):
+    """What was measured."""
+
+    times: list[Times]
+    rows: list[Row]
+    finals: list[Final]
+
+
+def _measure(what: What, side: int, seconds: float, clients: tuple[int, ...]) -> tuple[Found, bool]:
+    """What was found, and whether Ctrl-C ended it."""
+    from pacinian_lab.server import latency, load
+
+    found = Found([], [], [])
+    try:
+        if what != "load":
+            for times in latency.measure(side, seconds):
+                found.times.append(times)
+                click.echo(f"hands at {times.rate:g} Hz measured", err=True)
+        if what != "latency":
+            for count in clients:
+                for row in load.measure(side, seconds, count):
+                    if isinstance(row, load.Row):
+                        found.rows.append(row)
+                        click.echo(f"{count} clients at {row.rate:g}/s measured", err=True)
+                    else:
+                        found.finals.append(row)
+    except KeyboardInterrupt:
+        return found, True
+    return found, False
+
+
+def _print(found: Found) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.scenes import tables as scene_tables
+    from pacinian_lab.server import report, tables
+
+    console = Console()
+    shown: list[Any] = []
+    if found.times:
+        shown += tables.latency(found.times)
+    if found.rows:
+        shown += tables.load_(found.rows)
+    told = [*report.latency(found.times), *report.load(found.rows, found.finals)]
+    for table in (*shown, scene_tables.verdicts(told)):
+        console.print(table)
+        console.print()

@@ -1,0 +1,111 @@
+"""`pacinian soak`: a server that is played with for a long time."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pacinian_lab.commands.bench_server import side
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian_lab.server.soak import Row
+
+SHORT = 10.0  # [s]
+
+
+@click.command()
+@click.option(
+    "--minutes", type=click.FloatRange(0.05, 10_000.0), default=20.0, show_default=True,
+    help="How long.",
+)  # fmt: skip
+@click.option("--short", is_flag=True, help="About 10 seconds instead.")
+@click.option(
+    "--units", "side", callback=side, type=int, default=9, show_default=True,
+    help="AUTD units, a square number.",
+)  # fmt: skip
+@click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Also draw memory, ticks and ages over time into this PNG.",
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: bool) -> None:
+    """Play with a server for long: nothing may grow, drift or become late.
+
+    A hand moves, objects come and go, solvers change, clients join, leave and are killed, bad messages come, the
+    output is disarmed, stopped and armed again. Exit code 1 if an aim is missed.
+    """
+    from pacinian_lab.server import drift, report
+
+    rows, interrupted = _measure(side, SHORT if short else 60.0 * minutes)
+    found = drift.verdicts(rows) if rows else []
+    if picture is not None and rows:
+        _draw(rows, picture)
+    if as_json:
+        import msgspec
+
+        told = {
+            **report.about(),
+            "interrupted": interrupted,
+            "targets": [asdict(verdict) for verdict in found],
+            "rows": msgspec.to_builtins(rows),
+        }
+        click.echo(json.dumps(told))
+    elif rows:
+        _print(rows)
+    if interrupted:
+        raise SystemExit(130)
+    if not all(verdict.met for verdict in found):
+        raise SystemExit(1)
+
+
+def _measure(side: int, seconds: float) -> tuple[list[Row], bool]:
+    """What was found, and whether Ctrl-C ended it."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.server.soak import measure
+
+    rows: list[Row] = []
+    with Progress(console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("soak", total=seconds)
+        try:
+            for row in measure(side, seconds):
+                rows.append(row)
+                bar.update(task, completed=row.t)
+                bar.refresh()
+        except KeyboardInterrupt:
+            return rows, True
+    return rows, False
+
+
+def _draw(rows: Sequence[Row], path: Path) -> None:
+    from pacinian.errors import MissingExtra
+    from pacinian_lab.server.picture import draw
+
+    try:
+        draw(rows, path)
+    except (MissingExtra, OSError) as error:
+        click.echo(f"no picture: {error}", err=True)
+
+
+def _print(rows: Sequence[Row]) -> None:
+    from rich.console import Console
+
+    from pacinian_lab.scenes import tables as scene_tables
+    from pacinian_lab.server import drift, tables
+
+    console = Console()
+    for table in (
+        tables.windows(rows),
+        tables.events(rows),
+        scene_tables.verdicts(drift.verdicts(rows)),
+    ):
+        console.print(table)
+        console.print()

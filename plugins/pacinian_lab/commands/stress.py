@@ -1,0 +1,123 @@
+"""`pacinian stress`: whether every solver keeps its promises on hard problems."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian_lab.stress.check import Evidence
+    from pacinian_lab.stress.run import Row
+
+MOVES = (10_000, 100_000)  # of single points: in a quick run, in a whole one
+SHOWN = 10  # broken promises told one by one
+COLUMNS = {"family": 10, "solver": 14, "promises": 14, "excess": 8, "residual": 8}
+NOTE = (
+    "excess: the largest |g| less the limit. residual: over the best that any gains leave, as far as"
+    " the precision of B tells, the largest; where none is given, none is promised."
+)
+
+
+@click.command()
+@click.option("--solvers", default="", help="Only these, separated by commas; all unless given.")
+@click.option("--quick", is_flag=True, help="One problem of five, none that takes long.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
+def stress(solvers: str, quick: bool, as_json: bool) -> None:
+    """Try every solver on hard problems: whether it keeps what is promised, and the worst evidence.
+
+    Coincident points, points on transducers and behind them, arrays of low rank, condition numbers to
+    1e16, targets of 1e-30 to 1e30 Pa, limits of every kind, moves without end. docs/stability.md has what
+    is promised; every solver is held to finite gains within the limits, also those of other plug-ins.
+    Exit code 1 if a promise is broken.
+    """
+    from pacinian_lab.stress.run import rows
+
+    names = [name.strip() for name in solvers.split(",") if name.strip()]
+    found = _run(names, quick)
+    table = rows(found)
+    broken = [e for e in found if e.broken]
+    if as_json:
+        click.echo(json.dumps(_plain(table, broken, quick)))
+    else:
+        _print(table, broken)
+    if broken:
+        raise SystemExit(1)
+
+
+def _run(names: Sequence[str], quick: bool) -> list[Evidence]:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from pacinian_lab.stress import run
+    from pacinian_lab.stress.cases import cases
+
+    chosen = names or run.solvers()
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("making the problems", total=None)
+        problems = cases(quick)
+        total = len(problems) * len(chosen)
+
+        def advance(what: str) -> None:
+            progress.update(task, advance=1, total=total, description=what[:50])
+
+        found = run.run(chosen, problems, advance)
+        progress.update(task, description="moving points", total=None)
+        return [*found, run.drift(MOVES[not quick])]
+
+
+def _print(table: Sequence[Row], broken: Sequence[Evidence]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console()
+    shown = Table(box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False)
+    for name, width in COLUMNS.items():
+        shown.add_column(name, no_wrap=True, min_width=width)
+    shown.add_column("worst", no_wrap=True, overflow="ellipsis")
+    family = ""
+    for row in table:
+        verdict = f"{row.problems} kept"
+        if row.broken:
+            verdict = f"{len(row.broken)} of {row.problems} broken"
+        cells = [row.family if row.family != family else "", row.solver, verdict]
+        cells += [_figure(row.excess), _figure(row.ratio), row.where]
+        shown.add_row(*map(Text, cells), style="bold red" if row.broken else "")
+        family = row.family
+    console.print(shown)
+    console.print(NOTE, highlight=False, markup=False)
+    for e in broken[:SHOWN]:
+        for promise, figure in e.broken.items():
+            console.print(f"\n{e.solver} breaks {promise!r}: {figure}", style="red", markup=False)
+            again = f'pacinian_lab.stress.cases.find("{e.case}").solve("{e.solver}")'
+            console.print(again, highlight=False, markup=False, soft_wrap=True)
+    if len(broken) > SHOWN:
+        console.print(f"\nand {len(broken) - SHOWN} more: see --json")
+
+
+def _figure(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.2g}"
+
+
+def _plain(table: Sequence[Row], broken: Sequence[Evidence], quick: bool) -> dict[str, Any]:
+    """The run for JSON; what is not a number is null."""
+    from pacinian_lab.stress import promises
+
+    summaries = [{**asdict(row), "broken": len(row.broken)} for row in table]
+    return {
+        "quick": quick,
+        "promises": {**promises.EVERY, **promises.OURS, **promises.PROPAGATOR},
+        "rows": [{key: _number(value) for key, value in row.items()} for row in summaries],
+        "broken": [{key: _number(value) for key, value in asdict(e).items()} for e in broken],
+    }
+
+
+def _number(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

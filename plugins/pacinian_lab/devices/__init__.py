@@ -1,0 +1,1 @@
+"""Devices: pacing of frames, quantisation, scatter between transducers."""

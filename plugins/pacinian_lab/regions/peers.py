@@ -1,0 +1,76 @@
+"""autd3's own solvers on the same shapes, in a process and an environment of their own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.array import autd
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.transducer import Transducer
+from pacinian_lab.regions.run import OURS, SPACINGS, Made
+from pacinian_lab.solvers.problems import AIR, PRESSURE, WAVENUMBER
+from pacinian_lab.solvers.worker_process import WorkerError
+
+if TYPE_CHECKING:
+    from pacinian_lab.regions.shapes import Shape
+    from pacinian_lab.solvers.worker_process import Worker
+
+PEER = "autd3"
+SOLVERS = ("gspat", "greedy")
+LIMIT = 120.0  # [s] after which a solve is given up
+
+
+class Peers:
+    """autd3's `gspat` and `greedy`, asked for foci 8.5 and 4.25 mm apart.
+
+    worker: `Worker.of("autd3", ...)`; ended by `close`. side: AUTD units along each side of the array.
+    The foci lie where ours of these spacings do, and each is asked for the pressure of its place. Foci where nothing
+    is asked are left out.
+    """
+
+    ours = f"{OURS}, autd3's field"
+
+    def __init__(self, worker: Worker, side: int) -> None:
+        self.worker = worker
+        self.array = autd(side, side, Transducer(pressure=PRESSURE))
+        """Its model of the array: omnidirectional, 1/r, 340 m/s."""
+        self._asked = {
+            f"{PEER} {solver}, {name}": (f"{PEER}-{solver}", spacing)
+            for solver in SOLVERS
+            for name, spacing in SPACINGS.items()
+        }
+
+    def close(self) -> None:
+        """End the peer's process."""
+        self.worker.close()
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """Their names in the tables."""
+        return tuple(self._asked)
+
+    def make(self, shape: Shape, way: str, pressure: float) -> Made:
+        """Ask a peer for a shape with at most `pressure` [Pa]. Raises WorkerError."""
+        solver, spacing = self._asked[way]
+        samples = shape.samples(self.array, spacing)
+        wanted = samples.radiation_pressure > 0.0
+        q = samples.positions[wanted]
+        t = sound_pressure(pressure * samples.radiation_pressure[wanted], AIR)
+        problem = {
+            "positions": self.array.positions.tolist(),
+            "frames": [q.tolist()],
+            "targets": t.tolist(),
+            "wavenumber": WAVENUMBER,
+            "pressure": PRESSURE,
+        }
+        message = {"solver": solver, "mode": "cold", "seconds": 0.0, "problem": problem}
+        told = self.worker.ask(message, LIMIT)
+        try:
+            gains = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
+        except (KeyError, TypeError, ValueError) as error:
+            raise WorkerError(f"answered nonsense: {error!r}") from error
+        if gains.shape != (len(self.array),) or not np.isfinite(gains).all():
+            raise WorkerError(f"must return {len(self.array)} finite gains")
+        return Made(gains, len(q))

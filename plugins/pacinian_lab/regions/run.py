@@ -1,0 +1,146 @@
+"""The run: each shape at each strength, made in each way."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.propagation import matrix
+from pacinian.session import Session
+from pacinian.solving.solution import AT_LIMIT
+from pacinian_lab.regions.score import evaluate_pressure, score
+from pacinian_lab.regions.shapes import SHAPES
+from pacinian_lab.solvers.problems import AIR
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pacinian.acoustics.array import Array
+    from pacinian.types import Complexes
+    from pacinian_lab.regions.peers import Peers
+    from pacinian_lab.regions.shapes import Shape
+
+STRENGTHS = (0.25, 0.5, 1.0)  # of the strongest even field
+SPACINGS = {"8.5 mm": 0.0085, "4.25 mm": 0.00425}  # [m] between foci
+FREE = {f"foci, {name} apart": spacing for name, spacing in SPACINGS.items()}
+OURS, SWEPT = "regions", "one focus, swept"
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """What a way to make a shape gives.
+
+    gains: (N,), or (F, N) for frames whose mean counts. samples: how many points the solver was given.
+    status: what our solver says of itself. cold_ms: how long one cold solve took, NaN where it is not measured.
+    """
+
+    gains: Complexes
+    samples: int
+    status: str = ""
+    cold_ms: float = math.nan
+
+
+class Row(NamedTuple):
+    """One shape, made in one way, at one strength: a share of the strongest even field.
+
+    pressure: asked [Pa], where the shape asks for most. samples, status, cold_ms: as in `Made`. force, rms,
+    scaled_rms, holes, beside: as in `Score`. saturation: share of the transducers at their limit.
+    """
+
+    shape: str
+    way: str
+    strength: float
+    pressure: float
+    samples: int
+    force: float
+    rms: float
+    scaled_rms: float
+    holes: float
+    beside: float
+    saturation: float
+    status: str
+    cold_ms: float
+
+
+def measure(
+    array: Array,
+    name: str,
+    solvers: Sequence[str] = (),
+    strengths: Sequence[float] = STRENGTHS,
+    peers: Peers | None = None,
+) -> Iterator[Row]:
+    """Make a shape at each strength: by regions, by other `solvers` on the same samples, by foci, by peers.
+
+    peers: asked on, and judged by, their own model of the field. Raises WorkerError where they fail.
+    """
+    shape = SHAPES[name]()
+    strongest = find_strongest(array, shape)
+    for strength in strengths:
+        pressure = strength * strongest
+        for way in (OURS, *solvers, *FREE, SWEPT):
+            made = make(array, shape, way, pressure)
+            yield judge(array, shape, made, (name, way, strength, pressure))
+        if peers is not None:
+            theirs = make(peers.array, shape, OURS, pressure)
+            yield judge(peers.array, shape, theirs, (name, peers.ours, strength, pressure))
+            for way in peers.ways:
+                made = peers.make(shape, way, pressure)
+                yield judge(peers.array, shape, made, (name, way, strength, pressure))
+
+
+def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
+    """Make a shape with at most `pressure` [Pa]: by regions, by free foci, by a swept focus, or by a solver's name.
+
+    A solver's name stands for that solver on the samples and regions of `OURS`.
+    """
+    if way == SWEPT:
+        gains = sweep(array, shape, pressure)
+        return Made(gains, len(gains))
+    spacing = FREE.get(way)
+    samples = shape.samples(array, spacing)
+    regions = None if spacing else samples.regions
+    t, q = sound_pressure(pressure * samples.radiation_pressure, AIR), samples.positions
+    session = Session(array, AIR, "auto" if spacing or way == OURS else way)
+    session.solve(q, t, regions=regions)  # so that all is loaded
+    session.forget()
+    begin = time.perf_counter()
+    solution = session.solve(q, t, regions=regions)
+    cold = time.perf_counter() - begin
+    status = session.certify(solution.gains).status.name
+    return Made(solution.gains, len(q), status, 1e3 * cold)
+
+
+def judge(array: Array, shape: Shape, made: Made, place: tuple[str, str, float, float]) -> Row:
+    """Measure what was made. place: shape, way, strength, pressure [Pa], as in `Row`."""
+    pressure = place[-1]
+    inside, beside = (
+        evaluate_pressure(array, made.gains, where) for where in (shape.places, shape.beside)
+    )
+    found = score(inside, pressure * shape.asked, beside)
+    saturation = float((np.abs(made.gains) >= AT_LIMIT).mean())
+    return Row(*place, made.samples, *found, saturation, made.status, made.cold_ms)
+
+
+def find_strongest(array: Array, shape: Shape) -> float:
+    """Find the highest pressure [Pa] that the array can make evenly of a shape."""
+    samples = shape.samples(array)
+    t = sound_pressure(samples.radiation_pressure, AIR)
+    session = Session(array, AIR)
+    solution = session.solve(samples.positions, t, regions=samples.regions, scale="max")
+    made = float(np.vdot(solution.sound_pressure, solution.sound_pressure).real)
+    return made / float(np.vdot(t, t).real)
+
+
+def sweep(array: Array, shape: Shape, pressure: float) -> Complexes:
+    """Put one focus on each sample in turn, (F, N): with the force asked, or at full drive."""
+    samples = shape.samples(array, SPACINGS["4.25 mm"])
+    B = matrix(array, samples.positions, AIR)
+    share = samples.radiation_pressure / samples.radiation_pressure.max()
+    gains = B.conj() / np.abs(B) * np.sqrt(share)[:, None]
+    made = evaluate_pressure(array, gains, shape.places).sum()
+    return np.asarray(gains * min(1.0, math.sqrt(pressure * shape.asked.sum() / made)))

@@ -1,0 +1,89 @@
+"""What is felt on a hand, over all the skin that is touched, at points that no sampler has."""
+
+from __future__ import annotations
+
+import functools
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.reachability import ReachabilityFilter
+from pacinian.scene.hands.capsule_skin import CapsuleSkin
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.sampling.sources import FINEST
+from pacinian.session import Session
+from pacinian.solving.felt_regions import HOLE, FeltRegion
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.scene import Scene
+    from pacinian.types import Floats, Gains
+
+SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the skin that is looked at
+BUDGET = 1_000_000  # samples: more than a hand has points
+NEAR, FAR = 3e-3, 10e-3  # [m]: skin so far from what is touched is beside it
+
+
+def felt_on_skin(
+    array: Array, medium: Air, scene: Scene, t: float, gains: Gains
+) -> FeltRegion | None:
+    """What is felt of a scene at time t [s], against what its materials ask; None where no hand is in a region.
+
+    Over the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the sampler.
+    gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3 to 10 mm
+    beside what is touched.
+    """
+    sampler = Sampler(BUDGET, FINEST, perception=False)
+    sampler.skin = _fine()
+    sampler.prepare(array, medium)
+    samples = sampler.sample(scene, t)
+    samples = samples.only(samples.regions >= 0)
+    if samples.capsules is None or not len(samples):
+        return None
+    session = Session(array, medium)
+    q, facing = samples.positions, SkinFacing(samples.normals, samples.capsules)
+    asked = samples.radiation_pressure * ReachabilityFilter(session).share(q, facing, Counter())
+    if not asked.any():
+        return None
+    session.propagator.set_points(q, facing)
+    P, area = _pressed(session, gains), samples.area
+    e, mean = P - asked, float(asked @ area) / float(area.sum())
+    return FeltRegion(
+        force=float(P @ area) / float(asked @ area),
+        rms=float(np.sqrt((e * e) @ area / ((asked * asked) @ area))),
+        holes=float(area[HOLE * asked > P].sum() / area.sum()),
+        spill=_beside(session, scene, q, gains) / mean,
+    )
+
+
+def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> float:
+    """The highest pressure on skin that nothing touches, near what is touched [Pa]."""
+    most, skin, tree = 0.0, _fine(), KDTree(touched)
+    for hand in scene.hands:
+        if hand.lost or hand.joints is None:
+            continue
+        placed = skin.place(hand)
+        away = np.asarray(tree.query(placed.points)[0])
+        beside = np.flatnonzero((away > NEAR) & (away < FAR))
+        beside = beside[skin.exposed(placed, beside)]
+        if len(beside):
+            facing = SkinFacing(placed.normals[beside], placed.capsules)
+            session.propagator.set_points(placed.points[beside], facing)
+            most = max(most, float(_pressed(session, gains).max()))
+    return most
+
+
+def _pressed(session: Session, gains: Gains) -> Floats:
+    """Radiation pressure where the session's propagator is, (M,) [Pa]: the mean over several gains."""
+    made = [session.propagator.apply(g) for g in np.atleast_2d(gains)]
+    return np.asarray(np.mean([radiation_pressure(p, session.medium) for p in made], axis=0))
+
+
+@functools.cache
+def _fine() -> CapsuleSkin:
+    return CapsuleSkin(SPACING, GRAIN)

@@ -1,0 +1,1 @@
+"""The built-in scenes: time per tick, saved work, audible noise."""

@@ -1,0 +1,192 @@
+"""The built-in scenes: time per tick by stage, late ticks beside a dummy loop's, error against the ideal."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, replace
+from statistics import median
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.propagation import matrix
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.demo import alternate
+from pacinian.gallery import SCENES, TRACKED
+from pacinian.plugins import registry
+from pacinian.rendering.renderer import Renderer
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.solving.felt_regions import FeltRegion
+from pacinian_lab.regions.skin import felt_on_skin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.rendering.report import Report
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.scene import Scene
+    from pacinian.solving.problem import Targets
+    from pacinian.types import Gains
+
+RATE = 1000.0  # [Hz] of the device, and of the ticks if they can be held
+SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames that a tick lasts, tried in turn
+LATE = 0.005  # a share of late ticks above the dummy loop's that still counts as held
+SPARE = 2.0  # [s] for which there are updates beyond both loops' time
+LOOKS = 20  # ticks of a run that are looked at for errors
+ENOUGH = 100_000  # samples: no budget
+
+
+@dataclass(frozen=True)
+class Row:
+    """How a scene did.
+
+    p50_ms, p99_ms: of the ticks at 1 kHz. late: share of ticks that ended after the next one's due time;
+    dummy_late: of a dummy loop's in the same run. rate: the highest held [Hz], 0 for none: p99 within a tick,
+    and at most half a percentage point more late ticks than the dummy loop. samples: median. stages: mean
+    time in a tick [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples,
+    median. felt: force, rms, holes and spill over all skin that regions touch, medians of those looks where they do;
+    None if they never do. left_out: share of the force that the scene asks for of which nothing was asked of the array.
+    """
+
+    scene: str
+    p50_ms: float
+    p99_ms: float
+    late: float
+    dummy_late: float
+    rate: float
+    samples: int
+    stages: dict[str, float]
+    error_at_samples: float
+    felt: dict[str, float] | None
+    left_out: float
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What was asked and given at a tick, at time t [s] of the scene.
+
+    sounding: the gains of the frames that the device plays in turn, (K, N): their mean counts.
+    """
+
+    t: float
+    scene: Scene
+    samples: Samples
+    targets: Targets
+    sounding: Gains
+
+    @property
+    def asked(self) -> float:
+        """What all objects together press with on all skin that they touch, by their materials [N]."""
+        return Sampler(ENOUGH, perception=False).sample(self.scene, self.t).force
+
+    def sounded(self, medium: Air) -> float:
+        """What of that was asked of the array [N]."""
+        return float(radiation_pressure(self.targets.amplitudes, medium) @ self.samples.area)
+
+    def error(self, array: Array, medium: Air) -> float:
+        """Relative error of the emitted sound pressures at the samples, in double precision."""
+        q = self.samples.positions
+        B = matrix(array, q, medium)
+        if self.samples.capsules is not None:
+            facing = SkinFacing(self.samples.normals, self.samples.capsules)
+            B = B * facing.weights(q, array.positions)
+        p = B @ self.sounding.T
+        return self.targets.relative_error(np.sqrt((np.abs(p) ** 2).mean(axis=1)))
+
+
+class Run:
+    """A scene on a renderer beside a dummy loop, for `seconds` [s], with looks at some of the ticks.
+
+    Its updates are made ahead, as a tracker's or a game's thread would: making them is no part of a tick, but where the
+    loop is later than SPARE.
+    rate: of the ticks [Hz].
+    """
+
+    def __init__(
+        self, array: Array, scene: Callable[[float], Scene], seconds: float, rate: float = RATE
+    ) -> None:
+        self.looks: list[Look] = []
+
+        @functools.cache
+        def at(update: int) -> Scene:
+            return scene((update + 0.5) / TRACKED)
+
+        self._scene = at
+        for k in range(math.ceil((2.0 * seconds + SPARE) * TRACKED)):
+            self._scene(k)
+        self._now = 0.0, self._scene(0)
+        device = registry.backend("simulated", rate=RATE)
+        self.renderer = Renderer(array, self._at, backend=device, rate=rate)
+        self._gap = max(1, round(seconds * rate / LOOKS))  # ticks from look to look
+        with self.renderer as renderer:
+            self.dummy = alternate(renderer, seconds, self._look)
+            self.report = renderer.report
+        if self.report.interrupted:
+            raise KeyboardInterrupt
+        for fault in self.report.faults:
+            raise fault.cause
+
+    def _at(self, t: float) -> Scene:
+        self._now = t, self._scene(int(t * TRACKED))
+        return self._now[1]
+
+    def _look(self, report: Report) -> None:
+        """Keep what is to be evaluated later, when it holds nothing up."""
+        samples, targets = self.renderer.samples, self.renderer.targets
+        if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
+            return
+        self.looks.append(Look(*self._now, samples, targets, self.renderer.sounding))
+
+    @property
+    def held(self) -> bool:
+        """Whether the rate was held."""
+        in_time = self.report.tick_ms(99) < 1e3 * self.renderer.period
+        return in_time and self.report.late_share <= self.dummy.late_share + LATE
+
+    def row(self, name: str) -> Row:
+        """What it found."""
+        report, session = self.report, self.renderer.session
+        array, medium = session.array, session.medium
+        asked = sum(look.asked for look in self.looks)
+        sounded = sum(look.sounded(medium) for look in self.looks)
+        return Row(
+            scene=name,
+            p50_ms=report.tick_ms(50),
+            p99_ms=report.tick_ms(99),
+            late=report.late_share,
+            dummy_late=self.dummy.late_share,
+            rate=1.0 / self.renderer.period if self.held else 0.0,
+            samples=round(median(len(look.samples) for look in self.looks)),
+            stages={k: 1e3 * v / report.ticks for k, v in report.stages.items()},
+            error_at_samples=median(look.error(array, medium) for look in self.looks),
+            felt=self._felt(array, medium),
+            left_out=max(0.0, 1.0 - sounded / asked) if asked else 0.0,
+        )
+
+    def _felt(self, array: Array, medium: Air) -> dict[str, float] | None:
+        """Medians of what was felt on skin, over the looks where any was asked for."""
+        every = [
+            felt_on_skin(array, medium, look.scene, look.t, look.sounding) for look in self.looks
+        ]
+        found = [felt for felt in every if felt is not None]
+        if not found:
+            return None
+        return FeltRegion(*np.median(np.array(found), axis=0).tolist())._asdict()
+
+
+def measure(array: Array, name: str, seconds: float) -> Row:
+    """A built-in scene for `seconds` [s] at 1 kHz; at lower rates too until one is held.
+
+    Raises KeyboardInterrupt, and what went wrong in a tick.
+    """
+    row = Run(array, SCENES[name], seconds).row(name)
+    for frames in SLOWER[1:]:
+        if row.rate:
+            break
+        slower = Run(array, SCENES[name], seconds, RATE / frames)
+        row = replace(row, rate=RATE / frames if slower.held else 0.0)
+    return row

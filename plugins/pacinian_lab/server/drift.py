@@ -1,0 +1,81 @@
+"""Whether a server that has run for long is as it was: memory, files, ticks, ages."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian_lab.scenes.report import Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from pacinian_lab.server.soak import Row
+
+MEMORY = 4.0  # [MB] that a process may grow by after the first quarter
+FILES = 2  # that may be open more at the end
+TICK = 1.25  # median tick time over that of the second quarter
+LATE = 0.02  # share of ticks
+AGE = 1.25, 0.5e-3  # median age over that of the second quarter, or [s] more
+SHORT = 60.0  # [s]; of a run that is shorter memory is still being filled: ten times as much may be
+
+
+def growth(rows: Sequence[Row], name: str) -> float:
+    """What a process has grown by after the first quarter, of the line of least squares [MB]."""
+    kept = [row for row in rows[len(rows) // 4 :] if name in row.memory]
+    if len(kept) < 2:
+        return 0.0
+    t = np.array([row.t for row in kept])
+    slope = np.polyfit(t - t.mean(), [row.memory[name] for row in kept], 1)[0]
+    return float(slope * (t[-1] - t[0]))
+
+
+def quarters(rows: Sequence[Row], of: Callable[[Row], float]) -> tuple[float, float]:
+    """Medians of the second quarter, after what is slow only at first, and of the last."""
+    n = max(1, len(rows) // 4)
+    return median(map(of, rows[n : 2 * n])), median(map(of, rows[-n:]))
+
+
+def verdicts(rows: Sequence[Row]) -> list[Verdict]:
+    """A line for each aim."""
+    most = MEMORY * (10.0 if rows[-1].t < SHORT else 1.0)
+    hours = (rows[-1].t - rows[len(rows) // 4].t) / 3600.0
+    grown = {name: growth(rows, name) for name in rows[-1].memory}
+    shown = ", ".join(f"{k} {v:+.2f} MB ({v / max(hours, 1e-9):+.1f}/h)" for k, v in grown.items())
+    files = quarters(rows, lambda row: sum(row.files.values()))
+    tick = quarters(rows, lambda row: row.heard.tick_ms[0])
+    late = quarters(rows, lambda row: row.heard.late)
+    age = quarters(rows, lambda row: row.heard.age.p50)
+    faults, restarts = rows[-1].heard.faults, rows[-1].heard.restarts
+    happened = [event for row in rows for event in row.heard.events.items()]
+    lost = sum(count for name, count in happened if name.startswith("lost"))
+    return [
+        Verdict(f"each process grows by at most {most:g} MB", max(grown.values()) <= most, shown),
+        Verdict(
+            f"at most {FILES} files more are open",
+            files[1] <= files[0] + FILES,
+            f"{files[0]:g}, then {files[1]:g}",
+        ),
+        Verdict(
+            f"median tick at most {TICK:g} times the first",
+            tick[1] <= TICK * tick[0],
+            f"{tick[0]:.3f} ms, then {tick[1]:.3f} ms",
+        ),
+        Verdict(
+            f"late ticks at most {100 * LATE:g} points more",
+            late[1] <= late[0] + LATE,
+            f"{late[0]:.2%}, then {late[1]:.2%}",
+        ),
+        Verdict(
+            f"hands at most {AGE[0]:g} times as old",
+            age[1] <= max(AGE[0] * age[0], age[0] + AGE[1]),
+            f"{1e3 * age[0]:.2f} ms, then {1e3 * age[1]:.2f} ms",
+        ),
+        Verdict(
+            "no fault, no restart, no connection lost",
+            not (faults or restarts or lost),
+            f"{faults}, {restarts}, {lost}",
+        ),
+    ]

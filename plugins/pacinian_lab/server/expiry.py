@@ -1,0 +1,200 @@
+"""From the end of a permit to silence: the bound of the guard, and what the machine adds to it.
+
+The bound is one round: the pause between two looks, and what a look takes. First with a clock that is told, where
+it holds exactly; then with a guard process, real sleeps and the simulated array: until the guard tells that there
+is silence. What the bench itself was late with is not counted.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from msgspec.structs import replace
+
+from pacinian.plugins import registry
+from pacinian.serving.guard.process import ROUND
+from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.ipc import scheduling
+from pacinian.serving.ipc.messages import FrameHead, Permit
+from pacinian.serving.settings import Settings
+from pacinian.testing import ManualClock
+from pacinian_lab.server.guard_process import LONG, PROMPT, GuardProcess, levels
+from pacinian_lab.solvers.tables import plain_table
+from pacinian_lab.solvers.timing import quantile
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rich.table import Table
+
+
+BOUND = 2 * ROUND  # [s] a round: its pause, and as long again for what it does
+TICK = 1e-3  # [s] between frames
+LONGEST = 1e-3  # [s] that a real permit has left when it is written for the last time
+
+
+class Sizes(NamedTuple):
+    """How often each is tried."""
+
+    told: int = 100_000
+    sleeps: int = 20_000
+    expired: int = 100_000
+    stopped: int = 10_000
+    stale: int = 1_000
+    killed: int = 10
+
+
+FULL, SHORT = Sizes(), Sizes(2_000, 200, 200, 50, 10, 1)
+
+
+@dataclass(frozen=True)
+class Row:
+    """Times from the end to silence [s]. bound: what they would be at most on a machine that is never late [s].
+
+    over: share of them above it.
+    """
+
+    what: str
+    count: int
+    bound: float
+    p50: float
+    p99: float
+    p999: float
+    worst: float
+    over: float
+
+
+def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1) -> Iterator[Row]:
+    """Each kind of end, as often as `sizes` says. Raises ServerError if a guard does not answer."""
+    settings = Settings() if settings is None else settings
+    chance = random.Random(seed)
+    stale = settings.safety.stale
+    yield _row("expired, told clock [rounds]", 1.0, _told(settings, sizes.told, chance))
+    yield _row("a sleep of one round, alone", ROUND, _sleeps(sizes.sleeps))
+    with GuardProcess(settings) as real:
+        yield _row("expired", BOUND, _expired(real, sizes.expired, chance))
+        yield _row("emergency stop", BOUND, _stopped(real, sizes.stopped))
+        # seen one round after it was written, and one round until it is found to be old
+        yield _row("no more frames", stale + 2 * BOUND, _stale(real, sizes.stale))
+    # what is left is the system's: it closes the pipe once it has taken the parent's memory
+    yield _row("parent killed", BOUND, _killed(settings, sizes.killed))
+
+
+def _row(what: str, bound: float, times: Sequence[float]) -> Row:
+    times = sorted(times)
+    p50, p99, p999 = (quantile(times, share) for share in (0.5, 0.99, 0.999))
+    over = sum(one > bound for one in times) / len(times)
+    return Row(what, len(times), bound, p50, p99, p999, times[-1], over)
+
+
+def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
+    """From `until` to silence, each over the length of the round in which it came."""
+    array, clock = settings.array.make(), ManualClock()
+    backend = registry.backend("simulated", keep=1)
+    backend.open(array)
+    guard = OutputGate(len(array), gain=1.0, stale=settings.safety.stale, clock=clock.now)
+    guard.take(backend, backend.capability)
+    data = levels(array)
+    found: list[float] = []
+    for epoch in range(1, count + 1):
+        lease = settings.safety.lease * chance.uniform(0.01, 1.0)
+        until, renewals = clock.time + lease, chance.randrange(4)
+        due = clock.time + TICK * chance.random()  # of the next frame
+        while True:
+            pause = ROUND * chance.uniform(0.2, 4.0)
+            left = until - clock.time
+            if left > 3 * TICK and not renewals:  # nothing happens but frames: go to the end
+                clock.advance(left - chance.uniform(1.0, 3.0) * TICK)
+            clock.advance(pause)
+            if renewals and chance.random() < 0.3:
+                until, renewals = max(until, clock.time + lease * chance.random()), renewals - 1
+            frame = None
+            if clock.time >= due:
+                due = clock.time + TICK * chance.uniform(0.5, 1.5)
+                frame = FrameHead(epoch, clock.time, epoch, 1, 1, len(array)).pack() + data
+            was = guard.sounding
+            guard.step(Permit(1, until, epoch), frame)
+            if was and not guard.sounding and clock.time >= until:
+                found.append((clock.time - until) / pause)
+            if clock.time >= until:
+                break
+    backend.close()
+    return found
+
+
+def _sleeps(count: int) -> list[float]:
+    """How long the machine sleeps when it is asked for one round."""
+    scheduling.raise_priority(0)
+    found: list[float] = []
+    for _ in range(count):
+        begin = time.perf_counter()
+        time.sleep(ROUND)
+        found.append(time.perf_counter() - begin)
+    return found
+
+
+def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[float]:
+    """From `until` to silence."""
+    found: list[float] = []
+    while len(found) < count:
+        before, _ = real.sound()
+        until = time.perf_counter() + LONGEST * chance.random()
+        real.permit(until)
+        late = time.perf_counter() > until  # the bench, not the guard
+        silent = real.silent("expired", before)
+        if silent is not None and not late:
+            found.append(silent - until)
+    return found
+
+
+def _stopped(real: GuardProcess, count: int) -> list[float]:
+    """From the order to silence."""
+    found: list[float] = []
+    while len(found) < count:
+        before, _ = real.sound()
+        now = time.perf_counter()
+        real.permit(now + LONG, stopped=1)
+        late = time.perf_counter() - now > PROMPT
+        silent = real.silent("stopped", before)
+        if silent is not None and not late:
+            found.append(silent - now)
+    return found
+
+
+def _stale(real: GuardProcess, count: int) -> list[float]:
+    """From the last frame to silence."""
+    found: list[float] = []
+    while len(found) < count:
+        before, written = real.sound()
+        if (silent := real.silent("stale", before)) is not None:
+            found.append(silent - written)
+    return found
+
+
+def _killed(settings: Settings, count: int) -> list[float]:
+    """From kill -9 of the guard's parent to silence, though the permit holds, and frames stay fresh."""
+    patient = replace(settings, safety=replace(settings.safety, stale=1.0))
+    found: list[float] = []
+    while len(found) < count:
+        with GuardProcess(patient, orphan=True) as real:
+            before, _ = real.sound()
+            now = time.perf_counter()
+            real.process.kill()
+            if (silent := real.silent("end", before)) is not None:
+                found.append(silent - now)
+    return found
+
+
+def table(rows: Sequence[Row]) -> Table:
+    """A line for each kind of end."""
+    head = ["[ms]", "times", "bound", "p50", "p99", "p99.9", "worst", "over the\nbound [%]"]
+    lines: list[list[str]] = []
+    for row in rows:
+        unit = 1.0 if "[rounds]" in row.what else 1e3
+        times = (row.bound, row.p50, row.p99, row.p999, row.worst)
+        numbers = [f"{unit * one:.3f}" for one in times]
+        lines.append([row.what, str(row.count), *numbers, f"{100 * row.over:.3g}"])
+    return plain_table("From the end of a permit to silence", head, lines)

@@ -1,0 +1,122 @@
+"""A game in a process of its own: `python -m pacinian_lab.server.faults.game FILE [control=tcp://...]`.
+
+It puts an object, arms, renews and moves it at 90 Hz, and arms again when it has lost the output, until its
+standard input ends. A line there is a request for the control socket, as JSON; `freeze` and `jump`, with
+`seconds`, are done to its thread and to its clock. Answers come as JSON lines.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import queue
+import sys
+import threading
+import time
+from pathlib import Path
+
+from pacinian.errors import PacinianError
+from pacinian.wire.binary_arrays import pack
+from pacinian_lab.server.faults.raw_client import Message, Peer, Silent
+
+RATE = 90.0  # [Hz]
+AGAIN = 0.05  # [s] between attempts to arm
+LOST = 0.5  # [s] without an answer: connect anew
+RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s] of where the point goes
+POINT: Message = {"type": "point", "position": [0.0, 0.0, HEIGHT], "radiation_pressure": 20.0}
+
+
+class Game:
+    """One that plays on. file: the server's connection file. hide: as in `Peer`."""
+
+    def __init__(self, file: Path, **hide: str) -> None:
+        self.file, self.hide = file, hide
+        self._ahead = 0.0  # [s] its clock
+        self._peer: Peer | None = None
+        self._heard = self._tried = 0.0
+
+    def clock(self) -> float:
+        """Its own [s]."""
+        return time.perf_counter() + self._ahead
+
+    def do(self, kind: str, seconds: float = 0.0, **fields: object) -> None:
+        """What it is told."""
+        if kind == "freeze":
+            time.sleep(seconds)
+        elif kind == "jump":
+            self._ahead += seconds
+        elif self._peer is not None:
+            self._peer.say(kind, **fields)
+
+    def tick(self) -> list[Message]:
+        """One of the game's; what was answered."""
+        now = time.perf_counter()
+        try:
+            if self._peer is None or now - self._heard > LOST:
+                self._connect()
+                return []
+            self._peer.renew()
+            x, y = (RADIUS * f(TURN * now) for f in (math.cos, math.sin))
+            poses = pack([[x, y, HEIGHT, 0.0, 0.0, 0.0, 1.0]])
+            self._peer.tell("move", names=["thing"], poses=poses)
+            return self._listen(self._peer, now)
+        except (Silent, PacinianError):  # no server
+            self._heard = 0.0
+            return []
+
+    def _connect(self) -> None:
+        self.close()
+        self._peer = peer = Peer(self.file, clock=self.clock, beats=True, **self.hide)
+        if peer.hello(wait=LOST, client="game")["type"] == "welcome":
+            self._heard = time.perf_counter()
+            peer.tell("put", objects={"thing": POINT})
+            peer.renew()
+            peer.say("arm")
+
+    def _listen(self, peer: Peer, now: float) -> list[Message]:
+        told = peer.drain()
+        for reply in told:
+            if reply["type"] == "renewed":
+                self._heard = now
+                if not reply["armed"] and reply["id"] and now - self._tried > AGAIN:
+                    self._tried = now
+                    peer.say("arm")
+            elif reply.get("code") == "session":
+                self._heard = 0.0
+        return [reply for reply in told if reply["type"] in ("ok", "error")]
+
+    def close(self) -> None:
+        """Away."""
+        if self._peer is not None:
+            self._peer.close()
+            self._peer = None
+
+
+def main() -> None:
+    """Play until standard input ends."""
+    file, *rest = sys.argv[1:]
+    game = Game(Path(file), **dict(pair.split("=", 1) for pair in rest))
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(lines,), daemon=True).start()
+    due = time.perf_counter()
+    while True:
+        for reply in game.tick():
+            print(json.dumps(reply), flush=True)  # noqa: T201
+        due = max(due + 1.0 / RATE, time.perf_counter())
+        time.sleep(max(0.0, due - time.perf_counter()))
+        while not lines.empty():
+            if not (line := lines.get()):
+                game.close()
+                return
+            told = json.loads(line)
+            game.do(told.pop("type"), **told)
+
+
+def _read(lines: queue.SimpleQueue[str]) -> None:
+    for line in sys.stdin:
+        lines.put(line)
+    lines.put("")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,96 @@
+"""Installed backends behind the log of what they make sound: to swap between them."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import pacinian as pc
+from pacinian.plugins import registry
+from pacinian_lab.server.faults.device import Probe
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class Through(Probe):
+    """A backend as it is, whose frames sound as soon as it has taken them."""
+
+    backend: ClassVar[str]
+    options: ClassVar[dict[str, Any]] = {}
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.inner: Any = registry.backend(self.backend, **self.options)
+        self._begins = math.inf  # [s] from when on what was sent sounds
+
+    @property
+    def capability(self) -> pc.Capability:
+        """Its own."""
+        can: pc.Capability = self.inner.capability
+        return can
+
+    def open(self, array: pc.Array) -> None:
+        """Silent from now on. Raises what it raises; BackendError while unplugged."""
+        self._require()
+        self.inner.open(array)
+        super().open(array)
+
+    def send(self, frame: pc.Frame) -> None:
+        """Sound, or not. Raises what it raises; BackendError while unplugged."""
+        self._require()
+        if not frame.amplitude.any():
+            self.silence()
+            return
+        self.inner.send(frame)
+        now = time.perf_counter()
+        self._begins = min(self._begins, now + self.wait(frame))
+        if self._log is not None and now >= self._begins:
+            if not self._sounds:
+                self._log.write(True, self._begins)
+            self._log.write(True, now)
+            self._sounds = True
+
+    def wait(self, frame: pc.Frame) -> float:
+        """How long until a frame sounds that was sent now, in silence [s], at most."""
+        return 0.0
+
+    def silence(self) -> None:
+        """No sound."""
+        self.inner.silence()
+        self._begins = math.inf
+        super().silence()
+
+    def close(self) -> None:
+        """No sound, for good."""
+        super().close()
+        self.inner.close()
+
+
+class Simulated(Through):
+    """The simulated array."""
+
+    name: ClassVar[str] = "probe-simulated"
+    backend: ClassVar[str] = "simulated"
+
+
+class Models(Through):
+    """Models of `usb-autd` devices, in which frames wait for a while, as they say themselves."""
+
+    name: ClassVar[str] = "probe-usb-autd"
+    backend: ClassVar[str] = "usb-autd"
+    options: ClassVar[dict[str, Any]] = {"pretend": True}
+
+    def wait(self, frame: pc.Frame) -> float:
+        """Until the rows before it have been played."""
+        if math.isfinite(self._begins):
+            return math.inf
+        rows = max(board.status().waiting for board in self.inner.boards) - len(frame.phase)
+        return float((rows + 1) / self.capability.rate)
+
+
+@pc.hookimpl
+def register_backends() -> Iterable[type[pc.Backend]]:
+    """Both."""
+    return [Simulated, Models]

@@ -1,0 +1,171 @@
+"""A server to be broken: real processes, with the device that remembers."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import psutil
+
+from pacinian.errors import ServerError
+from pacinian.serving.control.supervisor import SPARE
+from pacinian_lab.server.faults.device import Log, Other, Probe
+from pacinian_lab.server.faults.logged_backends import Models, Simulated
+from pacinian_lab.server.faults.plugins import install
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+START = 300.0  # [s]
+CONFIGURATION = """backend = "probe"
+connection = "connection.json"
+[array]
+type = "autd"
+columns = 1
+rows = 1
+[log]
+format = "json"
+"""
+PARTS = "bus", "render", "guard"
+DEVICES = Probe, Other, Simulated, Models
+
+
+class Server:
+    """`pacinian serve` in a folder of its own; a context manager, which leaves nothing running.
+
+    more: TOML that is added to its configuration.
+    """
+
+    def __init__(self, folder: Path, more: str = "") -> None:
+        self.folder = folder
+        self.file = folder / "connection.json"
+        self.logs = tuple(Log(folder / kind.name) for kind in DEVICES)
+        self.log = self.logs[0]
+        self._environment = install(folder)
+        self._configuration = folder / "server.toml"
+        self._configuration.write_text(CONFIGURATION + more, encoding="utf-8")
+        self._process: subprocess.Popen[bytes] | None = None
+        self._seen: set[psutil.Process] = set()
+        self._shared: set[Path] = set()
+
+    def start(self) -> None:
+        """Start it, also again after its end, and wait until all its processes run. Raises ServerError."""
+        command = [sys.executable, "-m", "pacinian", "serve", str(self._configuration)]
+        self.file.unlink(missing_ok=True)
+        if self._process is not None:
+            self._process.wait()
+        with (self.folder / "log").open("ab") as errors:
+            self._process = subprocess.Popen(
+                command, env=self._environment, stdin=subprocess.DEVNULL,
+                stdout=errors, stderr=errors, cwd=self.folder,
+            )  # fmt: skip
+        end = time.monotonic() + START
+        while not (self.file.exists() and self.parts().keys() >= set(PARTS)):
+            if self._process.poll() is not None or time.monotonic() > end:
+                raise ServerError(f"the server did not start: {self.said()[-2000:]}")
+            time.sleep(0.02)
+        self._shared |= memory(self._process.pid)
+
+    @property
+    def process(self) -> subprocess.Popen[bytes]:
+        """The parent: control."""
+        if self._process is None:
+            raise ServerError("the server has not been started")
+        return self._process
+
+    def parts(self) -> dict[str, psutil.Process]:
+        """Its children by name; "spare", if there is one, is the guard that waits."""
+        found: dict[str, psutil.Process] = {}
+        with contextlib.suppress(psutil.Error):
+            children = psutil.Process(self.process.pid).children()
+            for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
+                with contextlib.suppress(psutil.Error):
+                    name = "".join(child.cmdline()[-1:])  # pacinian.serving.guard.process
+                    module = name.removesuffix(".process").rpartition(".")[2]
+                    if module in PARTS and child.status() != psutil.STATUS_ZOMBIE:
+                        found[SPARE if module in found else module] = child
+        self._seen.update(found.values())
+        return found
+
+    def signal(self, part: str, number: int) -> None:
+        """Send a signal to one of its processes; "control" is the parent."""
+        process = self.process if part == "control" else self.parts()[part]
+        process.send_signal(number)
+
+    def said(self) -> str:
+        """All that it has written."""
+        return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
+
+    def events(self) -> list[dict[str, Any]]:
+        """Its log, as far as it is in JSON."""
+        found: list[dict[str, Any]] = []
+        for line in self.said().splitlines():
+            with contextlib.suppress(ValueError):
+                if isinstance(entry := json.loads(line), dict):
+                    found.append(entry)
+        return found
+
+    def terminate(self, wait: float = 10.0) -> int:
+        """SIGTERM; the exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(wait)
+
+    def left(self) -> list[psutil.Process]:
+        """Processes of it that still run."""
+        return [process for process in self._seen if _runs(process)]
+
+    def close(self) -> None:
+        """End whatever still runs, and the logs."""
+        if self._process is not None:
+            self.parts()
+            if self._process.poll() is None:
+                self._process.send_signal(signal.SIGCONT)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self.terminate(5.0)
+            self._process.kill()
+            self._process.wait()
+        for process in self.left():
+            with contextlib.suppress(psutil.Error):
+                process.kill()
+                process.wait(5.0)
+        for folder in self._shared:  # one that is killed leaves it
+            shutil.rmtree(folder, ignore_errors=True)
+        for log in self.logs:
+            log.close()
+
+    def __enter__(self) -> Server:
+        try:
+            self.start()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _runs(process: psutil.Process) -> bool:
+    try:
+        return process.is_running() and bool(process.status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:  # it ended between the two
+        return False
+
+
+def memory(pid: int) -> set[Path]:
+    """Folders of shared memory that a process maps."""
+    maps = psutil.Process(pid).memory_maps() if os.name == "posix" else []
+    return {Path(m.path).parent for m in maps if "/pacinian-" in m.path and m.path[0] == "/"}

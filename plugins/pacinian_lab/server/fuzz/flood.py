@@ -1,0 +1,133 @@
+"""Who sends it all: `python -m pacinian_lab.server.fuzz.flood FILE KIND SEED MESSAGES SECONDS`; tells counts as JSON.
+
+KIND: `command` or `control`: spoiled messages of one who has the password; `raw`: connections; `burn`: only as
+much work, of which the server sees nothing. Ends after so many messages or seconds, whichever comes first.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+from random import Random
+from typing import TYPE_CHECKING
+
+import zmq
+from msgspec.structs import asdict
+
+from pacinian.wire.connection import Connection
+from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
+from pacinian_lab.server.faults.raw_client import Peer, Silent
+from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS
+from pacinian_lab.server.fuzz.mutations import Spoiler
+from pacinian_lab.server.fuzz.packets import ANSWERS, packet, throw, within
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FAREWELL = 5  # [ms] for the server to end a connection that sent too much
+PATIENCE = 5.0  # [s] for an answer
+HELLO, KNOWN = 0.02, 0.2  # shares: of control messages, of raw connections
+BATCH = 200  # between two good messages, which show that all was heard
+
+
+class Flood:
+    """Sends until it is over. sent: by what was done; codes: of the answers."""
+
+    def __init__(self, file: Path, seed: int) -> None:
+        self.file, self.random = file, Random(seed)
+        self.sent: Counter[str] = Counter()
+        self.failed = 0
+
+    def messages(self, kind: str) -> Iterator[Peer]:
+        """Spoiled messages from an authenticated client, whose heartbeats are a part of the load."""
+        examples = COMMANDS if kind == "command" else CONTROLS
+        with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
+            spoiler = Spoiler(self.random, b"")
+            socket = peer.command if kind == "command" else peer.control
+            longest = MAX_COMMAND_BYTES if kind == "command" else MAX_CONTROL_BYTES
+            while True:
+                if not self._heard(peer, spoiler, kind):  # its last sequence number may be spoiled
+                    peer.hello(client="hostile")
+                    spoiler.session, spoiler.sequence = peer.session, 0
+                for _ in range(BATCH):
+                    if kind == "control" and self.random.random() < HELLO:
+                        self._send(stranger.control, MAX_CONTROL_BYTES, *spoiler.hello())
+                    else:
+                        made = spoiler.next(examples, time.perf_counter())
+                        self._send(socket, longest, *made)
+                peer.drain()
+                stranger.drain()
+                yield peer
+
+    @staticmethod
+    def _heard(peer: Peer, spoiler: Spoiler, kind: str) -> bool:
+        """Whether all was heard, and a good message is still taken."""
+        try:
+            if kind == "control":
+                return bool(peer.ask("status", PATIENCE)["type"] == "state")
+            peer.sequence = spoiler.sequence
+            spoiler.sequence += 1
+            reply = peer.tell("remove", PATIENCE, names=[])
+        except Silent:
+            return False
+        return bool(reply and reply["type"] == "ok")
+
+    def _send(self, socket: zmq.Socket[bytes], longest: int, name: str, data: bytes) -> None:
+        if len(data) > longest:
+            self._apart(data)
+        elif socket.poll(1000, zmq.POLLOUT):
+            socket.send(data)
+        else:
+            self.failed += 1
+            return
+        self.sent[name] += 1
+
+    def _apart(self, data: bytes) -> None:
+        """By a connection of its own, which it ends."""
+        with Peer(self.file, beats=True) as peer:
+            if peer.control.poll(1000, zmq.POLLOUT):
+                peer.control.send(data)
+                peer.control.poll(FAREWELL)
+
+    def packets(self) -> Iterator[None]:
+        """Raw connections to all sockets."""
+        file = asdict(Connection.read(self.file))
+        token = file["token"].encode()
+        while True:
+            known = self.random.random() < KNOWN
+            name, data = within(self.random) if known else packet(self.random)
+            address = file[self.random.choice(("control", "command", "state"))]
+            self.failed += not throw(address, data, token if known else None, ANSWERS.get(name, 0))
+            self.sent[name] += 1
+            yield
+
+    def burn(self) -> Iterator[None]:
+        """As much work, for nobody."""
+        spoiler = Spoiler(self.random, b"")
+        while True:
+            self.sent[spoiler.next(COMMANDS, 0.0)[0]] += 1
+            yield
+
+
+def main() -> None:
+    """Send; tell."""
+    name, kind, seed, messages, seconds = sys.argv[1:]
+    flood, codes = Flood(Path(name), int(seed)), Counter[str]()
+    start = time.perf_counter()
+    ways = {"raw": flood.packets, "burn": flood.burn}
+    steps = ways[kind]() if kind in ways else flood.messages(kind)
+    for peer in steps:
+        if isinstance(peer, Peer):
+            codes = peer.codes
+        if flood.sent.total() >= int(messages) or time.perf_counter() > start + float(seconds):
+            break
+    took = time.perf_counter() - start
+    told = {"sent": flood.sent, "codes": codes, "failed": flood.failed, "seconds": took}
+    print(json.dumps(told))  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()

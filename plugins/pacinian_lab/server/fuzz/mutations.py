@@ -1,0 +1,201 @@
+"""What is done to good messages, by their structure or their bytes; the same seed spoils alike."""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from pacinian_lab.server.fuzz.messages import COMMANDS, HELLO, OBJECTS, STOP
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from random import Random
+
+    from pacinian_lab.server.fuzz.messages import Message
+
+ODD: tuple[Any, ...] = (
+    None, True, False, 0, -1, 1, 2**31, 2**53 + 1, 2**63 - 1, -(2**63), 2**64 - 1, 0.0, -0.0,
+    math.nan, math.inf, -math.inf, 1e308, 5e-324, "", "x", "a" * 300, "\0", "../../etc/passwd",
+    "{0.__class__}", "\N{PILE OF POO}" * 70, b"", b"\0", b"\xff" * 64, b"\0\0\xc0\x7f" * 12,
+    [], [[]], {}, {"": {}}, [None] * 300, {"type": "point"}, {"type": "nothing"}, [0.0] * 3,
+    msgspec.msgpack.Ext(5, b"abc"), msgspec.msgpack.Ext(-1, b"\xff" * 12),
+)  # fmt: skip
+TYPES = (
+    "put", "move", "remove", "clear", "envelope", "hands", "quiet", "field", "renew", "disarm",
+    "reset", "select", "capabilities", "status", "error", "state", "Put", "point", "sphere", "am",
+    "", "welcome", "ok",
+)  # fmt: skip
+LENGTHS = b"\xdc", b"\xdd", b"\xde", b"\xdf", b"\xd9", b"\xda", b"\xdb", b"\xc5", b"\xc6", b"\xc9"
+DEEP = 5000
+LONG = 200_000  # [bytes] of the long ones, which are rare
+
+encode: Callable[[Any], bytes] = msgspec.msgpack.Encoder().encode
+
+
+def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Ways to all that is inside a message."""
+    if isinstance(value, dict):
+        items: Any = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    else:
+        return [at]
+    return [at, *(place for key, inner in items for place in places(inner, (*at, key)))]
+
+
+def replaced(value: Any, at: tuple[Any, ...], change: Callable[[Any], Any]) -> Any:
+    """The message with what is at that place changed; a copy as far as need be."""
+    if not at:
+        return change(value)
+    key, rest = at[0], at[1:]
+    made = list(value) if isinstance(value, list) else dict(value)
+    made[key] = replaced(value[key], rest, change)
+    return made
+
+
+class Spoiler:
+    """Spoiled messages without end. session: of a client, whose good ones they were."""
+
+    def __init__(self, random: Random, session: bytes) -> None:
+        self.random, self.session = random, session
+        self.sequence = 0
+        self._kept: list[bytes] = [b"\x80"]
+        self._ways = (
+            (12, "odd value", self._odd), (6, "missing", self._missing), (6, "moved", self._moved),
+            (5, "other type", self._typed), (4, "unknown field", self._more),
+            (4, "bytes flipped", self._flipped), (3, "cut", self._cut), (3, "joined", self._joined),
+            (3, "number", self._number), (2, "bulk", self._bulk), (2, "replayed", self._replayed),
+            (2, "sequence", self._sequenced), (2, "session", self._foreign),
+            (2, "length bomb", self._bomb), (2, "bad UTF-8", self._utf8), (2, "twice", self._twice),
+            (2, "good", self._good), (1, "deep", self._deep), (1, "many", self._many),
+            (4, "random bytes", self._noise), (0.02, "long", self._long),
+        )  # fmt: skip
+        self._weights = [way[0] for way in self._ways]
+
+    def next(self, examples: tuple[Message, ...], time: float) -> tuple[str, bytes]:
+        """What was done, and the message."""
+        _, name, way = self.random.choices(self._ways, self._weights)[0]
+        self.sequence += 1
+        head = {"session": self.session, "id": self.random.randrange(2)}
+        if examples is COMMANDS:
+            head |= {"sequence": self.sequence, "time": time, "ttl": 1.0}
+        made = way({**self.random.choice(examples), **head})
+        data = made if isinstance(made, bytes) else encode(made)
+        if len(data) < 1000 and self.random.random() < 0.01:
+            self._kept = [*self._kept[-63:], data]
+        return name, data
+
+    def hello(self) -> tuple[str, bytes]:
+        """A spoiled hello, or stop."""
+        if self.random.random() < 0.2:
+            return "stop", encode({**STOP, "id": self.random.choice(["", -1, math.nan, [], {}])})
+        ways: tuple[tuple[str, Callable[[Message], Any]], ...] = (
+            ("hello, odd", self._odd), ("hello, missing", self._missing), ("hello, good", self._good),
+        )  # fmt: skip
+        name, way = self.random.choice(ways)
+        return name, encode(way(HELLO))
+
+    def _at(self, message: Message) -> tuple[Any, ...]:
+        return self.random.choice(places(message))
+
+    def _odd(self, message: Message) -> Any:
+        return replaced(message, self._at(message), lambda _: self.random.choice(ODD))
+
+    def _missing(self, message: Message) -> Any:
+        at = self._at(message)
+        if not at:
+            return b""
+
+        def without(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: inner for key, inner in value.items() if key != at[-1]}
+            return [inner for n, inner in enumerate(value) if n != at[-1]]
+
+        return replaced(message, at[:-1], without)
+
+    def _moved(self, message: Message) -> Any:
+        other = self.random.choice(list(OBJECTS.values()))
+        return replaced(message, self._at(message), lambda _: other)
+
+    def _typed(self, message: Message) -> Any:
+        at = self.random.choice([p for p in places(message) if p and p[-1] == "type"])
+        return replaced(message, at, lambda _: self.random.choice(TYPES))
+
+    def _more(self, message: Message) -> Any:
+        return {**message, "a" * self.random.randrange(1, 60): self.random.choice(ODD)}
+
+    def _number(self, message: Message) -> Any:
+        value = struct.unpack("<d", self.random.randbytes(8))[0]
+        numbers = [p for p in places(message) if isinstance(_get(message, p), float)]
+        return replaced(message, self.random.choice(numbers or [()]), lambda _: value)
+
+    def _bulk(self, message: Message) -> Any:
+        found = [p for p in places(message) if p[-1:] != ("session",)]
+        found = [p for p in found if isinstance(_get(message, p), bytes)]
+        value = self.random.randbytes(self.random.choice([1, 4, 12, 28, 312, 3000]))
+        return replaced(message, self.random.choice(found or [()]), lambda _: value)
+
+    def _sequenced(self, message: Message) -> Any:
+        wrong = self.random.choice([-1, 0, 1, self.sequence, 2**53, 2**60, 1.5, "1"])
+        return {**message, "sequence": wrong if wrong != 2**53 else 1, "time": -1e9}
+
+    def _foreign(self, message: Message) -> Any:
+        return {**message, "session": self.random.randbytes(self.random.choice([0, 15, 16, 17]))}
+
+    def _good(self, message: Message) -> Any:
+        return message
+
+    def _many(self, message: Message) -> Any:
+        item = self.random.choice(list(OBJECTS.values()))
+        return {**message, "type": "put", "objects": {str(n): item for n in range(300)}}
+
+    def _deep(self, message: Message) -> bytes:
+        opening = self.random.choice([b"\x91", b"\x81\xa1a", b"\x81\xa7objects"])
+        return opening * self.random.randrange(100, DEEP) + b"\xc0" * self.random.randrange(2)
+
+    def _flipped(self, message: Message) -> bytes:
+        data = bytearray(encode(message))
+        for _ in range(self.random.randrange(1, 4)):
+            data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
+        return bytes(data)
+
+    def _cut(self, message: Message) -> bytes:
+        data = encode(message)
+        return data[: self.random.randrange(len(data))]
+
+    def _joined(self, message: Message) -> bytes:
+        return encode(message) + self.random.choice(self._kept)
+
+    def _replayed(self, message: Message) -> bytes:
+        return self.random.choice(self._kept)
+
+    def _bomb(self, message: Message) -> bytes:
+        head = b"" if self.random.random() < 0.5 else b"\x82\xa4type\xa3put\xa7objects"
+        return head + self.random.choice(LENGTHS) + b"\xff" * 4 + self.random.randbytes(8)
+
+    def _utf8(self, message: Message) -> bytes:
+        text = self.random.choice(
+            [b"\xa2\xff\xfe", b"\xa3\xed\xa0\x80", b"\xa1\x80", b"\xa2\xc0\xaf"]
+        )
+        key = self.random.choice([b"type", b"client", b"names", b"objects"])
+        return b"\x81" + bytes([0xA0 + len(key)]) + key + text
+
+    def _twice(self, message: Message) -> bytes:
+        data = encode(message)
+        pairs = b"".join(encode(k) + encode(v) for k, v in message.items())
+        return bytes([data[0] + 1]) + pairs + encode("type") + encode(message["type"])
+
+    def _noise(self, message: Message) -> bytes:
+        return self.random.randbytes(self.random.choice([0, 1, 2, 16, 100, 1000]))
+
+    def _long(self, message: Message) -> bytes:
+        return self.random.choice([b"\x90", b"\x80", b"\xc0"]) * self.random.randrange(LONG)
+
+
+def _get(message: Any, at: tuple[Any, ...]) -> Any:
+    for key in at:
+        message = message[key]
+    return message

@@ -1,0 +1,97 @@
+"""A server that sounds, in turn flooded and beside processes that only work as hard."""
+
+from __future__ import annotations
+
+import math
+import re
+import socket
+import tempfile
+import time
+import urllib.request
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pacinian_lab.server.faults.server import Server
+from pacinian_lab.server.faults.stage import Stage
+from pacinian_lab.server.fuzz.observer import Phase, Watch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SHARES = {"command": 0.6, "control": 0.3, "raw": 0.1}  # of the messages
+BUSY = len(SHARES) + 2  # processes that a flood keeps busy: those who send, control and the bus
+CHUNK = 200_000  # messages between two looks at what is usual
+CONFIGURATION = """[clients]
+rate = 1e6
+[metrics]
+port = {port}
+"""  # the rate: so that what is spoiled is decoded, not only counted
+COUNT = re.compile(r"^pacinian_control_(\w+)_total (\S+)$", re.MULTILINE)
+
+
+@dataclass
+class Found:
+    """What happened.
+
+    growth: of memory, late against early; memory: the most, both by process [bytes]. same: no process was
+    replaced. ended: the exit code after SIGTERM. counts: what the control process counted, as in its metrics.
+    """
+
+    flooded: Phase
+    burdened: Phase
+    idle: Phase
+    growth: dict[str, float]
+    memory: dict[str, float]
+    same: bool
+    ended: int
+    counts: dict[str, int]
+
+    @property
+    def messages(self) -> int:
+        """All that were sent."""
+        return self.flooded.sent.total()
+
+
+def run(
+    messages: int = 1_000_000,
+    seconds: float = 300.0,
+    seed: int = 1,
+    tell: Callable[[int], object] = lambda done: None,
+) -> Found:
+    """Send that many messages, within about so many seconds [s]."""
+    flooded, burdened, idle = Phase("flooded"), Phase("beside as much work"), Phase("idle")
+    port = _free()
+    with (
+        tempfile.TemporaryDirectory(prefix="pacinian-hostile-") as folder,
+        Server(Path(folder), CONFIGURATION.format(port=port)) as server,
+        Stage(server) as stage,
+    ):
+        stage.sounding()
+        watch, end = Watch(stage), time.perf_counter() + seconds
+        watch.phase(idle, {}, seed, min(3.0, 0.1 * seconds))
+        while (done := flooded.sent.total()) < messages and time.perf_counter() < end:
+            todo = min(CHUNK, messages - done)
+            left, before = end - time.perf_counter(), flooded.seconds
+            floods = {kind: math.ceil(share * todo) for kind, share in SHARES.items()}
+            watch.phase(flooded, floods, seed + done, left)
+            took = flooded.seconds - before
+            watch.phase(burdened, {"burn": 1 << 60}, seed, min(5.0, 0.3 * took), BUSY)
+            tell(flooded.sent.total())
+        same, growth = watch.same, watch.growth()
+        memory = {name: float(max(values)) for name, values in watch.memory.items()}
+        counts = _counts(port)
+        stage.close()
+        ended = server.terminate()
+    return Found(flooded, burdened, idle, growth, memory, same, ended, counts)
+
+
+def _free() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return int(probe.getsockname()[1])
+
+
+def _counts(port: int) -> dict[str, int]:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5.0) as answer:
+        text = answer.read().decode()
+    return {name: int(float(value)) for name, value in COUNT.findall(text)}

@@ -1,0 +1,105 @@
+"""What a flood did, as tables for a terminal, and which aims are met."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian_lab.solvers.tables import plain_table
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pacinian_lab.server.fuzz.run import Found
+
+ENOUGH = 1_000_000  # messages
+GROWN = 4e6  # [bytes] of a process, from an early to a late quarter
+SOON = 0.05  # [s] to an answer, for 99 of 100
+QUANTILES = 0.5, 0.999
+
+
+class Verdict(NamedTuple):
+    """Whether an aim is met."""
+
+    aim: str
+    found: str
+    met: bool
+
+
+def phases(found: Found) -> Table:
+    """Gaps in the output and times to an answer, by phase."""
+    head = ["", "s", "frames", "gap [ms]\np50", "\np99.9", "\nmax", "over a\ntick, 1/s", "silences"]
+    head += ["answer [ms]\np50", "\np99", "\nmax", "\nnone"]
+    rows = [
+        [phase.name, f"{phase.seconds:.0f}", str(len(phase.gap))]
+        + [f"{1e3 * _at(phase.gap, q):.2f}" for q in (*QUANTILES, 1.0)]
+        + [f"{phase.over / max(phase.seconds, 1e-9):.2f}", str(phase.silences)]
+        + [f"{1e3 * _at(np.array(phase.answers), q):.1f}" for q in (0.5, 0.99, 1.0)]
+        + [str(phase.lost)]
+        for phase in (found.idle, found.burdened, found.flooded)
+    ]
+    return plain_table("The output, and what control answered, meanwhile", head, rows)
+
+
+def _at(values: np.ndarray, share: float) -> float:
+    return float(np.quantile(values, share)) if len(values) else float("nan")
+
+
+def sent(found: Found) -> Table:
+    """What was sent, by what was done to it."""
+    rows = [[name, f"{count:,}"] for name, count in found.flooded.sent.most_common()]
+    total = f"{found.messages:,} in {found.flooded.seconds:.0f} s"
+    return plain_table(f"Sent: {total}; {found.flooded.failed:,} could not be", ["", ""], rows)
+
+
+def refused(found: Found) -> Table:
+    """What control counted; and errors that came back, by code, of which a client is told a few a second."""
+    rows = [[name, f"{count:,}"] for name, count in sorted(found.counts.items())]
+    rows += [[f"told: {code}", f"{n:,}"] for code, n in found.flooded.codes.most_common()]
+    return plain_table("Counted by control, and told by all", ["", ""], rows)
+
+
+def memory(found: Found) -> Table:
+    """Of each process."""
+    rows = [
+        [name, f"{found.memory[name] / 1e6:.0f}", f"{grown / 1e6:+.2f}"]
+        for name, grown in found.growth.items()
+    ]
+    return plain_table("Memory [MB]", ["", "most", "late - early"], rows)
+
+
+def verdicts(found: Found) -> list[Verdict]:
+    """The aims."""
+    flooded, beside = found.flooded, found.burdened
+    grown = max(found.growth.values())
+    answer = _at(np.array(flooded.answers), 0.99)
+    usual = max(beside.worst(), found.idle.worst()) + 1e-3
+    return [
+        Verdict("at least 1,000,000 messages", f"{found.messages:,}", found.messages >= ENOUGH),
+        Verdict("no process ended", "the same" if found.same else "others", found.same),
+        Verdict(
+            "no gap over a tick more than without",
+            f"{1e3 * flooded.worst():.1f} against {1e3 * beside.worst():.1f} ms",
+            flooded.worst() <= usual,
+        ),
+        Verdict(
+            "no more silences a second than without",
+            f"{flooded.often:.2f} against {beside.often:.2f}",
+            flooded.often <= beside.often,
+        ),
+        Verdict("memory flat", f"{grown / 1e6:+.2f} MB", grown < GROWN),
+        Verdict("control answers within 50 ms (p99)", f"{1e3 * answer:.1f} ms", answer < SOON),
+        Verdict(
+            "no request failed",
+            str(found.counts.get("failed", 0)),
+            not found.counts.get("failed", 0),
+        ),
+        Verdict("clean end", f"exit code {found.ended}", found.ended == 0),
+    ]
+
+
+def judged(found: Found) -> Table:
+    """The verdicts."""
+    rows = [[v.aim, v.found, "met" if v.met else "not met"] for v in verdicts(found)]
+    return plain_table("Aims", ["", "found", ""], rows)

@@ -1,0 +1,113 @@
+"""A guard process without a server: what the others would tell it, one arming after another."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from pacinian.errors import ServerError
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.messages import (
+    CAPACITIES,
+    DeviceStatus,
+    FrameHead,
+    Permit,
+    compute_frame_capacity,
+)
+from pacinian.serving.ipc.shared_memory import SharedRegister, folder
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.serving.settings import Settings
+
+LONG = 20.0  # [s] without an answer
+PROMPT = 100e-6  # [s] to write a value; what took longer is not counted
+LOOK = 50e-6  # [s] between looks
+PARENT = """
+import sys, time
+import msgspec
+from pacinian.serving.ipc import child_process
+started = child_process.start("guard", msgspec.json.decode(sys.argv[1], type=child_process.Told))
+time.sleep(3600)
+"""
+
+
+class GuardProcess:
+    """A context manager. orphan: `process` is not the guard, but its parent, which can be killed."""
+
+    def __init__(self, settings: Settings, *, orphan: bool = False) -> None:
+        self._array = settings.array.make()
+        self._levels = levels(self._array)
+        self._stack = ExitStack()
+        self._folder = self._stack.enter_context(folder())
+        sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(self._array))}
+        names = "permit", "frame", "orders", "device"
+        self._memory = {n: SharedRegister.create(self._folder / n, sizes[n]) for n in names}
+        self._epoch = self._sequence = 0
+        told = child_process.LaunchConfig(str(self._folder), settings)
+        if orphan:
+            text = msgspec.json.encode(told).decode()
+            self.process = subprocess.Popen([sys.executable, "-c", PARENT, text])
+        else:
+            self.process = child_process.start("guard", told)
+
+    def __enter__(self) -> GuardProcess:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        child_process.end(self.process)
+        for memory in self._memory.values():
+            memory.close()
+        self._stack.close()
+
+    def wait(self, so: Callable[[DeviceStatus], bool]) -> DeviceStatus:
+        """Until the guard says so."""
+        due = time.perf_counter() + LONG
+        while time.perf_counter() < due:
+            if (read := self._memory["device"].read()) is not None:
+                device = msgspec.msgpack.decode(read[1], type=DeviceStatus)
+                if so(device):
+                    return device
+            time.sleep(LOOK)
+        raise ServerError(f"the guard has not answered within {LONG:g} s")
+
+    def permit(self, until: float, stopped: int = 0) -> None:
+        """Write the permit of this epoch."""
+        self._memory["permit"].write(Permit(1, until, self._epoch, stopped).pack())
+
+    def sound(self) -> tuple[DeviceStatus, float]:
+        """Arm, and wait for a frame to sound; how it is, and when the frame was written [s]."""
+        device = self.wait(lambda device: device.generation > 0 and not device.sounding)
+        self._epoch += 1
+        self.permit(time.perf_counter() + LONG)
+        while True:  # again, if the machine was so late that the frame was old
+            self._sequence += 1
+            now = time.perf_counter()
+            head = FrameHead(
+                self._sequence, now, self._epoch, device.generation, 1, len(self._array)
+            )
+            self._memory["frame"].write(head.pack(), self._levels)
+            prompt = time.perf_counter() - now < PROMPT
+            frames = device.frames
+            device = self.wait(lambda device, frames=frames: device.frames > frames)  # type: ignore[misc]
+            if device.sounding and prompt:
+                return device, now
+
+    def silent(self, reason: str, before: DeviceStatus) -> float | None:
+        """When it was silent for this reason, by the guard's clock [s]; None if it was for another."""
+        after = self.wait(lambda device: device.silences > before.silences)
+        counted = after.reasons.get(reason, 0) > before.reasons.get(reason, 0)
+        return after.beat if counted else None
+
+
+def levels(array: Array) -> bytes:
+    """Of a frame of one row that sounds."""
+    return np.full((2, 1, len(array)), 5, np.uint16).tobytes()

@@ -1,0 +1,139 @@
+"""Many clients in one process, which move their objects so many times a second in all."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from typing import Any
+
+import zmq
+from msgspec import Struct
+
+from pacinian.errors import ServerError
+from pacinian.wire.commands import Move, Put
+from pacinian.wire.connection import Connection
+from pacinian_lab.server import positions, worker_process
+from pacinian_lab.server.raw_client import Peer
+
+WAKE = 0.001  # [s]
+RENEW = 1.0  # [s]
+BEHIND = 0.05  # [s] of messages that are made up for; what is later is not sent
+
+
+class Crowd(Struct, frozen=True):
+    """Who it is. clients: numbers of them, of `of` in all. objects: in all; number i is client i % of's."""
+
+    connection: str
+    scene: str
+    clients: tuple[int, ...]
+    of: int
+    objects: int
+
+
+class Push(Struct, frozen=True, tag=True):
+    """Move them, `rate` times a second in all, from `begin` to `end` [s]."""
+
+    rate: float
+    begin: float
+    end: float
+
+
+class Place(Struct, frozen=True, tag=True):
+    """Put each at its place of time t [s], when that group is felt; answered when the server has said yes."""
+
+    t: float
+    group: int
+
+
+class Done(Struct, frozen=True):
+    """asked: messages that were due. sent: taken by a socket. full: had no room. told: what the server said."""
+
+    asked: int = 0
+    sent: int = 0
+    full: int = 0
+    told: dict[str, int] = {}
+
+
+class Members:
+    """The clients and their objects."""
+
+    def __init__(self, context: zmq.Context[Any], crowd: Crowd) -> None:
+        connection = Connection.read(crowd.connection)
+        self.peers = {
+            n: Peer(context, connection, f"client {n}", crowd.scene) for n in crowd.clients
+        }
+        self.own = [
+            (self.peers[i % crowd.of], i)
+            for i in range(crowd.objects)
+            if i % crowd.of in self.peers
+        ]
+        self._turn, self._renewed = 0, 0.0
+        now = time.perf_counter()
+        for peer, i in self.own:
+            peer.ask(Put, objects={positions.name(i): positions.point(i, now)})
+
+    def push(self, push: Push) -> Done:
+        """Move them in turn."""
+        self._told()
+        asked = sent = full = 0
+        while (now := time.perf_counter()) < push.end:
+            self._renew(now)
+            due = int(push.rate * max(0.0, now - push.begin))
+            asked, todo = due, due - asked
+            for _ in range(min(todo, max(1, int(BEHIND * push.rate)))):
+                peer, i = self.own[self._turn]
+                self._turn = (self._turn + 1) % len(self.own)
+                now = time.perf_counter()
+                done = peer.send(
+                    Move, time=now, names=(positions.name(i),), poses=positions.pose(i, now)
+                )
+                sent, full = sent + done, full + (not done)
+            time.sleep(WAKE)
+        return Done(asked, sent, full, self._told())
+
+    def place(self, place: Place) -> Done:
+        """Put all where they are looked for; answered."""
+        refused = Counter[str]()
+        for peer, i in self.own:
+            self._renew(time.perf_counter())
+            pose = positions.pose(i, place.t, place.group)
+            try:
+                peer.ask(Move, names=(positions.name(i),), poses=pose)
+            except ServerError as error:
+                refused[getattr(error, "code", "no answer")] += 1
+        sent = len(self.own) - refused.total()
+        return Done(len(self.own), sent, 0, Counter(self._told()) + refused)
+
+    def _renew(self, now: float) -> None:
+        if now > self._renewed + RENEW:
+            self._renewed = now
+            for peer in self.peers.values():
+                peer.renewing()
+
+    def _told(self) -> dict[str, int]:
+        told = sum((peer.told for peer in self.peers.values()), Counter[str]())
+        for peer in self.peers.values():
+            peer.told.clear()
+        return dict(told)
+
+    def close(self) -> None:
+        """All leave."""
+        for peer in self.peers.values():
+            peer.close()
+
+
+def main() -> None:
+    """In its own process, until the parent has gone."""
+    context = zmq.Context[Any]()
+    members = Members(context, worker_process.read_task(Crowd))
+    worker_process.answer(Done())
+    while (order := worker_process.read_order(Push | Place)) is not None:
+        worker_process.answer(
+            members.push(order) if isinstance(order, Push) else members.place(order)
+        )
+    members.close()
+    context.term()
+
+
+if __name__ == "__main__":
+    main()

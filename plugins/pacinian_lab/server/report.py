@@ -1,0 +1,123 @@
+"""What the server's benchmarks found: which aims are met, and all of it as one object for JSON."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from pacinian_lab.scenes.report import Verdict
+from pacinian_lab.solvers.run import cores
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian_lab.server.load import Final, Row
+    from pacinian_lab.server.sender import Times
+
+TICK = 1e-3  # [s]
+FRESH = 0.1  # [s]: the age of what is felt, whatever the load
+CONTROL = 0.05  # [s] within which control answers, whatever the load
+HELD = 0.98  # of the ticks per second without load
+GROWN = 1.25  # times the memory at the begin of a phase that is bounded
+FULL = 10_000.0  # [Hz]: the load at which the tick rate is to be held
+LATE = 0.005  # share of late ticks above that at a tenth of the load
+
+
+def latency(found: Sequence[Times]) -> list[Verdict]:
+    """A line for each rate."""
+    return [
+        Verdict(
+            f"hands at {times.rate:g} Hz: median less than a tick above the echo's round trip",
+            times.whole.p50 - times.echo.p50 < TICK,
+            f"{1e3 * (times.whole.p50 - times.echo.p50):.2f} ms above",
+        )
+        for times in found
+    ]
+
+
+def load(rows: Sequence[Row], finals: Sequence[Final]) -> list[Verdict]:
+    """A line for each aim and number of clients."""
+    made = list[Verdict]()
+    for final in finals:
+        own = [row for row in rows if row.clients == final.clients]
+        who = f"{final.clients} client{'s' * (final.clients > 1)}"
+        lost = len(final.missing) + abs(final.objects - final.known)
+        made.append(
+            Verdict(
+                f"{who}: no object lost",
+                not lost,
+                f"{lost} of {final.objects}; {final.sent - final.received} of {final.sent} messages; "
+                f"{sum(final.refused.values())} late or refused",
+            )
+        )
+        made += [_control(who, own), _held(who, own), _bounded(who, own)]
+        backwards, moved = sum(row.seen.backwards for row in own), [row for row in own if row.rate]
+        age = max((row.seen.age.p99 for row in moved), default=0.0)
+        made.append(
+            Verdict(
+                f"{who}: newest wins, 99 % younger than {1e3 * FRESH:g} ms",
+                not backwards and age < FRESH,
+                f"{1e3 * age:.0f} ms, {backwards} steps back",
+            )
+        )
+    return made
+
+
+def _control(who: str, rows: Sequence[Row]) -> Verdict:
+    worst, lost = max(row.seen.ping.most for row in rows), sum(row.seen.lost for row in rows)
+    return Verdict(
+        f"{who}: control answers within {1e3 * CONTROL:g} ms",
+        worst <= CONTROL and not lost,
+        f"at most {1e3 * worst:.1f} ms, {lost} lost",
+    )
+
+
+def _held(who: str, rows: Sequence[Row]) -> Verdict:
+    """Against a tenth of the load, at which the same is solved."""
+    quiet = [row for row in rows if row.rate < FULL][-1:] or rows[:1]
+    loaded = [row for row in rows if row.rate <= FULL][-1:] or rows[:1]
+    a, b = quiet[0].seen, loaded[0].seen
+    return Verdict(
+        f"{who}: ticks held at {loaded[0].rate:g}/s",
+        b.ticks >= HELD * a.ticks and b.late <= a.late + LATE,
+        f"{b.ticks:.0f} Hz, {b.late:.2%} late; at {quiet[0].rate:g}/s {a.ticks:.0f} Hz, {a.late:.2%}",
+    )
+
+
+def _bounded(who: str, rows: Sequence[Row]) -> Verdict:
+    worst = max(rows, key=lambda row: row.memory[2] / row.memory[0])
+    return Verdict(
+        f"{who}: memory bounded",
+        worst.memory[2] <= GROWN * worst.memory[0],
+        f"{worst.memory[0]:.0f} MB, at most {worst.memory[2]:.0f} MB",
+    )
+
+
+def plain(
+    times: Sequence[Times], rows: Sequence[Row], finals: Sequence[Final], **said: Any
+) -> dict[str, Any]:
+    """Everything, in SI units where the names tell no other."""
+    return {
+        **said,
+        **about(),
+        "targets": [asdict(verdict) for verdict in [*latency(times), *load(rows, finals)]],
+        "latency": msgspec.to_builtins(times),
+        "load": msgspec.to_builtins(rows),
+        "finals": msgspec.to_builtins(finals),
+    }
+
+
+def about() -> dict[str, Any]:
+    """When, and on which machine."""
+    return {
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": {
+            "system": platform.platform(),
+            "cores": cores(),
+            "python": platform.python_version(),
+        },
+    }

@@ -1,0 +1,65 @@
+"""A server that is played with for a long time: what it takes and how it ticks, window by window."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from pacinian.scene.file import Units
+from pacinian.serving.settings import Log, Settings
+from pacinian.testing import serving
+from pacinian_lab.server.game import SCENE, Heard, Play, Window
+from pacinian_lab.server.visitor import Visit
+from pacinian_lab.server.worker_process import WorkerProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+WINDOWS = 120  # of a run
+SHORTEST = 0.5  # [s] of a window
+SLACK = 60.0  # [s] for an answer
+VISITS = 4  # windows from one visitor's death to the next's
+
+
+class Row(Struct, frozen=True):
+    """A window. t: its end, since the begin [s]. memory [MB], files, cpu (share of a core): by process."""
+
+    t: float
+    heard: Heard
+    memory: dict[str, float]
+    files: dict[str, int]
+    cpu: dict[str, float]
+
+
+def measure(side: int, seconds: float) -> Iterator[Row]:
+    """Windows of a run of so long [s], on `side` x `side` AUTD units."""
+    length = max(SHORTEST, seconds / WINDOWS)
+    settings = Settings(array=Units(side, side), log=Log(level="error"))
+    with ExitStack() as stack:
+        server = stack.enter_context(serving(settings))
+        game = stack.enter_context(WorkerProcess("game"))
+        game.send(Play(str(server.connection), min(1.0, length / 10.0)))
+        begin = time.perf_counter()
+        for k in range(max(4, round(seconds / length))):
+            before, start = server.usage(), time.perf_counter()
+            with ExitStack() as visit:
+                if k % VISITS == 1:
+                    visitor = visit.enter_context(WorkerProcess("visitor"))
+                    visitor.send(Visit(str(server.connection), SCENE))
+                game.send(Window(length))
+                heard = game.receive(Heard, length + SLACK)
+            after, end = server.usage(), time.perf_counter()
+            yield Row(
+                t=end - begin,
+                heard=heard,
+                memory={name: used.memory / 1e6 for name, used in after.items()},
+                files={name: used.files for name, used in after.items()},
+                cpu={
+                    name: (used.cpu - before[name].cpu) / (end - start)
+                    for name, used in after.items()
+                    if name in before
+                },
+            )

@@ -1,0 +1,95 @@
+"""The problems: random points in a square before AUTD-shaped arrays, and the evaluator's own B."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import autd
+from pacinian.checks import check_integer, check_number
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.types import Complexes, Floats
+
+FREQUENCY, SPEED, PRESSURE = 40_000.0, 340.0, 4.386  # [Hz], [m/s], [Pa m]
+AIR = Air(speed_of_sound=SPEED, density=1.2)
+WAVENUMBER = 2.0 * math.pi * FREQUENCY / SPEED  # [rad/m]
+SIDE, DISTANCE = 0.2, 0.2  # of the square, and from the array's centre plane [m]
+STEP, FRAMES = 1e-3, 6  # [m]; a warm solve's points go round a hexagon of this side
+
+
+def matrix(positions: Floats, points: Floats) -> Complexes:
+    """B [Pa], (M, N), for omnidirectional transducers: plain NumPy, apart from the solvers' kernels."""
+    r = np.linalg.norm(points[:, None] - positions, axis=2)
+    return np.asarray(PRESSURE / r * np.exp(-1j * WAVENUMBER * r))
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """M points before an array.
+
+    units: AUTD units, 1, 4, 9, ... (a square of them). level: 2-norm of the targets over what one focus
+    could reach. seed: of the points and of the proportions.
+    positions: of the transducers [m], (N, 3). points: [m], (M, 3). targets: sound pressures [Pa], (M,).
+    """
+
+    units: int
+    level: float
+    seed: int
+    positions: Floats
+    points: Floats
+    targets: Floats
+
+    @classmethod
+    def make(cls, units: int, count: int, level: float, seed: int) -> Problem:
+        """`count` points, 0.3..1 in proportion, at `level`. Raises ArgumentError."""
+        side = math.isqrt(check_integer("units", units, low=1))
+        if side * side != units:
+            raise ArgumentError("units", f"must be a square number (1, 4, 9, ...), not {units}")
+        check_number("levels", level, low=0.0, above=True)
+        r = autd(side, side).positions
+        rng = np.random.default_rng(seed)
+        count = check_integer("points", count, low=1)
+        q = np.c_[rng.uniform(-SIDE / 2, SIDE / 2, (count, 2)), np.full(count, DISTANCE)]
+        t = rng.uniform(0.3, 1.0, count)
+        t *= level * np.abs(matrix(r, q)).sum(axis=1).mean() / np.linalg.norm(t)
+        return cls(units, level, seed, r, q, t)
+
+    @functools.cached_property
+    def frames(self) -> Floats:
+        """Where the points are from solve to solve [m], (6, M, 3): each moves by 1 mm, and comes back."""
+        start = np.random.default_rng(self.seed).uniform(0.0, 2.0 * np.pi, len(self.points))
+        angle = start + 2.0 * np.pi / FRAMES * np.arange(FRAMES)[:, None]
+        path = STEP * np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
+        return np.asarray(self.points + (path - path[0]))
+
+    def message(self) -> dict[str, Any]:
+        """What a worker is told."""
+        return {
+            "positions": self.positions.tolist(),
+            "frames": self.frames.tolist(),
+            "targets": self.targets.tolist(),
+            "wavenumber": WAVENUMBER,
+            "pressure": PRESSURE,
+        }
+
+
+def problems(
+    units: Iterable[int], points: Iterable[int], levels: Iterable[float], seeds: int
+) -> list[Problem]:
+    """All combinations, the small ones first, with seeds 0..seeds - 1."""
+    return [
+        Problem.make(u, count, level, seed)
+        for u in sorted(set(units))
+        for count in sorted(set(points))
+        for level in sorted(set(levels))
+        for seed in range(seeds)
+    ]

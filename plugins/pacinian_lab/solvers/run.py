@@ -1,0 +1,157 @@
+"""The run: every contestant on one problem before the next, so that ratios are of neighbouring moments."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pacinian_lab.solvers import peers
+from pacinian_lab.solvers.problems import Problem
+from pacinian_lab.solvers.rows import Row
+from pacinian_lab.solvers.score import eight_bit, score
+from pacinian_lab.solvers.worker_process import START, Worker, WorkerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from pathlib import Path
+
+OURS = "pacinian"
+REFERENCE = "reference"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One solver of one worker: what a row is measured for."""
+
+    worker: Worker
+    solver: str
+    mode: str
+
+    @property
+    def family(self) -> str:
+        """Who it belongs to."""
+        return REFERENCE if self.mode == REFERENCE else self.worker.name
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def workers(threads: Iterable[int], root: Path | None) -> list[Worker]:
+    """Ours, and where `root` is given those of the peers that have an environment there."""
+    pythons = {OURS: sys.executable}
+    if root is not None:
+        found = {peer: peers.python(root, peer) for peer in peers.PEERS}
+        pythons |= {peer: str(python) for peer, python in found.items() if python}
+    return [Worker.of(name, python, n) for name, python in pythons.items() for n in threads]
+
+
+def entries(
+    workers: Iterable[Worker],
+    solvers: Sequence[str] | None,
+    on_fault: Callable[[str], object],
+) -> list[Entry]:
+    """All that the workers offer; of ours only `solvers`, if given.
+
+    on_fault: told of a peer that does not start. Raises WorkerError where ours do not.
+    """
+    found: list[Entry] = []
+    for worker in workers:
+        try:
+            offers = worker.offers()
+        except WorkerError as error:
+            if worker.name == OURS:
+                raise
+            on_fault(f"{worker.name} left out: it {error}")
+            continue
+        for solver, mode in offers:
+            wanted = solvers is None or solver in solvers
+            if wanted or worker.name != OURS or mode == REFERENCE:
+                found.append(Entry(worker, solver, mode))
+    return found
+
+
+def warm_up(entries: Iterable[Entry]) -> None:
+    """Let every entry solve something small, so that nothing is loaded or compiled later.
+
+    What fails here will fail again where it is told.
+    """
+    problem = Problem.make(1, 4, 0.5, 0)
+    for entry in entries:
+        try:
+            entry.worker.ask(message(entry, problem, 0.0), START)
+        except WorkerError:
+            continue
+
+
+def measure(
+    entries: Sequence[Entry],
+    problems: Iterable[Problem],
+    seconds: float,
+    limit: float,
+    on_row: Callable[[Row], object] = lambda row: None,
+) -> Iterator[Row]:
+    """Every entry on every problem: for about `seconds` [s] each, given up after `limit` [s]."""
+    for problem in problems:
+        for entry in entries:
+            row = one(entry, problem, seconds, limit)
+            on_row(row)
+            yield row
+
+
+def one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
+    """One row; whatever goes wrong is its status."""
+    M, N = len(problem.points), len(problem.positions)
+    place = (problem.units, N, M, problem.level, problem.seed)
+    row = Row(entry.family, entry.solver, entry.mode, entry.worker.threads, *place)
+    try:
+        told = entry.worker.ask(message(entry, problem, seconds), limit)
+        return judged(row, problem, told)
+    except WorkerError as error:
+        return replace(row, status=str(error))
+
+
+def judged(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
+    """The row with what a worker told, evaluated. Raises WorkerError for what cannot be."""
+    try:
+        p50, p99, traced, most = (float(told[k]) for k in ("p50", "p99", "traced", "resident"))
+        samples = int(told["samples"])
+        row = replace(row, p50=p50, p99=p99, traced=traced, resident=most, samples=samples)
+        if row.family == REFERENCE:
+            return row
+        g = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
+        q = np.array(told["points"], np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise WorkerError(f"answered nonsense: {error!r}") from error
+    for name, array, shape in (("gains", g, (row.N,)), ("points", q, (row.M, 3))):
+        if array.shape != shape:
+            raise WorkerError(f"returned {name} of shape {array.shape}, not {shape}")
+        if not np.isfinite(array).all():
+            raise WorkerError(f"returned {name} that are not finite")
+    found = score(problem.positions, q, problem.targets, g)
+    rounded = score(problem.positions, q, problem.targets, eight_bit(g))
+    return replace(
+        row,
+        error=found.error,
+        error_8bit=rounded.error,
+        scale=found.scale,
+        mean_pressure=found.mean_pressure,
+        drive=float(np.abs(g).max()),
+    )
+
+
+def message(entry: Entry, problem: Problem, seconds: float) -> dict[str, Any]:
+    """What a worker is asked."""
+    return {
+        "solver": entry.solver,
+        "mode": entry.mode,
+        "seconds": seconds,
+        "problem": problem.message(),
+    }

@@ -1,0 +1,116 @@
+"""Whether one solver keeps what is promised of one problem."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import UnsupportedLimit
+from pacinian.solving.solution import Status
+from pacinian_lab.stress import promises
+from pacinian_lab.stress.case import PATIENCE
+from pacinian_lab.stress.every import breaches, excess
+from pacinian_lab.stress.reference import CLOSED, Reference
+
+if TYPE_CHECKING:
+    from pacinian.plugins.solver import Solver
+    from pacinian.solving.solution import Solution
+    from pacinian_lab.stress.case import Case
+    from pacinian_lab.stress.promises import Near, Promise
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one solver did with one problem.
+
+    broken: promise -> figure, of those that were broken. excess: the largest |g_n| - limits.gain.
+    ratio: the residual over what `Near` allows with a factor of 1; NaN where it is not promised.
+    seconds: how long it took [s].
+    """
+
+    case: str
+    solver: str
+    broken: dict[str, str]
+    excess: float = math.nan
+    ratio: float = math.nan
+    seconds: float = math.nan
+
+
+def check(case: Case, solver: Solver) -> Evidence:
+    """Solve `case` and hold the answer against the promises."""
+    name = solver.name
+    begin = case.clock()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            solution = case.solve(solver)
+    except UnsupportedLimit as refusal:
+        told = {} if case.limits.solver_limits - solver.keeps else {"raises": str(refusal)}
+        return Evidence(case.name, name, told)
+    except Exception as error:  # whatever a solver raises is the finding
+        right = case.refused is not None and isinstance(error, case.refused)
+        told = {} if right else {"raises": f"{type(error).__name__}: {error}"}
+        return Evidence(case.name, name, told)
+    seconds = case.clock() - begin
+    if case.refused is not None:
+        return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})
+    broken, ratio, promise = dict(breaches(case, solution, seconds)), math.nan, promises.of(name)
+    if len(case.points) <= promise.samples:
+        if promise.answers and (missing := _unanswered(case, promise, solution, seconds)):
+            broken["answers"] = missing
+        if promise.near and not broken and _comparable(case, promise.near, solution):
+            ratio = near(case, promise.near, solution)
+            if ratio > promise.near.factor:
+                broken["near"] = f"{ratio:.3g} > {promise.near.factor:g}"
+    return Evidence(case.name, name, broken, excess(case, solution), ratio, seconds)
+
+
+def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:
+    if solution.status is Status.failed:
+        return "failed"
+    if case.deadline >= PATIENCE and seconds >= case.deadline * (1 + len(case.history)):
+        return f"not done in {case.deadline:g} s"
+    reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
+    if solution.gains.any() or not reached.any():
+        return ""
+    ratio = near(case, promise.near or promises.SILENCE, solution)  # is silence as good?
+    return f"all gains are zero: {ratio:.3g}" if ratio > promises.SILENCE.factor else ""
+
+
+def _comparable(case: Case, near: Near, solution: Solution) -> bool:
+    """Whether `near` says anything of this problem."""
+    plain = case.limits.power is None and not case.limits.solver_limits and case.scale == "exact"
+    given = solution.asked_phases is not None or not case.targets.free.any()
+    phases = near.free or given or len(case.points) == 1
+    done = solution.status is not Status.deadline and not solution.late
+    return bool(plain and phases and done and case.targets.amplitudes.any())
+
+
+def near(case: Case, promised: Near, solution: Solution) -> float:
+    """The residual over what `promised` allows with a factor of 1, for the phases found, or given where regions are."""
+    weights = np.sqrt(solution.weights)
+    p = weights * case.ask(solution)
+    scale = float(np.abs(p).max())  # so that squares neither vanish nor overflow
+    p, g = p / scale, solution.gains.astype(np.complex128) / scale
+    B, reference = case.B, case.reference
+    if (weights != 1.0).any():
+        B = weights[:, None] * B
+        reference = Reference.of(B)
+    made = B @ g
+    if not promised.limited and (power := float(np.vdot(made, made).real)):
+        made *= max(0.0, float(np.vdot(made, p).real) / power)
+    mu, enough = promised.mu, 0.0
+    if case.targets.regions is not None:
+        mu, enough = promised.mu_regions, promised.enough
+    mu *= float(np.linalg.norm(case.B)) ** 2 / len(case.B)
+    limited = promised.limited and case.limits.gain is not None
+    limit = (case.limits.gain or 0.0) / scale if limited else math.inf
+    best = reference.best(p, mu, case.blur**2, limit, g)
+    if limited:
+        best = max(best, max(CLOSED, enough**2) * float(np.vdot(p, p).real))
+    residual = float(np.linalg.norm(p - made))
+    return residual / math.sqrt(best) if best > 0.0 else (math.inf if residual else 0.0)

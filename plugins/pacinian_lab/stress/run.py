@@ -1,0 +1,125 @@
+"""Every problem against every solver, and the propagator through many moves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.plugins import registry
+from pacinian.solving.propagator import Propagator
+from pacinian_lab.stress import promises
+from pacinian_lab.stress.asking import SMALL, scattered
+from pacinian_lab.stress.check import Evidence, check
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from pacinian_lab.stress.case import Case
+
+GRAM = 1e-6  # relative to the mean of its diagonal: one rounding of a sum in single precision
+HURRY = 0.03  # [s]
+LOOKS = 20  # comparisons with a new propagator
+
+
+@dataclass(frozen=True)
+class Row:
+    """One family and one solver: how many problems, what was broken, and the worst of the evidence."""
+
+    family: str
+    solver: str
+    problems: int
+    broken: tuple[Evidence, ...]
+    excess: float
+    ratio: float
+    seconds: float
+    where: str
+
+
+def solvers() -> list[str]:
+    """The installed solvers that need no settings."""
+    offers = [offer for offer in registry.installed().list() if offer.kind == "solver"]
+    return [offer.name for offer in offers if ... not in offer.options.values()]
+
+
+def run(
+    names: Iterable[str],
+    problems: Iterable[Case],
+    advance: Callable[[str], object] = lambda _: None,
+) -> list[Evidence]:
+    """Evidence of each solver on each problem; `advance` is told which is next. Raises UnknownPlugin.
+
+    Solvers that promise nothing of the optimum are given `HURRY` seconds for each: the rest is to hold
+    whenever they stop.
+    """
+    made = [registry.solver(name) for name in names]
+    found: list[Evidence] = []
+    for case in problems:
+        hurried = replace(case, deadline=min(case.deadline, HURRY))
+        for solver in made:
+            advance(f"{solver.name}, {case.name}")
+            found.append(check(case if promises.of(solver.name).near else hurried, solver))
+    return found
+
+
+def rows(found: Iterable[Evidence]) -> list[Row]:
+    """The evidence family by family and solver by solver."""
+    first: dict[tuple[str, str], int] = {}
+
+    def place(e: Evidence) -> tuple[str, str]:
+        return e.case.partition(":")[0], e.solver
+
+    evidence = list(found)
+    for e in evidence:
+        first.setdefault(place(e), len(first))
+    ordered = sorted(evidence, key=lambda e: first[place(e)])
+    return [_row(*key, list(group)) for key, group in groupby(ordered, key=place)]
+
+
+def _row(family: str, solver: str, found: list[Evidence]) -> Row:
+    broken = tuple(e for e in found if e.broken)
+    worst = max(found, key=lambda e: -1.0 if math.isnan(e.ratio) else e.ratio)
+    where = broken[0] if broken else worst
+    return Row(
+        family,
+        solver,
+        len(found),
+        broken,
+        _most(e.excess for e in found),
+        worst.ratio,
+        _most(e.seconds for e in found),
+        "" if math.isnan(worst.ratio) and not broken else where.case.partition(": ")[2],
+    )
+
+
+def _most(values: Iterable[float]) -> float:
+    """The largest but for NaN; NaN where there is none."""
+    return max((v for v in values if not math.isnan(v)), default=math.nan)
+
+
+def drift(updates: int, points: int = 8) -> Evidence:
+    """One point after another is moved; now and then a new propagator is made and compared."""
+    rng, air = np.random.default_rng(0), Air()
+    array = SMALL.without(range(16, len(SMALL)))
+    q = scattered(points)
+    kept = Propagator(array, air)
+    broken: dict[str, str] = {}
+    worst = 0.0
+    for n in range(1, updates + 1):
+        q = q.copy()
+        q[rng.integers(points)] = rng.uniform((-0.05, -0.05, 0.05), (0.05, 0.05, 0.15))
+        kept.set_points(q)
+        G = kept.gram
+        if n % max(1, updates // LOOKS) == 0:
+            new = Propagator(array, air)
+            new.set_points(q)
+            worst = max(worst, float(np.abs(G - new.gram).max()) / new.power)
+            if not np.array_equal(kept.B, new.B):
+                broken["drift"] = f"B differs after {n} moves"
+    if worst > GRAM:
+        broken["drift"] = f"the Gram matrix is {worst:.2g} off"
+    return Evidence(f"moves: {updates} of single points", "propagator", broken, ratio=worst / GRAM)

@@ -1,0 +1,139 @@
+"""Charts of what was measured: of each layout, and against what layouts have in numbers."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from statistics import median
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.plot.fronts import plainly
+from pacinian.plot.page import figure, save
+from pacinian.plot.style import CURVES, MARKS, SMALL, Panel
+from pacinian_lab.study.images import LAYOUTS, PLANES, TINY
+from pacinian_lab.study.measures import MEASURES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from pacinian_lab.study.worker import Row
+
+SHOWN = (
+    "width_across_x",
+    "width_along",
+    "efficiency",
+    "side_lobe",
+    "contrast",
+    "yield",
+    "shape_error",
+    "condition",
+)
+AGAINST = ("aperture", "spacing", "transducers")
+ACROSS = 4  # panels beside each other
+SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # of the units that are drawn otherwise
+LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across_x", *AGAINST)
+
+
+def measures(rows: Sequence[Row], path: Path) -> None:
+    """Each measure of each layout: a dot for every task, a mark at the median, a colour for each plane."""
+    at = _grouped(rows)
+    names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
+    names.reverse()
+    tall = 0.9 + 0.11 * len(names) * max(2, len(planes)) ** 0.5
+    down = -(-len(SHOWN) // ACROSS)
+    page = figure(2.2 + 2.0 * ACROSS, 0.4 + tall * down)
+    grid = page.subplots(down, ACROSS, sharey=True, squeeze=False)
+    for panel, measure in zip(grid.ravel(), SHOWN, strict=True):
+        for k, plane in enumerate(planes):
+            colour = CURVES[k % len(CURVES)]
+            for y, name in enumerate(names):
+                if found := values(at.get((name, plane), ()), measure):
+                    height = y + 0.7 * (0.5 - (k + 0.5) / len(planes))
+                    panel.plot(found, [height] * len(found), ".", color=colour, ms=3, alpha=0.4)
+                    panel.plot(median(found), height, "|", color=colour, ms=6, mew=1.6)
+        _axis(panel, "x", measure)
+        panel.grid(color="0.93", linewidth=0.5)
+        panel.tick_params(labelsize=TINY)
+    for panel in grid[:, 0]:
+        panel.set_yticks(range(len(names)), names, fontsize=TINY)
+    for k, plane in enumerate(planes):
+        grid[0, 0].plot([], [], "|", color=CURVES[k % len(CURVES)], mew=2, label=plane)
+    page.legend(loc="outside upper center", ncols=len(planes), fontsize=SMALL, frameon=False)
+    save(page, path, 64)
+
+
+def trends(rows: Sequence[Row], path: Path) -> None:
+    """Measures against what layouts have in numbers: a mark for the median of each layout in each plane."""
+    at, shown = _grouped(rows), SHOWN[:4]
+    planes = list(dict.fromkeys(plane for _, plane in at))
+    kinds = list(dict.fromkeys(found[0]["layout.type"] for found in at.values()))
+    page = figure(2.0 + 2.2 * len(AGAINST), 0.6 + 1.5 * len(shown))
+    grid = page.subplots(len(shown), len(AGAINST), squeeze=False, sharex="col", sharey="row")
+    for (i, j), panel in np.ndenumerate(grid):
+        for (_, plane), found in at.items():
+            x, y = values(found, AGAINST[j]), values(found, shown[i])
+            if x and y:
+                colour = CURVES[planes.index(plane) % len(CURVES)]
+                marker = MARKS[kinds.index(found[0]["layout.type"]) % len(MARKS)]
+                panel.plot(median(x), median(y), marker, color=colour, ms=4, alpha=0.7)
+        if j == 0:
+            _axis(panel, "y", shown[i])
+        if i == len(shown) - 1:
+            _axis(panel, "x", AGAINST[j])
+        panel.grid(color="0.93", linewidth=0.5)
+        panel.tick_params(labelsize=TINY, which="both")
+    for k, plane in enumerate(planes):
+        grid[0, 0].plot([], [], "o", color=CURVES[k % len(CURVES)], label=plane)
+    for k, kind in enumerate(kinds):
+        grid[0, 0].plot([], [], MARKS[k % len(MARKS)], color="0.5", mfc="none", label=kind)
+    page.legend(loc="outside right upper", fontsize=SMALL, frameon=False)
+    save(page, path, 64)
+
+
+def values(rows: Iterable[Row], measure: str) -> list[float]:
+    """A measure where it is finite, in the unit that is drawn."""
+    factor, _ = _unit(measure)
+    found = (row[measure] for row in rows)
+    return [factor * v for v in found if v is not None and np.isfinite(v)]
+
+
+def titled(measure: str) -> str:
+    """A measure's name, and the unit in which it is drawn."""
+    unit = _unit(measure)[1]
+    return measure.replace("_", " ") + (f" [{unit}]" if unit else "")
+
+
+def _grouped(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
+    """The rows of each layout in each plane, of those that are drawn."""
+    at: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    for row in rows:
+        at[row["layout"], row["plane"]].append(row)
+    names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
+    kept = {(name, plane) for name in names[:LAYOUTS] for plane in planes[:PLANES]}
+    return {where: at[where] for where in at if where in kept}
+
+
+def _axis(panel: Panel, which: str, measure: str) -> None:
+    """Label the axis "x" or "y" with a measure, and scale it."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    getattr(panel, f"set_{which}label")(titled(measure), fontsize=SMALL)
+    axis = getattr(panel, f"{which}axis")
+    if measure not in LOGARITHMIC or not np.isfinite(axis.get_minpos()):
+        return
+    getattr(panel, f"set_{which}scale")("log")
+    low, high = axis.get_data_interval()
+    if 0.0 < low <= high < 300.0 * low:
+        parts = (1.0, 2.0, 5.0) if high > 3.0 * low else range(1, 10)
+        axis.set_major_locator(LogLocator(subs=parts))
+        axis.set_major_formatter(plainly)
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _unit(measure: str) -> tuple[float, str]:
+    unit = MEASURES[measure].unit if measure in MEASURES else "m"
+    if measure == "transducers":
+        unit = ""
+    return SCALES.get(unit, (1.0, unit))

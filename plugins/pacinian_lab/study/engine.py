@@ -1,0 +1,157 @@
+"""Dask does the work: local processes unless a scheduler's address is given."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import itertools
+import logging
+import tempfile
+import warnings
+from concurrent.futures import CancelledError
+from contextlib import AbstractContextManager, contextmanager
+from typing import TYPE_CHECKING, cast
+
+from pacinian.errors import ArgumentError, MissingExtra, ServerError
+from pacinian_lab.study.worker import failed, measure
+
+try:
+    from dask import config
+    from dask.system import CPU_COUNT
+    from distributed import Client, Future, KilledWorker, LocalCluster, Security, as_completed
+except ImportError as error:
+    raise MissingExtra("dask.distributed", "study") from error
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+
+    from pacinian_lab.study.tasks import Plan, Task
+    from pacinian_lab.study.worker import Row
+
+PATIENCE = 30.0  # [s] for a scheduler to answer, and for a first worker
+GONE = "the Dask scheduler is gone; what was done is kept"
+AHEAD = 2  # batches for each thread that are sent before they are needed
+ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+QUIET: dict[str, list[str]] = {
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
+
+
+def start(
+    workers: int | None,
+    scheduler: str | None,
+    dashboard: Callable[[str], object] | None,
+    batches: int,
+) -> AbstractContextManager[Client]:
+    """The engine that is asked for, as in `pacinian_lab.study.run`; no more local processes than batches."""
+    if scheduler is not None:
+        return remote(scheduler)
+    return local(min(batches, CPU_COUNT if workers is None else workers), dashboard)
+
+
+@contextmanager
+def local(workers: int, dashboard: Callable[[str], object] | None = None) -> Generator[Client]:
+    """A scheduler of one's own with so many processes, one thread each, on the loopback alone.
+
+    Both ends of every connection must have the certificate that is made for it: its scheduler runs what it is told.
+    dashboard: told where Dask's page is, on a port of the loopback. Raises ArgumentError.
+    """
+    if dashboard is not None and importlib.util.find_spec("bokeh") is None:
+        raise ArgumentError("dashboard", "needs bokeh: pip install bokeh")
+    with (
+        tempfile.TemporaryDirectory(prefix="pacinian-study-") as scratch,
+        config.set({"temporary-directory": scratch, **({} if dashboard else QUIET)}),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("ignore", "Creating scratch directories", UserWarning)
+        with (
+            LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                host="tls://127.0.0.1",
+                security=Security.temporary(),
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": dashboard is not None},
+                local_directory=scratch,
+                memory_limit=0,
+                env=ONE,
+                preload=["pacinian_lab.study.worker"],
+                silence_logs=logging.CRITICAL,
+            ) as cluster,
+            Client(cluster) as client,
+        ):
+            if dashboard is not None:
+                dashboard(str(client.dashboard_link))
+            yield client
+
+
+@contextmanager
+def remote(address: str) -> Generator[Client]:
+    """The scheduler at an address, such as `tcp://host:8786`. Raises ServerError."""
+    try:
+        client = Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise ServerError(f"no Dask scheduler answers at {address}: {error}") from error
+    with client:
+        try:
+            client.wait_for_workers(1, PATIENCE)
+        except TimeoutError as error:
+            advice = f"start one: dask worker {address}"
+            raise ServerError(f"the scheduler at {address} has no workers; {advice}") from error
+        _alike(client, address)
+        yield client
+
+
+def results(client: Client, plan: Plan, batches: Iterable[Sequence[Task]]) -> Iterator[list[Row]]:
+    """The rows of batches as they are done, in no order. Raises ServerError where the scheduler is lost.
+
+    What a worker had that dies is done again by another; where that happens again and again, rows say so.
+    """
+    waiting = iter(batches)
+    running: dict[Future[list[Row]], Sequence[Task]] = {}
+    done = as_completed()
+
+    def send() -> None:
+        try:
+            threads = sum(cast("dict[str, int]", client.nthreads()).values())
+        except OSError as error:
+            raise ServerError(GONE) from error
+        for tasks in itertools.islice(waiting, max(1, AHEAD * threads - len(running))):
+            future = client.submit(measure, plan.batch(tasks), pure=False)
+            running[future] = tasks
+            done.add(future)
+
+    send()
+    for future in done:
+        tasks = running.pop(future)
+        yield _rows(future, plan, tasks)
+        future.release()
+        send()
+
+
+def _rows(future: Future[list[Row]], plan: Plan, tasks: Sequence[Task]) -> list[Row]:
+    try:
+        return list(future.result())
+    except CancelledError as error:
+        raise ServerError(GONE) from error
+    except KilledWorker:
+        reason = "KilledWorker: the processes that did it have died, again and again"
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+    return [failed(job, reason) for job in plan.batch(tasks).jobs]
+
+
+def _alike(client: Client, address: str) -> None:
+    """Refuse workers without this Pacinian: their numbers would be others."""
+    ours = importlib.metadata.version("pacinian")
+    told = cast("dict[str, object]", client.run(_version, on_error="return"))
+    for worker, found in told.items():
+        if found != ours:
+            raise ServerError(
+                f"worker {worker} of {address} must have Pacinian {ours}: it says {found!r}"
+            )
+
+
+def _version() -> str:
+    return importlib.metadata.version("pacinian")

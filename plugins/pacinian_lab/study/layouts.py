@@ -1,0 +1,252 @@
+"""The layouts of a study: arrangements in a plane, and what bends them into space."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.acoustics.pose import Pose
+from pacinian.checks import check_integer, check_length, check_number
+from pacinian.devices.description import DeviceDescription
+from pacinian.errors import ArgumentError
+from pacinian_lab.study import arrangements
+from pacinian_lab.study.sweep import Count, Number, Word, each, one
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pacinian.types import Floats
+
+MOST = 20_000  # transducers
+FLAT = 1e-9  # [m]
+
+
+class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
+    """What all layouts have; each lies on the xy-plane, centred on the origin, and points to +z, until it is bent.
+
+    name: what it is called; its type unless given.
+    bowl: bent to a sphere of this radius that touches the xy-plane [m]; 0 leaves it flat.
+    fold: each half raised by this angle [deg] about the axis `hinge`, "x" or "y".
+    facing: a second array like it, so far above, that points down [m]; 0 for none.
+    pose: of all that. Numbers may be lists: they are swept. Raises ArgumentError.
+    """
+
+    drawn: ClassVar[bool] = False
+    """Whether it is drawn at random."""
+
+    name: str = ""
+    bowl: Number = 0.0
+    fold: Number = 0.0
+    hinge: Word = "x"
+    facing: Number = 0.0
+    pose: Pose = Pose()
+
+    def __post_init__(self) -> None:
+        each("bowl", self.bowl, _length_or_none)
+        each("fold", self.fold, lambda n, v: check_number(n, v, low=-90.0, high=90.0))
+        each("facing", self.facing, _length_or_none)
+        each("hinge", self.hinge, _axis)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        """Where the transducers are in the plane [m], (N, 2); rng: of the study, for this layout."""
+        raise NotImplementedError
+
+    def _flat(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
+        """The array before it is bent."""
+        xy = self._places(rng)
+        return pc.Array(np.pad(xy, ((0, 0), (0, 1))), transducer=kind)
+
+    def make(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
+        """The array, of this kind of transducer. Raises ArgumentError."""
+        array = self._flat(kind, rng)
+        if len(array) > MOST:
+            raise ArgumentError("layout", f"has {len(array)} transducers: more than {MOST}")
+        if bowl := one(self.bowl):
+            array = bent(array, bowl)
+        if fold := one(self.fold):
+            array = array.fold(one(self.hinge), fold)
+        if facing := one(self.facing):
+            array += array.moved(Pose.turned("x", 180.0, (0.0, 0.0, facing)))
+        return array.moved(self.pose)
+
+
+class Autd(Layout, frozen=True, tag="autd"):
+    """A grid of AUTD units, `columns` in x and `rows` in y."""
+
+    columns: Count = 1
+    rows: Count = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, value in (("columns", self.columns), ("rows", self.rows)):
+            each(name, value, _some)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return pc.autd(one(self.columns), one(self.rows)).positions[:, :2]
+
+
+class Spread(Layout, frozen=True, kw_only=True):
+    """Layouts over a rectangle, `width` x `height` [m]; the height is the width unless given."""
+
+    width: Number
+    height: Number = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("width", self.width, check_length)
+        each("height", self.height, _length_or_none)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height [m]."""
+        return one(self.width), one(self.height) or one(self.width)
+
+
+class Lattice(Spread, frozen=True, tag="lattice"):
+    """A square lattice, both ends included: as `pacinian.lattice`."""
+
+    pitch: Number = 0.01
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("pitch", self.pitch, _pitch)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return pc.lattice(*self.size, one(self.pitch)).positions[:, :2]
+
+
+class Hexagonal(Spread, frozen=True, tag="hexagonal"):
+    """A triangular lattice, in which each has six neighbours at the pitch [m]; rows along x."""
+
+    pitch: Number = 0.01
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("pitch", self.pitch, _pitch)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.hexagonal(*self.size, one(self.pitch))
+
+
+class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
+    """At random over the rectangle, no two nearer than `apart` [m]; another seed is another draw."""
+
+    drawn: ClassVar[bool] = True
+
+    count: Count
+    apart: Number = 0.0
+    seed: Count = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("count", self.count, _some)
+        each("apart", self.apart, _length_or_none)
+        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.scattered(*self.size, one(self.count), one(self.apart), rng)
+
+
+class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
+    """Fermat's spiral by the golden angle: evenly spread over a disc, in no row."""
+
+    count: Count
+    diameter: Number
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("count", self.count, _some)
+        each("diameter", self.diameter, check_length)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.sunflower(one(self.count), one(self.diameter))
+
+
+class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
+    """One in the middle and rings about it, as far apart as their transducers: `pitch` [m]."""
+
+    diameter: Number
+    pitch: Number = 0.01
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("diameter", self.diameter, check_length)
+        each("pitch", self.pitch, _pitch)
+
+    def _places(self, rng: np.random.Generator) -> Floats:
+        return arrangements.rings(one(self.diameter), one(self.pitch))
+
+
+class Device(Layout, frozen=True, tag="device"):
+    """A real device: its description (`pacinian.DeviceDescription`), or the file that holds it.
+
+    Its transducers are of its own kind, whatever the study's.
+    """
+
+    file: str = ""
+    device: DeviceDescription | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if bool(self.file) == (self.device is not None):
+            raise ArgumentError("file", "must be given, or `device`, and not both")
+
+    def _flat(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
+        """The array as it is described."""
+        if self.device is None:
+            raise ArgumentError("file", "has not been read: use `pacinian_lab.study.read`")
+        return self.device.array()
+
+    def found(self, folder: Path) -> Device:
+        """This layout with its description, looked for in `folder`. Raises SceneFileError."""
+        if not self.file:
+            return self
+        return replace(self, file="", device=DeviceDescription.load(folder / self.file))
+
+
+AnyLayout = Autd | Lattice | Hexagonal | Scattered | Sunflower | Rings | Device
+
+
+def bent(array: pc.Array, radius: float) -> pc.Array:
+    """A flat array bent to a sphere of that radius [m], which keeps the ways from its middle.
+
+        (s cos a, s sin a, 0) -> R (sin(s/R) cos a, sin(s/R) sin a, 1 - cos(s/R))
+
+    All point to the sphere's centre. Raises ArgumentError.
+    """
+    r, n = array.positions - array.centre, array.normals
+    if np.ptp(r[:, 2]) > FLAT or np.abs(n - (0.0, 0.0, 1.0)).max() > FLAT:
+        raise ArgumentError("bowl", "needs a flat array that points to +z")
+    s = np.hypot(r[:, 0], r[:, 1])  # [m]
+    if s.max() > math.pi / 2.0 * radius:
+        raise ArgumentError("bowl", f"of radius {radius:g} m is smaller than the array")
+    way = r[:, :2] / np.maximum(s, 1e-30)[:, None]
+    across, up = np.sin(s / radius)[:, None] * way, np.cos(s / radius)
+    places = radius * np.column_stack([across, 1.0 - up])
+    normals: Any = np.column_stack([-across, up])
+    return pc.Array(array.centre + places, normals, array.transducer, array.response)
+
+
+def _axis(name: str, value: str) -> None:
+    if value not in ("x", "y"):
+        raise ArgumentError(name, f'must be "x" or "y", not {value!r}')
+
+
+def _some(name: str, value: float) -> None:
+    if check_integer(name, value, low=1) > MOST:
+        raise ArgumentError(name, f"must be at most {MOST}, not {value}")
+
+
+def _pitch(name: str, value: float) -> None:
+    if check_length(name, value) < 1e-3:
+        raise ArgumentError(name, f"is {value:g} m: lengths are in metres")
+
+
+def _length_or_none(name: str, value: float) -> None:
+    if check_number(name, value, low=0.0):
+        check_length(name, value)

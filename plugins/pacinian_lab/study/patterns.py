@@ -1,0 +1,226 @@
+"""What a study asks for: points in a plane, and how loud each is to be beside the others."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from msgspec import Struct
+
+from pacinian.checks import check_integer, check_length, check_number, check_numbers
+from pacinian.errors import ArgumentError
+from pacinian_lab.study.sweep import Count, Number, Word, each, one
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+MOST = 10_000  # points
+FORMS = ("ring", "disc", "cross", "square")
+
+Made = tuple["Floats", "Floats"]
+
+
+class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
+    """What all patterns have; u and v are the axes of the plane that it lies in, and 0, 0 its origin.
+
+    name: what it is called; its type unless given. Numbers may be lists: they are swept. Raises ArgumentError.
+    """
+
+    whole: ClassVar[tuple[str, ...]] = ()
+    """Fields that are lists, not sweeps."""
+
+    drawn: ClassVar[bool] = False
+    """Whether it is drawn at random."""
+
+    name: str = ""
+
+    def make(self, rng: np.random.Generator) -> Made:
+        """Points [m], (M, 2), and proportions, (M,), not negative; rng: of the study, for this pattern.
+
+        Raises ArgumentError.
+        """
+        uv, proportions = self._make(rng)
+        if len(uv) > MOST:
+            raise ArgumentError("pattern", f"has {len(uv)} points: more than {MOST}")
+        if not proportions.any():
+            raise ArgumentError("pattern", "asks for silence: no point is in it")
+        return uv, proportions
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        raise NotImplementedError
+
+
+class Focus(Pattern, frozen=True, tag="focus"):
+    """One point."""
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        return np.zeros((1, 2)), np.ones(1)
+
+
+class Circle(Pattern, frozen=True, tag="circle"):
+    """Points on a circle, as far apart as each other."""
+
+    radius: Number
+    count: Count
+
+    def __post_init__(self) -> None:
+        each("radius", self.radius, check_length)
+        each("count", self.count, _some)
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        angle = 2.0 * math.pi / one(self.count) * np.arange(one(self.count))
+        uv = one(self.radius) * np.column_stack([np.cos(angle), np.sin(angle)])
+        return uv, np.ones(len(uv))
+
+
+class PointGrid(Pattern, frozen=True, tag="grid"):
+    """`columns` x `rows` points, `pitch` apart [m]."""
+
+    columns: Count
+    rows: Count
+    pitch: Number
+
+    def __post_init__(self) -> None:
+        each("columns", self.columns, _some)
+        each("rows", self.rows, _some)
+        each("pitch", self.pitch, check_length)
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        counts = one(self.columns), one(self.rows)
+        u, v = (one(self.pitch) * (np.arange(n) - (n - 1) / 2.0) for n in counts)
+        U, V = np.meshgrid(u, v)
+        return np.column_stack([U.ravel(), V.ravel()]).astype(np.float64), np.ones(U.size)
+
+
+class Letters(Pattern, frozen=True, tag="letters"):
+    """A line of text in dots; a capital letter is `height` high [m], `dots` of them. The font is Pillow's own."""
+
+    text: Word
+    height: Number = 0.06
+    dots: Count = 8
+
+    def __post_init__(self) -> None:
+        each("text", self.text, _printable)
+        each("height", self.height, check_length)
+        each("dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64))
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        dots = _dots(one(self.text), one(self.dots))
+        v, u = np.nonzero(dots[::-1])
+        uv = np.column_stack([u, v]).astype(np.float64)
+        uv -= (uv.min(axis=0) + uv.max(axis=0)) / 2.0
+        return uv * one(self.height) / (one(self.dots) - 1), np.ones(len(uv))
+
+
+class RandomPoints(Pattern, frozen=True, tag="random"):
+    """Points at random in a square of `side` [m], `low` to 1 in proportion; another seed is another draw."""
+
+    drawn: ClassVar[bool] = True
+
+    count: Count
+    side: Number = 0.2
+    low: Number = 0.3
+    seed: Count = 0
+
+    def __post_init__(self) -> None:
+        each("count", self.count, _some)
+        each("side", self.side, check_length)
+        each("low", self.low, lambda n, v: check_number(n, v, low=0.0, high=1.0, above=True))
+        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        half, count = one(self.side) / 2.0, one(self.count)
+        return rng.uniform(-half, half, (count, 2)), rng.uniform(one(self.low), 1.0, count)
+
+
+class Shape(Pattern, frozen=True, tag="shape"):
+    """One of the paper's patterns, on a lattice over a square of `side` [m]: 1 in it, and silence about it.
+
+    form: with u and v in -1..1 over the square and r = hypot(u, v), "ring" (|r - 0.5| < 0.08), "disc" (r < 0.3),
+    "cross" (|u| or |v| < 0.06, both < 0.6), "square" (|max(|u|, |v|) - 0.5| < 0.08).
+    """
+
+    form: Word
+    side: Number = 0.4
+    pitch: Number = 0.01
+
+    def __post_init__(self) -> None:
+        each("form", self.form, _form)
+        each("side", self.side, check_length)
+        each("pitch", self.pitch, check_length)
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        side = one(self.side)
+        count = 1 + round(side / one(self.pitch))
+        line = np.linspace(-1.0, 1.0, count)
+        v, u = np.meshgrid(line, line, indexing="ij")
+        r, far = np.hypot(u, v), np.maximum(np.abs(u), np.abs(v))
+        asked = {
+            "ring": np.abs(r - 0.5) < 0.08,
+            "disc": r < 0.3,
+            "cross": ((np.abs(u) < 0.06) | (np.abs(v) < 0.06)) & (far < 0.6),
+            "square": np.abs(far - 0.5) < 0.08,
+        }[one(self.form)]
+        return side / 2.0 * np.column_stack([u.ravel(), v.ravel()]), asked.ravel().astype(float)
+
+
+class Points(Pattern, frozen=True, tag="points"):
+    """Any points (u, v) [m], with `proportions`; alike unless given."""
+
+    whole: ClassVar[tuple[str, ...]] = ("points", "proportions")
+
+    points: tuple[tuple[float, float], ...]
+    proportions: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.points) <= MOST:
+            raise ArgumentError("points", f"must be 1 to {MOST}, not {len(self.points)}")
+        if self.proportions and len(self.proportions) != len(self.points):
+            raise ArgumentError("proportions", f"must be {len(self.points)}, as many as points")
+        self.make(np.random.default_rng(0))
+
+    def _make(self, rng: np.random.Generator) -> Made:
+        uv = check_numbers("points", self.points, (None, 2))
+        if not self.proportions:
+            return uv, np.ones(len(uv))
+        share = check_numbers("proportions", self.proportions, (len(uv),))
+        if share.min() < 0.0:
+            raise ArgumentError("proportions", "must be 0 or more")
+        return uv, share
+
+
+AnyPattern = Focus | Circle | PointGrid | Letters | RandomPoints | Shape | Points
+
+
+def _dots(text: str, height: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+    """A line of text as rows of dots, a capital letter being `height` rows high."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    fonts = (ImageFont.load_default(size) for size in range(height, 3 * height))
+    font = next(f for f in fonts if _tall(f.getbbox("H")) >= height)
+    left, top, right, bottom = font.getbbox(text)
+    picture = Image.new("1", (math.ceil(right - left), math.ceil(bottom - top)))
+    draw = ImageDraw.Draw(picture)
+    draw.fontmode = "1"
+    draw.text((-left, -top), text, fill=1, font=font)
+    return np.asarray(picture, dtype=np.bool_)
+
+
+def _tall(box: tuple[float, float, float, float]) -> float:
+    return box[3] - box[1]
+
+
+def _printable(name: str, text: str) -> None:
+    if not (text.isprintable() and text.strip() and len(text) <= 40):
+        raise ArgumentError(name, f"must be 1 to 40 characters on one line, not {text!r}")
+
+
+def _form(name: str, form: str) -> None:
+    if form not in FORMS:
+        raise ArgumentError(name, f"must be one of {', '.join(FORMS)}, not {form!r}")
+
+
+def _some(name: str, value: float) -> None:
+    if check_integer(name, value, low=1) > MOST:
+        raise ArgumentError(name, f"must be at most {MOST}, not {value}")

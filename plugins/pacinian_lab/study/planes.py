@@ -1,0 +1,61 @@
+"""Where a study's patterns are: planes with axes of their own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from msgspec import Struct
+
+from pacinian.checks import FAR, check_number
+from pacinian_lab.study.sweep import Number, each, one
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
+
+
+class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A plane through (x, y, z) [m], parallel to the xy-plane unless tilted.
+
+    tilt: by how much its axis v is raised [deg]; 90 is upright. azimuth: turned about z after that [deg].
+
+        u = (cos azimuth, sin azimuth, 0)
+        v = (-sin azimuth cos tilt, cos azimuth cos tilt, sin tilt)
+
+    name: what it is called. Numbers may be lists: they are swept. Raises ArgumentError.
+    """
+
+    drawn: ClassVar[bool] = False
+
+    name: str = ""
+    x: Number = 0.0
+    y: Number = 0.0
+    z: Number = 0.2
+    tilt: Number = 0.0
+    azimuth: Number = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "z"):
+            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-FAR, high=FAR))
+        for name in ("tilt", "azimuth"):
+            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-360.0, high=360.0))
+
+    @property
+    def origin(self) -> Floats:
+        """(3,) [m]."""
+        return np.array([one(self.x), one(self.y), one(self.z)])
+
+    @property
+    def axes(self) -> Floats:
+        """The unit vectors u and v, (2, 3)."""
+        t, a = np.radians([one(self.tilt), one(self.azimuth)])
+        return np.array(
+            [
+                [np.cos(a), np.sin(a), 0.0],
+                [-np.sin(a) * np.cos(t), np.cos(a) * np.cos(t), np.sin(t)],
+            ]
+        )
+
+    def points(self, uv: Floats) -> Floats:
+        """Points (..., 3) [m] of the plane at uv, (..., 2) [m]."""
+        return np.asarray(self.origin + uv @ self.axes)

@@ -1,0 +1,164 @@
+"""The folder of a study: parts as they come, and the table they make. Parquet, by pyarrow.
+
+tasks.parquet     what is asked: a row a task, and the study's digest
+parts/*.parquet   what was measured: a row a task, written once, whole or not at all
+results.parquet   both, joined, when a run ends
+"""
+
+from __future__ import annotations
+
+import os
+import uuid
+from typing import TYPE_CHECKING, Any
+
+from pacinian.errors import MissingExtra, RecordingError
+from pacinian_lab.study.measures import MEASURES
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError as error:
+    raise MissingExtra("pyarrow", "study") from error
+
+Table = Any  # pyarrow.Table: it has no types
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from pacinian_lab.study.tasks import Plan, Task
+    from pacinian_lab.study.worker import Row
+
+DIGEST = b"pacinian_lab.study"
+MEASURED = pa.schema(
+    [
+        ("key", pa.string()),
+        ("failure", pa.string()),
+        ("status", pa.string()),
+        ("used", pa.string()),
+        ("iterations", pa.int64()),
+        ("transducers", pa.int64()),
+        ("points", pa.int64()),
+        ("aperture", pa.float64()),
+        ("spacing", pa.float64()),
+        ("rank", pa.int64()),
+        *((name, pa.float64()) for name in MEASURES),
+        ("seconds", pa.float64()),
+    ]
+)
+TIMES = ("run_time", "seconds")
+"""Columns that differ from run to run."""
+
+
+class Folder:
+    """What is kept of a study.
+
+    unreadable: parts that could not be read, whose tasks are to be done again. Raises OSError.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.unreadable = path, list[str]()
+        self._parts = path / "parts"
+
+    def open(self) -> None:
+        """Make the folder, if it is not there."""
+        self._parts.mkdir(parents=True, exist_ok=True)
+
+    def rows(self) -> dict[str, Row]:
+        """All that was measured, by the tasks' keys."""
+        self.unreadable.clear()
+        found: dict[str, Row] = {}
+        for part in sorted(self._parts.glob("*.parquet")):
+            try:
+                rows = pq.read_table(part).select(MEASURED.names).cast(MEASURED).to_pylist()
+            except (pa.ArrowException, KeyError, OSError) as error:
+                self.unreadable.append(f"{part}: {error}")
+                continue
+            for row in rows:
+                if row["failure"] is None or row["key"] not in found:
+                    found[row["key"]] = row
+        return found
+
+    def add(self, rows: Sequence[Row]) -> None:
+        """Keep rows: after a crash they are there whole, or not at all."""
+        table = pa.Table.from_pylist(list(rows), schema=MEASURED)
+        self._write(table, self._parts / f"{uuid.uuid4().hex}.parquet")
+
+    def asked(self) -> tuple[str, set[str]]:
+        """The digest and the keys of the study that was here before; empty if none was, or none that can be read."""
+        try:
+            table = _table(self.path / "tasks.parquet")
+        except RecordingError:
+            return "", set()
+        digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
+        return digest, set(table.column("key").to_pylist())
+
+    def ask(self, plan: Plan) -> None:
+        """Write down what is asked now."""
+        rows = [described(task) for task in plan.tasks]
+        names = dict.fromkeys(name for row in rows for name in row)
+        table = pa.table({name: pa.array([row.get(name) for row in rows]) for name in names})
+        table = table.replace_schema_metadata({DIGEST: plan.digest.encode()})
+        self._write(table, self.path / "tasks.parquet")
+
+    def table(self) -> Table:
+        """What is asked, beside what was measured so far: a row for each task that is done. Raises RecordingError."""
+        asked = _table(self.path / "tasks.parquet")
+        rows = self.rows()
+        done = asked.filter(
+            pa.array([key in rows for key in asked.column("key").to_pylist()], pa.bool_())
+        )
+        found = [rows[key] for key in done.column("key").to_pylist()]
+        measured = pa.Table.from_pylist(found, schema=MEASURED).drop_columns("key")
+        for name in measured.column_names:
+            done = done.append_column(name, measured.column(name))
+        return done
+
+    def finish(self) -> Table:
+        """Write the table, and return it."""
+        table = self.table()
+        self._write(table, self.path / "results.parquet")
+        return table
+
+    def _write(self, table: Table, path: Path) -> None:
+        beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+        try:
+            with beside.open("wb") as file:
+                pq.write_table(table, file)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+        finally:
+            beside.unlink(missing_ok=True)
+
+
+def described(task: Task) -> dict[str, Any]:
+    """The row of a task before it is done: its key, what it is called, and its settings."""
+    place = task.place
+    row: dict[str, Any] = {
+        "key": task.key,
+        "layout": place.layout.label,
+        "plane": place.plane.label,
+        "pattern": place.pattern.label,
+        "solver": task.method.label,
+        "level": task.level,
+    }
+    for part, item in (
+        ("layout", place.layout.value),
+        ("plane", place.plane.value),
+        ("pattern", place.pattern.value),
+    ):
+        if tag := item.__struct_config__.tag:
+            row[f"{part}.type"] = tag
+        for name in item.__struct_fields__:
+            value = getattr(item, name)
+            if name != "name" and isinstance(value, (int, float, str)):
+                row[f"{part}.{name}"] = value
+    return row
+
+
+def _table(path: Path) -> Table:
+    try:
+        return pq.read_table(path)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(path, f"is no table of a study: {error}") from error

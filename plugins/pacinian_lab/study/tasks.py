@@ -1,0 +1,224 @@
+"""The tasks of a study: what is to be done, what each is called, and what its numbers depend on."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.metadata
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import msgspec
+import numpy as np
+from msgspec.structs import replace
+
+from pacinian.errors import ArgumentError, PacinianError, SceneFileError
+from pacinian.plugins import registry
+from pacinian_lab.study.sweep import Entry, entries
+from pacinian_lab.study.worker import Batch, Job
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    import pacinian as pc
+    from pacinian_lab.study.file import Method, Study
+    from pacinian_lab.study.layouts import Layout
+    from pacinian_lab.study.patterns import Made, Pattern
+    from pacinian_lab.study.planes import Plane
+
+MOST = 100_000  # tasks
+LARGEST = 10_000_000  # points times transducers: B, of 16 bytes each, is held several times
+BATCH = 8  # tasks at most
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something is asked: a layout, a plane, a pattern."""
+
+    layout: Entry[Layout]
+    plane: Entry[Plane]
+    pattern: Entry[Pattern]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One row of the results.
+
+    key: of all that its numbers depend on, and of nothing else. level: as in `Study.levels`.
+    """
+
+    key: str
+    place: Place
+    method: Entry[Method]
+    level: float
+
+
+class Plan:
+    """What a study comes to.
+
+    tasks: all of them, layout by layout, the levels quickest. path: what errors name.
+    Raises SceneFileError, which names the key and the fix, before anything is begun.
+    """
+
+    def __init__(self, study: Study, path: str = "study") -> None:
+        self.study, self._path = _typed(study, path), path
+        study = self.study
+        layouts = self._expanded("layouts", study.layouts, entries)
+        planes = self._expanded("planes", study.planes, entries)
+        patterns = self._expanded("patterns", study.patterns, lambda p: entries(p, p.whole))
+        methods = self._expanded("solvers", study.methods, lambda m: m.entries())
+        parts = (layouts, planes, patterns, methods)
+        if (count := math.prod(map(len, (*parts, study.levels)))) > MOST:
+            raise SceneFileError(path, "$", f"makes {count} tasks: more than {MOST}")
+        self._checked(methods, lambda m: m.make())
+        N = max(self._checked(layouts, lambda layout: len(self.array(layout))))
+        M = max(self._checked(patterns, self._count))
+        if N * M > LARGEST:
+            problem = (
+                f"asks for {M} points of {N} transducers: more than {LARGEST} of both multiplied"
+            )
+            raise SceneFileError(path, "$", problem)
+        hows = [
+            (method, level, [msgspec.to_builtins(method.value), _source(method.value.name), level])
+            for method, level in itertools.product(methods.values(), study.levels)
+        ]
+        self.tasks: list[Task] = []
+        for where in itertools.product(layouts.values(), planes.values(), patterns.values()):
+            place = Place(*where)
+            said = digest([self._world, *(self._said(part.value) for part in where)]).hex()
+            for method, level, how in hows:
+                self.tasks.append(Task(digest([said, *how]).hex(), place, method, level))
+        self._twice()
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """Of all tasks' keys: another one is another study."""
+        return digest(sorted(task.key for task in self.tasks)).hex()
+
+    def array(self, layout: Layout) -> pc.Array:
+        """The array of a layout, the same in whatever task. Raises ArgumentError."""
+        return layout.make(self.study.transducer.make(), self._rng(layout))
+
+    def points(self, pattern: Pattern) -> Made:
+        """The points and proportions of a pattern. Raises ArgumentError."""
+        return pattern.make(self._rng(pattern))
+
+    def batches(self, keys: Iterable[str] | None = None) -> list[Sequence[Task]]:
+        """The tasks, or only those of some keys, in batches of one place each."""
+        wanted = None if keys is None else set(keys)
+        todo = [task for task in self.tasks if wanted is None or task.key in wanted]
+        made: list[Sequence[Task]] = []
+        for _, group in itertools.groupby(todo, lambda task: id(task.place)):
+            same = list(group)
+            made += [same[first : first + BATCH] for first in range(0, len(same), BATCH)]
+        return made
+
+    def batch(self, tasks: Sequence[Task]) -> Batch:
+        """What a worker is told of tasks of one place."""
+        place, study = tasks[0].place, self.study
+        uv, proportions = self.points(place.pattern.value)
+        return Batch(
+            array=self.array(place.layout.value),
+            plane=place.plane.value,
+            uv=uv,
+            proportions=proportions,
+            medium=study.medium.make(),
+            gain=None if study.gain == math.inf else study.gain,
+            emitted=study.emitted,
+            picture=study.picture,
+            jobs=tuple(Job(task.key, task.method.value, task.level) for task in tasks),
+        )
+
+    @functools.cached_property
+    def _world(self) -> list[Any]:
+        study = self.study
+        shared = (study.medium, study.transducer, study.gain, study.emitted, study.picture)
+        return [importlib.metadata.version("pacinian"), *map(msgspec.to_builtins, shared)]
+
+    def _said(self, item: Layout | Plane | Pattern) -> list[Any]:
+        """What numbers depend on: the seed, too, of what is drawn at random."""
+        return [_plain(item), self.study.seed if item.drawn else None]
+
+    def _rng(self, item: Layout | Pattern) -> np.random.Generator:
+        """A generator that follows from the study's seed and from what is drawn, not from any order."""
+        own = int.from_bytes(digest(_plain(item)))
+        return np.random.default_rng(np.random.SeedSequence([self.study.seed, own]))
+
+    def _count(self, pattern: Pattern) -> int:
+        """How many points; all of them are within the picture."""
+        uv, _ = self.points(pattern)
+        half, reach = self.study.picture.side / 2.0, float(np.abs(uv).max())
+        if reach > half * (1.0 + 1e-9):
+            raise ArgumentError(
+                "picture.side",
+                f"of {2.0 * half:g} m is too small: the pattern needs {2.0 * reach:g} m",
+            )
+        return len(uv)
+
+    def _expanded(
+        self, part: str, items: Sequence[Any], expand: Callable[[Any], list[Entry[Any]]]
+    ) -> dict[str, Entry[Any]]:
+        """All that a part of the file stands for, by what errors name: the key, and the label."""
+        made: dict[str, Entry[Any]] = {}
+        labels: set[str] = set()
+        for i, item in enumerate(items):
+            key = f"$.{part}[{i}]"
+            try:
+                found = expand(item)
+            except ArgumentError as error:
+                raise SceneFileError(self._path, key, str(error)) from error
+            for entry in found:
+                if entry.label in labels:
+                    problem = f"is called {entry.label!r}, as another one: give `name`"
+                    raise SceneFileError(self._path, key, problem)
+                labels.add(entry.label)
+                made[f"{key}: {entry.label}" if len(found) > 1 else key] = entry
+        return made
+
+    def _checked(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
+        """What a check says of each. Raises SceneFileError."""
+        told: list[T] = []
+        for key, entry in made.items():
+            try:
+                told.append(check(entry.value))
+            except PacinianError as error:
+                raise SceneFileError(self._path, key, str(error)) from error
+        return told
+
+    def _twice(self) -> None:
+        first: dict[str, Task] = {}
+        for task in self.tasks:
+            if (same := first.setdefault(task.key, task)) is not task:
+                labels = " and ".join(
+                    f"{t.place.layout.label}, {t.place.pattern.label}, "
+                    f"{t.method.label}, level {t.level:g}"
+                    for t in (same, task)
+                )
+                raise SceneFileError(self._path, "$", f"asks for the same twice: {labels}")
+
+
+def _typed(study: Study, path: str) -> Study:
+    """A study with the types that its fields have: 1 is 1.0 where a length is meant."""
+    try:
+        return msgspec.convert(msgspec.to_builtins(study), type(study))
+    except msgspec.ValidationError as error:
+        raise SceneFileError(path, "", str(error)) from error
+
+
+def digest(value: Any) -> bytes:
+    """16 bytes that follow from a value that JSON can hold."""
+    return hashlib.blake2b(msgspec.json.encode(value, order="sorted"), digest_size=16).digest()
+
+
+def _plain(item: Layout | Plane | Pattern) -> Any:
+    """A part without what it is called."""
+    return msgspec.to_builtins(replace(item, name=""))
+
+
+def _source(solver: str) -> str:
+    """Who ships a solver, and which version."""
+    return registry.installed().find("solver", solver).distribution

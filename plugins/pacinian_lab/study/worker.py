@@ -1,0 +1,193 @@
+"""What a worker does: solves the tasks of one place, and measures. Dask loads it before anything is timed."""
+
+from __future__ import annotations
+
+import functools
+import math
+import signal
+import time
+from dataclasses import dataclass
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+import pacinian as pc
+from pacinian.errors import ArgumentError
+from pacinian.rendering.quantiser import Quantiser
+from pacinian_lab.study.measures import MEASURES, amplitudes, emitted_power, image
+from pacinian_lab.study.stage import Stage
+
+if TYPE_CHECKING:
+    from distributed import Worker
+
+    from pacinian.devices.description import Steps
+    from pacinian.types import Complexes, Floats, Gains
+    from pacinian_lab.study.file import Method, Picture
+    from pacinian_lab.study.planes import Plane
+
+Row = dict[str, Any]
+
+TIMED = 5  # runs of the reference, and of a solver that is quick
+SLOW = 0.2  # [s]; no run is begun after so long
+
+_warm: set[str] = set()
+
+
+def dask_setup(worker: Worker) -> None:
+    """Of a local process, by Dask: Ctrl-C is for the command, which ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What differs between the tasks of one place."""
+
+    key: str
+    method: Method
+    level: float
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """The tasks of one place, with all that they depend on: it travels.
+
+    uv, proportions: of the pattern, (M, 2) [m] and (M,). gain: the limit; None for none. emitted: levels of the
+    device that is stood for, if any.
+    """
+
+    array: pc.Array
+    plane: Plane
+    uv: Floats
+    proportions: Floats
+    medium: pc.Air
+    gain: float | None
+    emitted: Steps | None
+    picture: Picture
+    jobs: tuple[Job, ...]
+
+    def stage(self) -> Stage:
+        """What the tasks share."""
+        return Stage(self.array, self.plane, self.uv, self.proportions, self.medium, self.picture)
+
+
+def measure(batch: Batch) -> list[Row]:
+    """A row for each task; what fails is a row that says why."""
+    with threadpool_limits(1):
+        stage = batch.stage()
+        return [_row(batch, stage, job) for job in batch.jobs]
+
+
+def failed(job: Job, reason: str) -> Row:
+    """The row of a task that cannot be done."""
+    return {"key": job.key, "failure": reason}
+
+
+def _row(batch: Batch, stage: Stage, job: Job) -> Row:
+    try:
+        return _measured(batch, stage, job)
+    except Exception as error:
+        return failed(job, f"{type(error).__name__}: {error}")
+
+
+def _measured(batch: Batch, stage: Stage, job: Job) -> Row:
+    exact = job.level != math.inf
+    t = targets(batch, stage, job.level)
+    solution, seconds = _timed(batch, stage, job)
+    g = emitted(batch, solution.gains).astype(np.complex128)
+    a = np.abs(stage.B @ g)
+    power = emitted_power(batch.array, g, batch.medium)
+    P = pc.radiation_pressure(a[stage.asked], batch.medium)
+    rank, condition = stage.spectrum
+    measured = {
+        **amplitudes(a, t, exact=exact),
+        **image(a[stage.asked], stage.field(g), stage.lobes),
+        **{f"width_{way}": width for way, width in stage.widths._asdict().items()},
+        "reach": (batch.gain or 1.0) * float(stage.reach.max()),
+        "yield": float(P.mean()) / power if power > 0.0 else math.nan,
+        "condition": condition,
+        "saturation": solution.saturation,
+        "run_time": seconds / _reference(),
+    }
+    return {
+        "key": job.key,
+        "failure": None,
+        "status": solution.status.name,
+        "used": solution.solver,
+        "iterations": solution.iterations,
+        "transducers": len(batch.array),
+        "points": len(batch.uv),
+        "aperture": stage.aperture,
+        "spacing": stage.spacing,
+        "rank": rank,
+        **{name: measured[name] for name in MEASURES},
+        "seconds": seconds,
+    }
+
+
+def targets(batch: Batch, stage: Stage, level: float) -> Floats:
+    """The sound pressures asked [Pa], (M,), with ||t|| = level x gain limit x mean of what a focus reaches.
+
+    Raises ArgumentError where nothing does.
+    """
+    level = 1.0 if level == math.inf else level
+    size = level * (batch.gain or 1.0) * float(stage.reach.mean())
+    if not size > 0.0:
+        raise ArgumentError("points", "cannot be reached: no sound of any transducer gets there")
+    return batch.proportions * (size / float(np.linalg.norm(batch.proportions)))
+
+
+def solve(batch: Batch, stage: Stage, job: Job) -> pc.Solution:
+    """The solution of one task. Raises what solvers raise."""
+    return pc.solve(
+        batch.array,
+        stage.points,
+        targets(batch, stage, job.level),
+        job.method.phases,
+        solver=job.method.make(),
+        limits=pc.Limits(gain=batch.gain),
+        scale="max" if job.level == math.inf else "exact",
+        medium=batch.medium,
+        precision=job.method.precision,
+    )
+
+
+def emitted(batch: Batch, gains: Gains | Complexes) -> Complexes:
+    """The gains as the device emits them; as they are where none is stood for."""
+    if batch.emitted is None:
+        return gains
+    can = pc.Capability(phases=batch.emitted.phases, amplitudes=batch.emitted.amplitudes)
+    made = Quantiser(can, 1, len(gains)).emitted(gains.astype(np.complex64), batch.gain or 1.0)
+    return made.copy()
+
+
+def _timed(batch: Batch, stage: Stage, job: Job) -> tuple[pc.Solution, float]:
+    """The solution, and the median of its run times, from points to gains [s]."""
+    if job.method.name not in _warm:  # it may have something to load or to compile
+        solve(batch, stage, job)
+        _warm.add(job.method.name)
+    times: list[float] = []
+    solution = None
+    while solution is None or (len(times) < TIMED and sum(times) < SLOW):
+        begin = time.perf_counter()
+        solution = solve(batch, stage, job)
+        times.append(time.perf_counter() - begin)
+    return solution, median(times)
+
+
+@functools.cache
+def _factors() -> tuple[Gains, Gains]:
+    ones = np.ones((64, 2241), dtype=np.complex64)
+    return ones, ones.T.copy()
+
+
+def _reference() -> float:
+    """How long the product of 64 x 2241 by 2241 x 64 takes here and now [s]."""
+    times: list[float] = []
+    first, second = _factors()
+    for _ in range(TIMED):
+        begin = time.perf_counter()
+        np.matmul(first, second)
+        times.append(time.perf_counter() - begin)
+    return median(times)

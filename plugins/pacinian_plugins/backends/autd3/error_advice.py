@@ -1,0 +1,31 @@
+"""What went wrong on the way to AUTD3 units, and what the user should do about it."""
+
+from __future__ import annotations
+
+from pacinian_plugins.backends.autd3.packages import NAME
+
+AGAIN = "reset the server, or open the backend again"
+LOST = (
+    "the units have stopped answering: a cable, the power, or another program that opened them. Their failsafe "
+    f"silences them. Mend that, then {AGAIN}"
+)
+ADVICE = {  # by what the packages say
+    "no interface has an AUTD3": "switch the units on, connect the first to this machine, allow UDP from port 44336 "
+    "through the firewall; units with EtherCAT firmware (0.9 or older) must be updated: docs/autd3.md",
+    "no simulator answers": "start it: the Simulator of autd3-console",
+    "no server accepts": "start the AUTD3 server on this machine",
+    "does not exist or has no IPv6": "name an interface with IPv6, or leave `interface` empty",
+    "are attached": "make the array of as many units as are connected, in the order of their cables",
+    "were enumerated": "look at the cables and the power of the others",
+    "runs firmware": "update it with autd3-console: docs/autd3.md",
+    "did not reply": f"look at the cable and the power, then {AGAIN}",
+}
+
+
+def explain(error: Exception, gone: bool = False) -> str:
+    """What to say of an error of the packages. gone: whether a unit is known to be lost."""
+    if gone:
+        return f"{NAME}: {LOST}"
+    said = str(error)
+    advice = next((advice for part, advice in ADVICE.items() if part in said), AGAIN)
+    return f"{NAME}: {said}: {advice}"

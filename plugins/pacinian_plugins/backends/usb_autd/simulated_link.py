@@ -1,0 +1,49 @@
+"""A reference device in place of a real one: to try everything but USB."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pacinian as pc
+from pacinian_plugins.backends.usb_autd.model import Device, Stalled
+from pacinian_plugins.backends.usb_autd.reports import Capability
+
+if TYPE_CHECKING:
+    from array import array
+
+    from pacinian_plugins.backends.usb_autd.protocol import Request
+
+
+class SimulatedLink:
+    """A link to a model of a device with so many units and transducers in each."""
+
+    gone = False
+
+    def __init__(self, units: int, transducers: int, serial: str = "PRETENDED") -> None:
+        self.serial = serial
+        self.device = Device(
+            Capability(units=units, transducers=transducers, serial=serial, firmware="model 1.0")
+        )
+
+    def ask(self, request: Request) -> bytes:
+        """A report."""
+        return self.device.ask(request)
+
+    def tell(self, request: Request, data: bytes = b"") -> None:
+        """A request. Raises BackendError."""
+        try:
+            self.device.tell(request, data)
+        except Stalled:
+            doing = f"asking for {request.name.lower()}"
+            raise pc.BackendError(f"usb-autd {self.serial}: {doing}: it refuses") from None
+
+    def write(self, message: array[int]) -> None:
+        """One whole message."""
+        self.device.write(message.tobytes())
+
+    def mend(self) -> None:
+        """Nothing has failed."""
+
+    def close(self) -> None:
+        """Unplug it."""
+        self.device.reset()

@@ -1,0 +1,107 @@
+"""Newton steps from a start until the gap is closed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian_plugins.native import lagrange as kernels
+from pacinian_plugins.solvers.lagrange.convex import matvec
+from pacinian_plugins.solvers.lagrange.convex.answer import Answer
+from pacinian_plugins.solvers.lagrange.convex.smoothing import Smoothing
+from pacinian_plugins.solvers.lagrange.workspace import in_time
+
+if TYPE_CHECKING:
+    import pacinian as pc
+    from pacinian.types import Complexes
+    from pacinian_plugins.solvers.lagrange.convex.dual import Dual
+    from pacinian_plugins.solvers.lagrange.convex.newton import Newton, State
+
+SLOW, IDLE = 1e-4, 4  # so many steps that promise less than this share of the tolerance end it
+FAINT = 0.1  # strength, relative to a row of A, that counts as none to the tolerance
+
+
+class Trial(NamedTuple):
+    """Gains within their limits, and what they give."""
+
+    excess: float  # the largest over a row's limit, or 0 [Pa]
+    objective: float
+    h: Complexes  # (N,)
+    made: Complexes  # (R,) [Pa]
+    r: Complexes  # (R,) [Pa]
+
+    @classmethod
+    def of(cls, dual: Dual, h: Complexes, made: Complexes) -> Trial:
+        """What gains h make."""
+        rows, c = dual.rows, dual.along
+        power = float(np.vdot(h, h).real)
+        shorter = math.sqrt(dual.power / power) if power > dual.power else 1.0
+        if rows.quiet.any() and not rows.hard:
+            shorter = min(shorter, rows.shorter(made))
+        if shorter < 1.0:
+            h, made, power = shorter * h, shorter * made, shorter * shorter * power
+        s = 1.0 if c is None else float(np.vdot(c, made).real) / float(np.vdot(c, c).real)
+        r, found = np.empty_like(made), np.empty(2)
+        target = rows.p if c is None else c
+        kernels.judge(target, made, rows.limit, rows.slack, s, r, found)
+        excess, square = found.tolist()
+        objective = (square + dual.mu * power) / 2.0 if c is None else -s
+        return cls(excess, objective, h, made, r)
+
+    def or_better(self, other: Trial | None) -> Trial:
+        """This one, or the other if it keeps the limits better, or as well with less to pay."""
+        return self if other is None or self[:2] <= other[:2] else other
+
+    def proves(self, bound: float, tolerance: float) -> bool:
+        """Whether it keeps the limits, and nothing that does is better by more than the tolerance."""
+        return self.excess == 0.0 and self.objective - bound <= tolerance * abs(self.objective)
+
+
+def ascend_dual(
+    newton: Newton, dual: Dual, state: State, budget: pc.Budget, tolerance: float, steps: int
+) -> Answer:
+    """The answer from `state` on, to a relative gap of `tolerance`, with at most `steps` steps."""
+    c, scale = dual.along, matvec.mean_square(newton.gram)
+    work = dual.A.shape[0] * dual.A.size
+    best: Trial | None = None
+    bound, smooth, idle = -math.inf, Smoothing(), 0
+    late = impossible = False
+    step = 0
+    while True:
+        point = state.point
+        bound = max(bound, point.value - dual.spare(point.y))
+        best = Trial.of(dual, point.h, state.made).or_better(best)
+        if not best.proves(bound, tolerance):
+            best = Trial.of(dual, state.g, dual.make(state.g)).or_better(best)
+        if best.proves(bound, tolerance):
+            break
+        if c is not None and -bound <= FAINT * tolerance:
+            break  # no gains make these proportions
+        if budget.spent or not in_time(budget, work):
+            late = True
+            break
+        if best.excess > 0.0 and c is None and dual.impossible(point.y, scale):
+            impossible = True
+            break
+        slow = state.promise <= SLOW * tolerance * abs(point.value) or state.length == 0.0
+        idle = idle + 1 if slow else 0
+        if step == steps or idle == IDLE:
+            break
+        if idle == IDLE - 2 and not newton.fine:
+            newton, idle = newton.finer(), 0
+        if dual.rows.quiet.any() or c is not None:
+            size = abs(point.value)
+            smooth = smooth.next(state.promise / max(size, 1e-300), tolerance)
+            dual = dual.smoothed(smooth.rows * size, smooth.gains * size)
+            point = dual.at(point.y, point.x)
+            state = state._replace(point=point, made=dual.make(point.h))
+        state = newton.step(dual, state)
+        step += 1
+    if best.excess > 0.0 and not dual.rows.hard:
+        best = Trial.of(dual, np.zeros_like(best.h), np.zeros_like(best.made))
+    return Answer(
+        best.h, state.point.y, best.made, best.objective, min(bound, best.objective), dual.rows.violation(best.r),
+        step, late, best.excess == 0.0, impossible, -best.objective if c is not None else math.nan,
+    )  # fmt: skip

@@ -1,0 +1,190 @@
+// Passes over all transducers, fused: B is read once for each, tile by tile, in single precision.
+//
+// Arguments shared by all: B [Pa], (M, N). y: multipliers, real and imaginary parts, (2, M). h: of each transducer the
+// real and imaginary part of h(x_n) and |x_n|, (3, N), with x = B^H y. p: B h, real and imaginary parts, (2, M). tile: as
+// in `pacinian/solving/matvec.hpp`. Sums over a tile are single, over tiles double.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "pacinian/solving/matvec.hpp"
+
+namespace pacinian::lagrange {
+
+using solving::TILE;
+
+// h(x), |x| and p for multipliers y, (2, rows of `tile`); the sum of c(x_n).
+inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> h, View<f8, 2> p, View<f4, 3> tile) {
+    const Index M = B.shape[0], N = B.shape[1];
+    solving::require_tile(tile, M);
+    require(y.shape[0] == 2 && y.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "evaluate: the shapes differ");
+    require(p.shape[0] == 2 && p.shape[1] == M, "evaluate: the shapes differ");
+    f8 cost = 0.0;
+    std::fill(p.data, p.data + p.size(), 0.0);
+    const f4 half = mu > 0.0f ? 0.5f / mu : 0.0f;
+    for (Index first = 0; first < N; first += TILE) {
+        const Index count = std::min(TILE, N - first);
+        solving::load(B, first, count, tile);
+        f4 *__restrict hr = h.row(0) + first, *__restrict hi = h.row(1) + first, *__restrict size = h.row(2) + first;
+        solving::backward(tile, count, y, hr, hi);
+        f4 part = 0.0f;
+        for (Index n = 0; n < count; ++n) {
+            const f4 r = std::sqrt(hr[n] * hr[n] + hi[n] * hi[n]);
+            const f4 shorter = 1.0f / std::max(std::max(r, mu), 1e-30f);
+            size[n] = r;
+            hr[n] *= shorter;
+            hi[n] *= shorter;
+            part += r <= mu ? r * r * half : r - 0.5f * mu;
+        }
+        cost += part;
+        solving::forward(tile, count, hr, hi, p);
+    }
+    return cost;
+}
+
+// Add sign V V^T, of `count` columns, to the lower triangle of A; four rows by two at a time.
+inline void gramian(View<const f4, 2> V, Index K, Index count, f4 sign, View<f8, 2> A) {
+    for (Index i = 0; i < K; i += 4) {
+        const f4 *__restrict v0 = V.row(i), *__restrict v1 = V.row(i + 1), *__restrict v2 = V.row(i + 2), *__restrict v3 = V.row(i + 3);
+        for (Index j = 0; j < i + 4; j += 2) {
+            const f4 *__restrict w0 = V.row(j), *__restrict w1 = V.row(j + 1);
+            f4 s00 = 0, s10 = 0, s20 = 0, s30 = 0, s01 = 0, s11 = 0, s21 = 0, s31 = 0;
+            for (Index n = 0; n < count; ++n) {
+                s00 += v0[n] * w0[n];
+                s10 += v1[n] * w0[n];
+                s20 += v2[n] * w0[n];
+                s30 += v3[n] * w0[n];
+                s01 += v0[n] * w1[n];
+                s11 += v1[n] * w1[n];
+                s21 += v2[n] * w1[n];
+                s31 += v3[n] * w1[n];
+            }
+            A(i, j) += sign * s00;
+            A(i + 1, j) += sign * s10;
+            A(i + 2, j) += sign * s20;
+            A(i + 3, j) += sign * s30;
+            A(i, j + 1) += sign * s01;
+            A(i + 1, j + 1) += sign * s11;
+            A(i + 2, j + 1) += sign * s21;
+            A(i + 3, j + 1) += sign * s31;
+        }
+    }
+}
+
+// Whether V and A have room for K equations, rounded up to 4.
+inline void require_room(View<const f4, 2> V, View<const f8, 2> A, Index K) {
+    const Index rows = (K + 3) / 4 * 4;
+    require(V.shape[0] >= rows && V.shape[1] >= 2 * TILE && A.shape[0] >= rows && A.shape[1] >= rows, "no room for the equations");
+}
+
+// The columns `at`.. of V: how Re(conj(u_m) p_m) changes as h_n moves along its size or its phase.
+//
+// Each is weighted by the root of how h moves with x, or of what that lacks against 1 / mu.
+inline void directions(View<const c8, 2> B, const i8* sample, Index K, const i8* which, Index count, View<const f4, 2> u,
+                       View<const f4, 2> h, f4 mu, bool along, bool lacking, View<f4, 2> V, Index at) {
+    alignas(64) f4 tr[TILE], ti[TILE];
+    const f4 *hr = h.row(0), *hi = h.row(1), *sizes = h.row(2);
+    for (Index k = 0; k < count; ++k) {
+        const Index n = which[k];
+        const f4 size = std::max(sizes[n], 1e-30f);
+        const bool limited = size > mu;
+        f4 weight = 1.0f / mu;
+        if (lacking) weight = along ? weight : weight - 1.0f / size;
+        else if (limited) weight = 1.0f / size;
+        const f4 root = std::sqrt(weight);
+        const f4 cr = limited ? hr[n] * root : root, ci = limited ? hi[n] * root : 0.0f;  // any phase will do below the limit
+        tr[k] = along ? cr : -ci;
+        ti[k] = along ? ci : cr;
+    }
+    for (Index i = 0; i < K; ++i) {
+        f4* __restrict row = V.row(i) + at;
+        const f4* __restrict b = reinterpret_cast<const f4*>(B.row(sample[i]));
+        const f4 ur = u(0, i), ui = u(1, i);
+        for (Index k = 0; k < count; ++k) {
+            const f4 re = b[2 * which[k]], im = b[2 * which[k] + 1];
+            row[k] = re * (ur * tr[k] + ui * ti[k]) + im * (ui * tr[k] - ur * ti[k]);
+        }
+    }
+}
+
+// Add to A, (K, K), lower triangle, how Re(conj(u_i) p_i) changes with y_j = u_j.
+//
+// Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from
+// 1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its phasor,
+// (2, K). V: room, (K rounded up to 4, 2 TILE); which: (TILE,).
+inline void curvature(View<const c8, 2> B, const i8* sample, Index K, View<const f4, 2> u, View<const f4, 2> h, f4 mu, bool few,
+                      View<f8, 2> A, View<f4, 2> V, i8* which) {
+    const Index N = B.shape[1];
+    const f4* size = h.row(2);
+    require_room(V, A, K);
+    for (Index first = 0; first < N; first += TILE) {
+        const Index last = std::min(first + TILE, N);
+        Index limited = 0;
+        for (Index n = first; n < last; ++n)
+            if (size[n] > mu) which[limited++] = n;
+        if (few) {
+            if (limited) {
+                directions(B, sample, K, which, limited, u, h, mu, true, true, V, 0);
+                directions(B, sample, K, which, limited, u, h, mu, false, true, V, limited);
+                gramian(V, K, 2 * limited, -1.0f, A);
+            }
+            continue;
+        }
+        directions(B, sample, K, which, limited, u, h, mu, false, false, V, 0);
+        Index free = 0;
+        for (Index n = first; n < last; ++n)
+            if (size[n] <= mu) which[free++] = n;
+        directions(B, sample, K, which, free, u, h, mu, false, false, V, limited);
+        directions(B, sample, K, which, free, u, h, mu, true, false, V, limited + free);
+        gramian(V, K, limited + 2 * free, 1.0f, A);
+    }
+}
+
+inline void curvature_of(View<const c8, 2> B, View<const i8, 1> sample, View<const f4, 2> u, View<const f4, 2> h, f4 mu, bool few,
+                         View<f8, 2> A, View<f4, 2> V, View<i8, 1> which) {
+    require(u.shape[0] == 2 && u.shape[1] >= sample.size() && h.shape[0] >= 3 && h.shape[1] == B.shape[1], "curvature: the shapes differ");
+    require(which.size() >= TILE, "curvature: no room");
+    curvature(B, sample.data, sample.size(), u, h, mu, few, A, V, which.data);
+}
+
+inline void bend(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
+    const Index M = B.shape[0], N = B.shape[1];
+    solving::require_tile(tile, M);
+    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "bend: the shapes differ");
+    require(p.shape[0] == 2 && p.shape[1] == M, "bend: the shapes differ");
+    alignas(64) f4 xr[TILE], xi[TILE];
+    std::fill(p.data, p.data + p.size(), 0.0);
+    for (Index first = 0; first < N; first += TILE) {
+        const Index count = std::min(TILE, N - first);
+        solving::load(B, first, count, tile);
+        solving::backward(tile, count, d, xr, xi);
+        const f4 *__restrict hr = h.row(0) + first, *__restrict hi = h.row(1) + first, *__restrict size = h.row(2) + first;
+        for (Index n = 0; n < count; ++n) {
+            const bool held = size[n] > mu;
+            const f4 weight = 1.0f / std::max(size[n], mu), re = xr[n], im = xi[n];
+            const f4 along = (im * hr[n] - re * hi[n]) * weight;
+            xr[n] = held ? -along * hi[n] : re * weight;
+            xi[n] = held ? along * hr[n] : im * weight;
+        }
+        solving::forward(tile, count, xr, xi, p);
+    }
+}
+
+inline void define_sweeps(nb::module_& m) {
+    kernel(m, "evaluate", &evaluate,
+           "Write h(x), |x| and p for multipliers y, (2, rows of `tile`); return the sum of c(x_n).\n\n"
+           "B: (M, N) [Pa]. h: (3, N): real and imaginary part of h(x_n), and |x_n|, with x = B^H y. p: B h, (2, M). tile: as in\n"
+           "`passes`. h = x / max(|x|, mu); c = |x|^2 / (2 mu) where |x| <= mu, else |x| - mu / 2. mu = 0: all at the limit.",
+           "B", "y", "mu", "h", "p", "tile");
+    kernel(m, "curvature", &curvature_of,
+           "Add to A, (K, K), lower triangle, how Re(conj(u_i) p_i) changes with y_j = u_j.\n\n"
+           "Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from\n"
+           "1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its\n"
+           "phasor, (2, K). h: as of `evaluate`. V: room, (K rounded up to 4, 2 TILE); which: (TILE,).",
+           "B", "sample", "u", "h", "mu", "few", "A", "V", "which");
+    kernel(m, "bend", &bend,
+           "Write p = B W B^H d, (2, M), W = dh/dx at the gains h; arguments as of `evaluate`. d: (2, rows of `tile`).", "B", "d", "h", "mu",
+           "p", "tile");
+}
+
+}  // namespace pacinian::lagrange

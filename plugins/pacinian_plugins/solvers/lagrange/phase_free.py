@@ -1,0 +1,362 @@
+"""Pressures as asked under the gain limit alone: phases, multipliers and gains found together.
+
+People feel amplitude, not phase, so p = t exp(j phi) with phi free, and y = r exp(j phi) at the optimum
+of the dual (see `convex.dual`), r real. Steps go on in this order for as long as the error asks for it:
+
+1. The regularised pseudo-inverse, for phases by Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
+2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, u = p / |p| of the pressures made: M real
+   equations, each step an M x M real system (`descend`). Two or three while a part is at its limit.
+3. Where that stalls, full drive: weighted Gerchberg-Saxton steps find other phases that more pressure
+   can be made with (`equalise`); then 2 again.
+4. Where the array cannot do it: Newton steps on the gains to the nearest pressures (`nearest`).
+5. And 3 and 4 from other phases, where the caller gives time for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy import linalg
+
+from pacinian.native.solving import gather
+from pacinian_plugins.native.lagrange import (
+    attempt,
+    certify,
+    deliver,
+    equalise,
+    evaluate,
+    nearest,
+)
+from pacinian_plugins.solvers.lagrange.reference import Refined, refine_certified, solve_newton
+from pacinian_plugins.solvers.lagrange.workspace import in_time
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pacinian as pc
+    from pacinian.types import Complexes, Flags, Floats, Gains
+    from pacinian_plugins.solvers.lagrange.workspace import Workspace
+
+FRESH = np.array([np.inf, -1.0])  # nothing is known of steps before
+ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
+MET = 1e-4  # relative error that will do in any case
+NEARLY = 1e-3  # and where steps have converged
+STEPS, EQUAL, LAST = 16, 24, 80  # steps at most of 2, 3 and 4
+ROUGH, FINISHED = 3e-4, 1e-5  # share of the cost that a step of 4 must save: for a look, for good
+FEW_SAMPLES, LOOKS, GOLDEN = (
+    16,
+    3,
+    0.6180339887,
+)  # samples up to which other starts are tried, looks at full drive for each, phases apart by
+FAR = 0.2  # relative error from which a start is not worth going on from
+SOFT, FEW = (
+    (1e-1, 3e-2, 1e-2, 3e-3, 1e-3),
+    3,
+)  # regularisation over trace(G) / M, and steps with each
+LARGE = 200_000_000  # M M N up to which 3 and 4 are tried: some seconds
+TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two sides
+QUICK = 5_000_000  # M M N of the steps between two looks at the clock
+MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5  # of the search for the strongest
+IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
+BEYOND = 0.999  # of the targets: less than this at full drive, and they cannot be met
+
+
+class PhaseFreeResult(NamedTuple):
+    """Where the steps ended; the gains are in `room.h`, in units of the limit."""
+
+    error: float  # ||asked - made|| / ||p||, free phases being as made
+    steps: int
+    late: bool
+    held: int  # transducers at their limit
+    bound: float  # [Pa^2] for unit limits
+    objective: float
+    share: float = 0.0  # of full drive that the strongest took
+
+
+@dataclass(eq=False)
+class PhaseFreeSolve:
+    """One problem: targets p, (M,) [Pa per unit limit], where their phase is free, and how far it has come.
+
+    starts: how many other phases may be started from, where those at hand do not do. late: whether the time was up
+    before the first start had come to its end; that of the others is extra.
+    """
+
+    B: Complexes
+    G: Complexes
+    p: Complexes
+    free: Flags
+    mu: float
+    room: Workspace
+    budget: pc.Budget
+    unit: float
+    out: Gains
+    starts: int = 0
+    steps: int = 0
+    late: bool = False
+
+    def run(self) -> PhaseFreeResult:
+        """Write gains, from the multipliers in `room.y`."""
+        error, converged = self._newton()
+        if error > (NEARLY if converged else MET) and not self.budget.spent:
+            error = self._harder(error)
+            late = self.late or self.budget.spent
+            if error > MET and not late and self._others:
+                error = self._elsewhere(error)
+            self._prove()
+            self.late = late
+        else:
+            self.late |= self.budget.spent
+        return self._done(error)
+
+    def _prove(self) -> None:
+        """Write the gains at hand, and their proof by the multipliers at hand."""
+        room = self.room
+        certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
+        deliver(room.h, self.unit, self.out)
+
+    def _done(self, error: float) -> PhaseFreeResult:
+        """What has been found, with its proof."""
+        bound, objective, held = self.room.found[5:].tolist()
+        return PhaseFreeResult(error, self.steps, self.late, int(held), bound, objective)
+
+    def strongest(self) -> PhaseFreeResult:
+        """Write gains for the largest multiple of the targets, all of free phase.
+
+        It stands in p then. Full drive shows about where it is, and from which phases it is the most; Newton steps
+        on shares of that find it.
+        """
+        room, p = self.room, self.p.copy()
+        top = self._full()
+        start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
+        best: PhaseFreeResult | None = None
+        y = start
+        while top > 0.0 and strong - weak > FINE and not (best and self.budget.spent):
+            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
+            if share < WEAKEST:
+                break
+            self.p[:], room.y[:] = (share * top) * p, start
+            error, _ = self._newton()
+            if error > IN_PROPORTION:
+                strong = share
+                continue
+            weak, best, y = share, self._done(error)._replace(share=share), room.y.copy()
+            np.copyto(room.spare, room.h)
+        self.late |= self.budget.spent
+        if best is None:  # none keeps proportions: what the last came to, or full drive
+            self._prove()
+            return self._done(error)
+        np.copyto(room.h, room.spare)
+        deliver(room.h, self.unit, self.out)
+        room.y[:] = y
+        return best._replace(steps=self.steps, late=self.late)
+
+    def _full(self) -> float:
+        """Full drive from the phases, of those at hand and of others, from which the weakest sample gets the most.
+
+        Returns the multiple of the targets that it comes nearest to.
+        """
+        room, size = self.room, np.abs(self.p)
+        top = self._equalise(MOST_EQUAL)
+        y, most = room.y.copy(), float((np.hypot(*room.made) / size).min())
+        looks = self._looks(lambda made: float((made / size).min()), self._others)
+        found, k = max(looks, default=(0.0, 0))
+        if found <= most:
+            room.y[:] = y
+            return top
+        room.y[:] = self._phases(k)
+        return self._equalise(MOST_EQUAL)
+
+    def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
+        """Steps of `descend`, few at a time where there is a deadline; return the error, and if it is the last."""
+        room, endless = self.room, self.budget.endless
+        steps = (
+            steps if endless or self._affords() else 0
+        )  # what these multipliers make, and no step
+        chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
+        room.found[3:5] = FRESH
+        for _ in range(0, max(1, steps), chunk):
+            taken = attempt(
+                self.B, self.G, self.p, self.free, mu or self.mu, min(chunk, steps), ENOUGH, room.y, room.h,
+                room.made, room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
+            )  # fmt: skip
+            self.steps += abs(taken)
+            if taken >= 0 or room.found[4] > 1.0 or self.budget.spent:
+                return float(room.found[0]), taken >= 0
+        return float(room.found[0]), False
+
+    def _affords(self) -> bool:
+        """Whether a Newton step would come in time; the answer is late where it would not."""
+        fits = in_time(self.budget, len(self.p) * self.B.size)
+        self.late |= not fits
+        return fits
+
+    def _harder(self, error: float) -> float:
+        """What to do where Newton steps stall at `error`; the best gains stay, and their residual as y."""
+        room, work = self.room, len(self.p) * self.B.size
+        np.copyto(room.spare, room.h)
+        first = second = error
+        np.copyto(room.other, room.h)
+        if self.free.all():
+            if error > FAR or work > LARGE:  # asked of samples that the array does not tell apart
+                first = self._softened(error)
+            if not self.budget.spent:
+                second = self._full_drive()
+                if second <= MET:
+                    return second
+                np.copyto(room.other, room.h)
+        if first != second and work <= TWICE:  # a look at where each leads
+            np.copyto(room.h, room.spare)
+            first = self._nearest(ROUGH)
+            np.copyto(room.spare, room.h)
+            np.copyto(room.h, room.other)
+            second = self._nearest(ROUGH)
+            np.copyto(room.other, room.h)
+        np.copyto(room.h, room.spare if first <= second else room.other)
+        error = self._nearest(FINISHED) if work <= LARGE else min(first, second)
+        self._residual()
+        return error
+
+    @property
+    def _others(self) -> int:
+        """How many other phases may be started from: of few samples, all of free phase."""
+        M = len(self.p)
+        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.free.all() else 0
+
+    def _elsewhere(self, error: float) -> float:
+        """Look where other phases lead; the best gains of all stay, `error` being those at hand. Returns theirs.
+
+        Most are left after full drive: those that come nearest there are gone on with.
+        """
+        room, best = self.room, error
+        np.copyto(room.spare, room.h)
+        asked = np.abs(self.p)
+        looks = sorted(
+            self._looks(lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._others)
+        )
+        for _, k in looks[: self.starts]:
+            if self.budget.spent or best <= MET:
+                break
+            room.y[:] = self._phases(k)
+            self._equalise(EQUAL)
+            found = self._nearest(ROUGH)
+            if found < best:
+                best = found
+                np.copyto(room.spare, room.h)
+        np.copyto(room.h, room.spare)
+        if best < error:
+            best = self._nearest(FINISHED)
+        self._residual()
+        return best
+
+    def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
+        """What full drive makes from each of `count` other phases, (M,), is worth: with the number of the phases."""
+        looks = list[tuple[float, int]]()
+        for k in range(count):
+            if self.budget.spent:
+                break
+            self.room.y[:] = self._phases(k)
+            self._equalise(EQUAL)
+            looks.append((worth(np.hypot(self.room.made[0], self.room.made[1])), k))
+        return looks
+
+    def _phases(self, k: int) -> Complexes:
+        """Targets, (M,), in phases of which each k has others, far apart; the first are those of `weighted-gs`."""
+        m = np.arange(len(self.p))
+        turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
+        return np.asarray(np.abs(self.p) * np.exp(2j * np.pi * turns), np.complex128)
+
+    def _softened(self, error: float) -> float:
+        """Newton steps with more regularisation than asked, less and less of it while that helps.
+
+        The best gains are in `room.spare`, with `error` to start from; returns their error.
+        """
+        if not self._affords():
+            return error
+        room, G, last = self.room, self.G, 1.0
+        power = float(np.trace(G).real) / len(G)
+        diagonal = np.arange(len(G))
+        for share in SOFT:
+            soft = share * power
+            if share == SOFT[0]:
+                shifted = np.array(G)
+                shifted[diagonal, diagonal] += soft
+                room.y[:] = soft * linalg.solve(shifted, self.p, assume_a="pos")
+            else:
+                room.y[:] *= soft / last
+            last = soft
+            found, _ = self._newton(FEW, soft)
+            if found < error:
+                error = found
+                np.copyto(room.spare, room.h)
+            elif share != SOFT[0] or self.budget.spent:
+                break
+        return error
+
+    def _full_drive(self) -> float:
+        """Other phases, from which Newton steps start again; return the error."""
+        if self._equalise(EQUAL) < BEYOND:
+            self.room.y[:] *= 10.0  # all the further beyond the limit
+        return self._newton()[0]
+
+    def _equalise(self, steps: int) -> float:
+        """Steps of `equalise`, and multipliers with as many transducers beyond their limit as below it.
+
+        Returns the multiple of the targets that full drive comes nearest to.
+        """
+        room = self.room
+        chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
+        for _ in range(0, steps, chunk):
+            taken = equalise(
+                self.B, self.p, chunk, room.y, room.h, room.made, room.tile, room.found
+            )
+            self.steps += abs(taken)
+            if taken >= 0 or self.budget.spent:
+                break
+        multiple = float(room.found[0])
+        reached = room.h[2][room.h[2] > 0.0]
+        room.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
+        return multiple
+
+    def _nearest(self, finished: float) -> float:
+        """Steps of `nearest` from the gains at hand; return the error."""
+        room = self.room
+        room.found[1], room.found[4] = 0.0, 0.0
+        gather(self.B, room.h, room.made, room.tile)
+        most = LAST if self._affords() else 0
+        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * len(self.p) * self.B.size))
+        for _ in range(0, max(1, most), chunk):
+            steps = nearest(
+                self.B, self.p, self.free, self.mu, min(chunk, most), ENOUGH,
+                room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
+                finished,
+            )  # fmt: skip
+            self.steps += abs(steps)
+            if steps >= 0 or self.budget.spent:
+                break
+        return float(room.found[0])
+
+    def _residual(self) -> None:
+        """Make the multipliers the residual of the gains at hand: the proof, at the nearest pressures."""
+        room = self.room
+        gather(self.B, room.h, room.made, room.tile)
+        q = room.made[0] + 1j * room.made[1]
+        t = np.where(self.free, np.abs(self.p) * np.exp(1j * np.angle(q)), self.p)
+        room.y[:] = t - q
+        y = np.zeros((2, room.tile.shape[1]), np.float32)
+        y[:, : len(q)] = room.y.real, room.y.imag
+        spent = np.empty_like(room.made)
+        room.found[1] = evaluate(self.B, y, self.mu, room.other, spent, room.tile)
+
+    def refined(self, B: Complexes) -> Refined:
+        """The answer in double precision, for B in it; the multipliers are in `room.y`."""
+        room = self.room
+        h = room.h[0].astype(np.complex128) + 1j * room.h[1]
+        rough = refine_certified(
+            B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0)
+        )
+        fine = solve_newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS, self.budget)
+        best = fine if fine.objective < rough.objective else rough
+        room.y[:] = best.y
+        return best

@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pacinian.rendering.budget_controller import (
+    FAR,
+    HIGH,
+    LOW,
+    MAX_WAIT,
+    MIN_BUDGET,
+    RUN,
+    WAIT,
+    BudgetController,
+)
+
+bounded = settings(max_examples=60)
+PERIOD = 1e-3  # [s]
+SLOW, VERY, WELL, SHORT = (share * PERIOD for share in (1.1 * HIGH, 1.1 * FAR, 0.7, 0.5 * LOW))
+odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # of a clock that jumps
+ticks = st.lists(
+    st.tuples(st.floats(0.0, 0.02) | odd, st.integers(0, 400)), min_size=1, max_size=300
+)
+
+
+def told(
+    governor: BudgetController, seconds: float, count: int, samples: int | None = None
+) -> list[int]:
+    """What it allows after each of `count` such ticks; unless given, all samples allowed are used."""
+    return [
+        governor.tick(seconds, governor.allowed if samples is None else samples)
+        for _ in range(count)
+    ]
+
+
+@bounded
+@given(st.integers(1, 300), ticks)
+def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
+    most: int, seen: Any
+) -> None:
+    governor, other = BudgetController(PERIOD, most), BudgetController(PERIOD, most)
+    for seconds, samples in seen:
+        before = governor.allowed
+        allowed = governor.tick(seconds, samples)
+        assert min(MIN_BUDGET, most) <= allowed <= most
+        assert allowed == governor.allowed == other.tick(seconds, samples)  # by these alone
+        if seconds > LOW * PERIOD:
+            assert allowed <= before
+
+
+def test_a_few_long_ticks_change_nothing() -> None:
+    governor = BudgetController(PERIOD, 256)
+    for _ in range(20):
+        told(governor, SLOW, RUN - 1)
+        assert told(governor, WELL, 1) == [256]
+        assert told(governor, 5.0 * VERY, 1) == [256]
+        assert told(governor, WELL, 1) == [256]
+
+
+def test_long_ticks_in_a_row_leave_fewer_samples() -> None:
+    allowed = told(BudgetController(PERIOD, 256), SLOW, RUN)
+    assert allowed[:-1] == [256] * (RUN - 1)
+    assert allowed[-1] < 0.95 * 256
+
+
+def test_ticks_that_take_several_periods_count_at_once() -> None:
+    allowed = told(BudgetController(PERIOD, 256), VERY, 2)
+    assert allowed[0] == 256
+    assert allowed[1] < 0.6 * 256
+
+
+def test_the_longer_the_ticks_the_fewer_the_samples() -> None:
+    left = [told(BudgetController(PERIOD, 256), k * PERIOD, RUN)[-1] for k in (0.9, 1.2, 2.0)]
+    assert left == sorted(left, reverse=True)
+    assert len(set(left)) == 3
+
+
+@pytest.mark.parametrize("seconds", [SLOW, VERY, 1.0])
+def test_however_long_it_takes_some_samples_are_left(seconds: float) -> None:
+    assert told(BudgetController(PERIOD, 256), seconds, 500)[-1] == MIN_BUDGET
+
+
+def test_where_it_is_not_the_samples_that_take_the_time_they_stay() -> None:
+    governor = BudgetController(PERIOD, 256)
+    assert set(told(governor, VERY, 100, samples=MIN_BUDGET)) == {256}
+    assert set(told(governor, SLOW, 100, samples=0)) == {256}
+
+
+def test_in_time_it_stays_as_it_is_and_with_time_to_spare_it_grows_back() -> None:
+    governor = BudgetController(PERIOD, 256)
+    small = told(governor, VERY, 10)[-1]
+    assert set(told(governor, WELL, 2000)) == {small}
+    grown = told(governor, SHORT, 3000)
+    assert grown == sorted(grown)
+    assert grown[-1] == 256
+    assert max(b - a for a, b in itertools.pairwise(grown)) <= 1 + 256 // 8
+
+
+def test_it_grows_slower_after_each_relapse() -> None:
+    governor = BudgetController(PERIOD, 256)
+    waits = []
+    for _ in range(8):
+        while governor.allowed > MIN_BUDGET:
+            told(governor, VERY, 1)
+        small, wait = governor.allowed, 0
+        while governor.allowed == small:
+            told(governor, SHORT, 1)
+            wait += 1
+        waits.append(wait)
+    assert waits == [min(WAIT << k, MAX_WAIT) for k in range(8)]
+
+
+def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None:
+    governor = BudgetController(PERIOD, 40)
+    for _ in range(5):
+        told(governor, VERY, 4)
+        told(governor, SHORT, MAX_WAIT)
+        assert governor.allowed > MIN_BUDGET
+    told(governor, SHORT, 40 * MAX_WAIT)
+    assert governor.allowed == 40
+    told(governor, VERY, 4)
+    small = governor.allowed
+    assert told(governor, SHORT, 2 * WAIT)[-1] > small
+
+
+def test_one_long_spell_is_no_relapse_however_long() -> None:
+    governor = BudgetController(PERIOD, 256)
+    told(governor, VERY, 1000)
+    assert told(governor, SHORT, WAIT) == [MIN_BUDGET] * (WAIT - 1) + [
+        MIN_BUDGET + 1 + MIN_BUDGET // 8
+    ]
+
+
+def test_one_tick_without_time_to_spare_begins_the_wait_anew() -> None:
+    governor = BudgetController(PERIOD, 256)
+    small = told(governor, VERY, 10)[-1]
+    for _ in range(50):
+        told(governor, SHORT, WAIT - 1)
+        told(governor, WELL, 1)
+    assert governor.allowed == small
