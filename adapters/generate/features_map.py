@@ -20,7 +20,10 @@ ONLY_UNITY = {
         "HapticHand",
         "Provider",
     ): "Unity has no tracker of its own: XR Hand, or what derives from Hand Provider, is one",
-    ("Options", "Transport"): "C# has sockets of its own, and libzmq or NetMQ for CURVE; C++ has libzmq",
+    (
+        "Options",
+        "Transport",
+    ): "C# has sockets of its own, and libzmq or NetMQ for CURVE; C++ has libzmq",
 }
 ONLY_UNREAL = {
     (

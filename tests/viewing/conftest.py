@@ -15,7 +15,7 @@ from pacinian.client.emergency import emergency_stop
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, serving
-from pacinian.viewing import slices, states
+from pacinian.viewing import demonstration, slices, states
 
 from .browser import chromium
 from .watching import LIMIT, viewer
@@ -119,10 +119,11 @@ def url(server: Running, folder: Path, patient: None) -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def patient() -> Iterator[None]:
-    """Compute fields as soon as anything else; take no server for lost that stands still for a moment."""
+    """Compute fields as soon as anything else; take no server or page for lost that stands still for a moment."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(slices, "CALM", 0)
         patch.setattr(states, "SILENT", LIMIT)
+        patch.setattr(demonstration, "QUIET", LIMIT)
         for call in (BaseClient.__init__, emergency_stop):
             patch.setitem(call.__kwdefaults__, "timeout", LIMIT)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):

@@ -94,7 +94,7 @@ def pictures() -> Iterator[tuple[str, bytes]]:
             page.wait_for_timeout(1000)
             yield "viewer-error", page.screenshot()
         page.check("[name=of][value=pressure]")
-        page.check("[name=axis][value=y]")
+        page.check("[name=axis][value=auto]")
         page.select_option("#slice-size", "0.1")
         page.fill("#level", "45")
         page.select_option("#box-size", "0.06")
@@ -112,8 +112,8 @@ def pictures() -> Iterator[tuple[str, bytes]]:
 
 def settle(shown: Seen, name: str) -> None:
     """Look closely at an object, and wait until it has been felt for as long as charts and means need."""
-    shown.until(lambda: name in shown.text("#samples") and "±" in shown.text("#samples"))
-    for button in ("#slice-centre", "[data-from=home]", "[data-from=near]"):
+    shown.until(lambda: name in shown.text("#samples") and "%" in shown.text("#samples"))
+    for button in ("[data-from=home]", "[data-from=near]"):
         shown.page.click(button)
     shown.page.wait_for_timeout(SETTLED)
 

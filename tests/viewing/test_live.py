@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -77,9 +78,22 @@ def gains(frame: dict[str, bytes]) -> pc.Gains:
     return np.asarray(size * np.exp(2j * np.pi * turn), dtype=np.complex64)
 
 
-def _apart(found: dict[str, Any], frame: dict[str, bytes], at: NDArray[np.float64]) -> float:
-    """How far pressures are from the field of a frame at those points, (..., 3), over the most of it."""
-    wanted = pc.radiation_pressure(pc.field(ARRAY, gains(frame), at, precision="double"), pc.Air())
+def mean_pressure(page: Page, at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radiation pressure at points, (..., 3) [Pa]: the mean of the frames of a cycle, as far as the page heard them."""
+    cycle = {(frame["phase"], frame["amplitude"]): frame for frame in page.frames}
+    fields = [pc.field(ARRAY, gains(frame), at, precision="double") for frame in cycle.values()]
+    return np.mean([pc.radiation_pressure(p, pc.Air()) for p in fields], axis=0)
+
+
+def cycles(page: Page) -> bool:
+    """Whether the last frames that the page has heard sound, and are one, two or a few in turn."""
+    levels = {(frame["phase"], frame["amplitude"]) for frame in page.frames}
+    return len(page.frames) == page.frames.maxlen and len(levels) < 4 and all(map(all, levels))
+
+
+def _apart(found: dict[str, Any], page: Page, at: NDArray[np.float64]) -> float:
+    """How far pressures are from the field that the page heard at those points, (..., 3), over the most of it."""
+    wanted = mean_pressure(page, at)
     pressure = np.frombuffer(found["pressure"], "<f4").reshape(wanted.shape)
     most = float(wanted.max())
     return float(np.abs(pressure - wanted).max()) / most if most > 0.1 else math.inf
@@ -94,18 +108,15 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
     looked: list[Any] = []
 
     def same() -> bool:
-        """Of the frame that is emitted: the first ones still grow, and what they look like comes after them."""
+        """Of the frames that are emitted: the first ones still grow, and what they look like comes after them."""
         new = page.newest
-        if not (new.get("frame", {}).get("phase") and new.get("slice") and new.get("volume")):
+        if not (cycles(page) and new.get("slice") and new.get("volume")):
             return False
         now = [new["slice"]["time"], new["volume"]["time"], new["frame"]["phase"]]
         if looked == now:
             return False
         looked[:] = now
-        return (
-            _apart(new["slice"], new["frame"], plane) < 1e-3
-            and _apart(new["volume"], new["frame"], box) < 1e-3
-        )
+        return _apart(new["slice"], page, plane) < 1e-3 and _apart(new["volume"], page, box) < 1e-3
 
     with Page(url) as page, Game(server.connection):
         page.until(lambda: page.newest.get("frame", {}).get("phase"))
@@ -124,15 +135,14 @@ def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: 
     def same() -> bool:
         """On the plate, of 10 mm radius; nothing from there to 3 mm beside it."""
         new = page.newest
-        if not new.get("frame", {}).get("phase") or "slice" not in new:
+        if not cycles(page) or "slice" not in new:
             return False
         found = np.frombuffer(new["slice"]["pressure"], "<f4").reshape(40, 40)
         on = away < 0.009
         off = ((away > 0.0105) & (away < 0.0115)) | (away > 0.0155)
         if not np.isfinite(found[on]).all() or np.isfinite(found[off]).any():
             return False  # another scene fades
-        p = pc.field(ARRAY, gains(new["frame"]), plane[on], precision="double")
-        wanted = pc.radiation_pressure(p, pc.Air()) - 5.0
+        wanted = mean_pressure(page, plane[on]) - 5.0
         return float(np.abs(found[on] - wanted).max()) < 0.01
 
     with Page(url) as page, Game(server.connection, names=("plate",)):
@@ -158,6 +168,95 @@ def test_when_a_game_goes_its_objects_its_sound_and_its_field_go(url: str, serve
         page.until(lambda: page.output == "silent" and not page.newest["frame"]["phase"])
         page.until(lambda: not pressure())
         assert page.newest["slice"]["id"] == 1
+
+
+def test_the_mean_of_a_modulation_is_shown_its_peak_and_an_instant(
+    url: str, server: Running
+) -> None:
+    """A single point in amplitude modulation: mean and peak are 1/2 and 1 of what is asked, whenever one looks."""
+    point = pc.Point(
+        name="hum", position=(0.0, 0.0, 0.15), radiation_pressure=8.0, technique=pc.AM(frequency=120.0)
+    )  # fmt: skip
+    place = {**PLANE, "size": [0.002, 0.002], "shape": [2, 2]}
+
+    def at_point() -> float:
+        return float(np.frombuffer(page.newest["slice"]["pressure"], "<f4").mean())
+
+    def holds(over: str, low: float, high: float) -> None:
+        page.say("slice", id=1, over=over, **place)
+        page.until(lambda: page.newest.get("slice", {}).get("over") == over)
+        seen: list[float] = []
+        while len(seen) < 8:
+            page.next("slice")
+            seen = [*seen, at_point()] if low < at_point() < high else []
+
+    def hum() -> None:
+        with pc.Client(server.connection, name="hummer") as client:
+            client.put(point)
+            client.arm(take=True)
+            while not ended.is_set():
+                client.hold(0.02)
+
+    ended, game = threading.Event(), threading.Thread(target=hum)
+    with Page(url) as page:
+        game.start()
+        try:
+            holds("mean", 3.0, 5.0)
+            holds("peak", 6.5, 8.2)
+            page.say("slice", id=1, over="instant", **place)
+            instants = set[float]()
+            while not instants or max(instants) - min(instants) < 4.0:
+                if page.next("slice")["over"] == "instant":
+                    instants.add(at_point())
+        finally:
+            ended.set()
+            game.join(LIMIT)
+
+
+def test_what_is_felt_is_told_beside_what_is_asked(url: str, server: Running) -> None:
+    def told() -> bool:
+        found = page.newest.get("skin")
+        if not found or not cycles(page):
+            return False
+        felt, asked = (np.frombuffer(found[name], "<f4") for name in ("felt", "asked"))
+        inside = asked > 4.0
+        return inside.any() and bool(np.abs(felt[inside].mean() / asked[inside].mean() - 1.0) < 0.1)
+
+    with Page(url) as page, Game(server.connection, names=("plate",)):
+        page.say(
+            "skin", id=1, centre=[0.03, 0.03, 0.17], u=[1.0, 0.0, 0.0], v=[0.0, 1.0, 0.0],
+            size=[0.04, 0.04], shape=[40, 40],
+        )  # fmt: skip
+        page.until(told)
+        page.say("hide", what="skin")
+
+
+def test_a_demonstration_plays_for_a_page_and_takes_nothing_from_others(
+    url: str, server: Running
+) -> None:
+    def sounds() -> bool:
+        page.say("alive")
+        state = page.newest.get("state", {})
+        return (state.get("owner"), state.get("output")) == ("demonstration", "sounding")
+
+    with Page(url) as other:
+        with Page(url) as page:
+            page.say("demonstrate", on=True)
+            page.until(sounds)
+            page.until(lambda: "ball" in page.objects and len(page.newest["state"]["hands"]) > 0)
+            page.say("demonstrate", on=False)
+            page.until(lambda: page.newest["state"]["owner"] == "")
+            page.say("demonstrate", on=True)
+            page.until(sounds)
+        other.until(lambda: other.newest.get("state", {}).get("owner") == "")  # its page has gone
+        with Game(server.connection):
+            other.say("demonstrate", on=True)
+            refused = other.next("refused")
+            assert (refused["action"], "owns the output" in refused["message"]) == (
+                "demonstrate",
+                True,
+            )
+            assert other.next("state")["owner"] == "game"
 
 
 def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Running) -> None:
@@ -337,6 +436,11 @@ def test_a_recording_is_the_feed(url: str, server: Running, folder: Path) -> Non
                 break  # a frame may be older than the state
         assert again.output == "sounding"
         assert again.newest["array"] == live
+        past = again.newest["history"]
+        count = len(past["times"]) // 8
+        assert count > 1
+        assert len(past["error"]) == len(past["drive_max"]) == 4 * count
+        assert np.nanmax(np.frombuffer(past["drive_max"], "<f4")) > 0.0
         again.say("slice", id=1, **PLANE)
         again.until(lambda: again.newest.get("slice", {}).get("pressure", b"").strip(b"\0"))
         again.say("replay", playing=True)

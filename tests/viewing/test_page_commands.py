@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import msgpack
 import pytest
 
+import pacinian as pc
+
 from .browser import seen, status
 from .conftest import Game
 from .watching import LIMIT, viewer
@@ -26,7 +28,8 @@ pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("pati
 
 REACHED = {
     "record", "arm", "stop", "solver", "backend", "technique", "intensity", "slice-on", "axis", "slice-at",
-    "slice-mm", "slice-size", "scale", "surface-on", "level", "home", "help", "canvas",
+    "slice-mm", "slice-size", "slice-follow", "over", "law", "scale", "surface-on", "level", "home", "follow", "help",
+    "canvas",
 }  # fmt: skip
 FOCUSED = """() => {
     const e = document.activeElement, s = getComputedStyle(e), track = e.closest("label") ?? e;
@@ -39,6 +42,14 @@ OUTSIDE = """() => {
     const { left, right, top, bottom } = document.getElementById("stop").getBoundingClientRect();
     return document.documentElement.scrollWidth > innerWidth
         || left < 0 || top < 0 || right > innerWidth || bottom > 120;
+}"""
+# Controls that lie under a notice.
+COVERED = """() => {
+    const { top, bottom, left, right } = document.getElementById("refused").getBoundingClientRect();
+    return [...document.querySelectorAll("button, select, input")].filter((e) => e.checkVisibility()
+        && !e.closest("#refused, #panels")).filter((e) => {
+        const r = e.getBoundingClientRect();
+        return r.left < right && r.right > left && r.top < bottom && r.bottom > top; }).map((e) => e.id);
 }"""
 # Of each text its contrast to the ground that it stands on, where that is plain.
 CONTRAST = """() => {
@@ -76,12 +87,86 @@ def test_a_solver_is_switched_and_the_server_follows(
         shown.until(lambda: (now().solver, now().intensity) == ("auto", 1.0))
         with Game(server.connection):
             shown.until(lambda: shown.text("#owner") == "game")
-            shown.page.select_option("#solver", "gs")
-            shown.until(lambda: "another client owns the output" in shown.text("#refused"))
-            shown.until(lambda: shown.page.input_value("#solver") == "auto")
-            assert now().solver == "auto"
-            shown.page.click("#refused button")
-            assert not shown.text("#refused")
+            shown.until(lambda: shown.page.is_disabled("#solver"))
+            shown.until(lambda: "take over to change these" in shown.text("#drive-why"))
+            assert shown.page.input_value("#solver") == "auto"
+        shown.until(lambda: shown.page.is_enabled("#solver"))
+
+
+def test_to_take_over_is_asked_first_and_given_back(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with seen(browser, url) as shown:
+        page = shown.page
+        assert "has not armed" in str(page.get_attribute("#disarm", "title"))
+        with Game(server.connection) as game:
+            shown.until(lambda: "Take over" in shown.text("#arm"))
+            page.click("#arm")
+            shown.until(lambda: "“game”" in shown.text("#take-title"))
+            page.click("#take-no")
+            assert not page.is_visible("#take")
+            assert not game.refused
+            page.select_option("#scene", "room") if page.is_visible("#scene") else None
+            page.click("#arm")
+            page.click("#take-yes")
+            shown.until(lambda: shown.text("#owner") == "viewer")
+            shown.until(lambda: "owner" in game.refused)
+            shown.until(lambda: shown.text("#disarm") == "Give back")
+            page.click("#disarm")
+            shown.until(lambda: shown.text("#owner") == "nobody")
+            with pc.Client(server.connection, name="other") as other:
+                other.arm()
+                shown.until(lambda: "“other”" in shown.text("#drive-why"))
+
+
+def test_a_refusal_says_what_to_do_and_covers_nothing(browser: Browser, url: str) -> None:
+    def between(route: WebSocketRoute) -> None:
+        """As if what is selected was refused."""
+        server = route.connect_to_server()
+        refused = {
+            "type": "refused",
+            "action": "select",
+            "message": "it is not there",
+            "advice": "",
+        }
+
+        def said(data: str | bytes) -> None:
+            if msgpack.unpackb(data)["type"] == "select":  # type: ignore[arg-type]
+                route.send(msgpack.packb(refused) or b"")
+            else:
+                server.send(data)
+
+        route.on_message(said)
+
+    with seen(browser, url, live=False) as shown:
+        page = shown.page
+        page.route_web_socket("**/feed*", between)
+        page.reload()
+        shown.until(lambda: page.is_enabled("#solver"))
+        page.select_option("#solver", "gs")
+        shown.until(lambda: "it is not there. Choose another one" in shown.text("#refused"))
+        assert page.evaluate(COVERED) == []
+        page.click("#refused button")
+        assert not shown.text("#refused")
+
+
+def test_a_page_without_a_game_plays_a_demonstration(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with seen(browser, url) as shown:
+        page = shown.page
+        page.click("#demonstrate")
+        shown.until(lambda: shown.text("#owner") == "demonstration" and shown.get("hands") == 1)
+        shown.until(lambda: "ball" in shown.text("#samples"))
+        assert not page.is_visible("#empty")
+        page.click("#demonstrated")
+        shown.until(lambda: page.is_visible("#empty") and shown.text("#owner") == "nobody")
+        page.click("#demonstrate")
+        shown.until(lambda: shown.text("#owner") == "demonstration")
+    end = time.monotonic() + LIMIT
+    while status(server.connection).owner:  # the page has gone
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def _tab(shown: Seen) -> dict[str, tuple[str, bool]]:
@@ -100,7 +185,7 @@ def test_arm_stop_and_reset_by_keys_alone(browser: Browser, url: str, server: Ru
     now = functools.partial(status, server.connection)
     with seen(browser, url) as shown:
         page = shown.page
-        shown.until(lambda: page.is_enabled("#arm"))
+        shown.until(lambda: page.is_enabled("#arm") and page.is_enabled("#solver"))
         reached = _tab(shown)
         assert reached.keys() >= REACHED, REACHED - reached.keys()
         reached.pop("body", None)
@@ -167,9 +252,11 @@ def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
         assert shown.page.get_attribute("#spoken", "aria-live") == "assertive"
         assert shown.text("#output-name") == "Faulted"
         assert shown.page.is_enabled("#reset")
-        for size in ((1920, 1080), (1280, 800), (800, 900)):
+        for size in ((1920, 1080), (1280, 800), (900, 600), (800, 900), (390, 844)):
             shown.page.set_viewport_size({"width": size[0], "height": size[1]})
-            shown.until(lambda: not shown.page.evaluate(OUTSIDE))
+            for below in (0, 10_000):
+                shown.page.evaluate("(y) => scrollTo(0, y)", below)
+                shown.until(lambda: not shown.page.evaluate(OUTSIDE))
 
 
 def test_a_recording_is_made_and_gone_through(

@@ -11,7 +11,7 @@ import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian.viewing.region_error import Regions, error, nearest_places
+from pacinian.viewing.region_error import Regions, error, felt_and_asked, nearest_places
 from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import state
@@ -158,3 +158,20 @@ def test_a_slice_through_a_region_has_the_figures_that_are_felt() -> None:
     assert felt.force == pytest.approx(wanted.force, abs=0.01)
     assert felt.rms == pytest.approx(wanted.rms, abs=0.01)
     assert felt.spill == pytest.approx(wanted.spill, rel=0.1)
+
+
+def test_felt_and_asked_are_those_of_the_contact_behind_each_point_of_a_plane() -> None:
+    hollow = GRID + 40.0 * ((GRID[:, :2] - 0.005) ** 2).sum(axis=1)[:, None] * UP  # up to 3 mm
+    asked = 2.0 + 100.0 * GRID[:, 0]
+    known = regions(hollow, asked)
+    before = (
+        GRID + 0.03 * UP
+    )  # 30 mm before the contact: far beyond what a slice of the error shows
+    felt, wanted = felt_and_asked(ARRAY, AIR, TWO, before, UP, known)
+    np.testing.assert_allclose(wanted, asked, rtol=1e-2)
+    P = np.mean(
+        [pc.radiation_pressure(pc.field(ARRAY, g, hollow, AIR, "double"), AIR) for g in TWO], axis=0
+    )
+    np.testing.assert_allclose(felt, P, rtol=2e-2, atol=1e-2 * P.max())
+    aside = before + np.array([0.05, 0.0, 0.0])
+    assert np.isnan(felt_and_asked(ARRAY, AIR, TWO, aside, UP, known)).all()

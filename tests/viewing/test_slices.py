@@ -24,7 +24,7 @@ from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
 from pacinian.viewing.region_error import Regions, error
-from pacinian.viewing.slices import Fields, grid, interpolated, pressure
+from pacinian.viewing.slices import MAX_FIELDS, Fields, compress, grid, interpolated, pressure
 
 from ..waiting import eventually
 from .watching import LIMIT
@@ -32,6 +32,8 @@ from .watching import LIMIT
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from pacinian.acoustics.interpolated_field import InterpolatedField
 
 UNIT = pc.autd()
 RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5, len(UNIT))
@@ -120,6 +122,44 @@ def test_the_mean_of_all_frames_is_shown() -> None:
         np.testing.assert_allclose(np.frombuffer(whole, "<f4"), wanted, rtol=1e-5)
     fast = interpolated(DRIVE.model.packed, frames.tobytes(), grid(asked))
     assert np.abs(np.frombuffer(fast, "<f4") - wanted).max() < 4e-3 * wanted.max()
+    highest = np.max(each, axis=0)
+    for compute, tolerance in ((interpolated, 4e-3), (at_once, 1e-4)):
+        found = np.frombuffer(
+            compute(DRIVE.model.packed, frames.tobytes(), grid(asked), peak=True), "<f4"
+        )
+        assert np.abs(found - highest).max() < tolerance * highest.max()
+
+
+def at_once(model: bytes, gains: bytes, where: InterpolatedField, *, peak: bool) -> bytes:
+    return pressure(model, gains, where, 0, 1 << 20, peak)
+
+
+def test_many_frames_of_one_modulation_cost_one_field(fields: Fields) -> None:
+    strengths = np.sqrt(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(16) / 16))
+    frames = (strengths[:, None] * GAINS).astype(np.complex64)
+    basis, shares = compress(frames)
+    assert len(basis) == 1
+    np.testing.assert_allclose(shares @ basis, frames, atol=1e-5)
+    rng = np.random.default_rng(0)
+    others = np.exp(1j * rng.uniform(0.0, 6.0, (40, len(ARRAY)))).astype(np.complex64)
+    basis, shares = compress(others)
+    assert len(basis) == len(shares) == MAX_FIELDS
+    np.testing.assert_allclose(shares @ basis, others[-MAX_FIELDS:], atol=1e-4)
+    (whole,) = computed(fields, HERE)
+    full = np.frombuffer(whole or b"", "<f4")
+    drive = DRIVE._replace(gains=frames.tobytes())
+    for over, share in (("mean", 0.5), ("peak", 1.0), ("instant", float(strengths[-1]) ** 2)):
+        asked = msgspec.structs.replace(HERE, over=over)
+        found = asyncio.run(fields.pressure(asked, drive, lambda: True))
+        np.testing.assert_allclose(
+            np.frombuffer(found or b"", "<f4"), share * full, rtol=1e-3, atol=1e-5 * full.max()
+        )
+    uneven = drive._replace(
+        gains=frames[:2].tobytes() + frames[8].tobytes(), shares=(0.5, 0.25, 0.25)
+    )
+    found = asyncio.run(fields.pressure(HERE, uneven, lambda: True))
+    share = 0.25 * float(strengths[1]) ** 2 + 0.25
+    np.testing.assert_allclose(np.frombuffer(found or b"", "<f4"), share * full, rtol=1e-3)
 
 
 def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
@@ -207,7 +247,7 @@ import asyncio, pathlib, sys, time
 import pacinian as pc
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.model import Model
-from pacinian.viewing.slices import Fields
+from pacinian.viewing.slices import MAX_FIELDS, Fields
 
 def for_ever(model, gains, begun):
     pathlib.Path(begun).touch()

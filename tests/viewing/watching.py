@@ -7,7 +7,7 @@ import contextlib
 import queue
 import threading
 import time
-from collections import Counter
+from collections import Counter, deque
 from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import urlsplit
 
@@ -59,7 +59,7 @@ def viewer(
 
 
 class Page:
-    """What a page hears. newest: of each type. counts: by type. refusals: but those of `catch_up`."""
+    """What a page hears. newest: of each type. counts: by type. refusals: but those of `catch_up`. frames: the last."""
 
     def __init__(self, url: str, **options: Any) -> None:
         parts = urlsplit(url)
@@ -80,6 +80,7 @@ class Page:
         self.counts: Counter[str] = Counter()
         self.objects: dict[str, Any] = {}
         self.refusals: list[dict[str, Any]] = []
+        self.frames: deque[dict[str, Any]] = deque(maxlen=10)
         self._answers = 0
 
     def say(self, kind: str, **fields: Any) -> None:
@@ -94,10 +95,12 @@ class Page:
         kind = message["type"]
         self.counts[kind] += 1
         self.newest[kind] = message
+        if kind == "frame":
+            self.frames.append(message)
         if kind == "scenery":
             self.objects |= message["objects"]
             self.objects = {n: o for n, o in self.objects.items() if n in message["poses"]}
-        if kind in ("slice", "volume"):
+        if kind in ("slice", "volume", "skin"):
             self.say("seen", id=message["id"])
         if kind == "refused" and message["action"] == "replay":
             self._answers += 1

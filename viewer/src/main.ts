@@ -2,11 +2,13 @@
 
 import { Boxer } from "./field/boxer";
 import { Scale } from "./field/scale";
+import { Skinner } from "./field/skinner";
 import { Slicer } from "./field/slicer";
 import { address, Feed } from "./feed/feed";
 import type { ToServer } from "./feed/messages";
 import { Store } from "./feed/store";
 import { Charts } from "./panels/charts";
+import { Demonstrating } from "./panels/demonstrating";
 import { Choosing } from "./panels/choosing";
 import { element, say } from "./panels/dom";
 import { FieldPanel } from "./panels/fielding";
@@ -15,6 +17,7 @@ import { Lists } from "./panels/lists";
 import { notices } from "./panels/notices";
 import { OutputPanel } from "./panels/output";
 import { Replaying } from "./panels/replaying";
+import { Skinning } from "./panels/skinning";
 import { tell } from "./panels/telling";
 import { watchViews } from "./panels/views";
 import { shown } from "./shown";
@@ -45,7 +48,7 @@ function acknowledge(view: View | undefined): void {
     for (const id of unseen.values()) send({ type: "seen", id });
     unseen.clear();
   };
-  for (const kind of ["slice", "volume"] as const) {
+  for (const kind of ["slice", "volume", "skin"] as const) {
     store.on(kind, ({ id }) => {
       unseen.set(kind, id);
       if (!view?.seldom) seen();
@@ -72,6 +75,7 @@ notices(store);
 new OutputPanel(store, send);
 new Choosing(store, send);
 new Lists(store);
+new Demonstrating(store, send);
 new Replaying(store, send);
 const space = makeSpace();
 new Charts(store, () => space?.transducers.drive ?? { mean: 0, most: 0 });
@@ -79,9 +83,10 @@ if (space) {
   listen(space, slicer);
   watchViews(space);
   const pointing = new Pointing(space, slicer, tell);
+  new Skinning(store, new Skinner(send), space);
   new FieldPanel(space, slicer, boxer, scales, store);
   store.onBeat("slice", () => {
-    scaleBar(space.scale.most, space.slice.of);
+    scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
     pointing.tellAgain();
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));

@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 
 import type { Boxer } from "./field/boxer";
 import type { Slicer } from "./field/slicer";
-import type { Quantity, Triple } from "./feed/messages";
+import type { Over, Quantity, Triple } from "./feed/messages";
 import { floats } from "./feed/numbers";
 import type { Link, Store } from "./feed/store";
 import type { Space } from "./space/space";
@@ -17,10 +17,12 @@ export interface Shown {
   readonly hands: number;
   readonly objects: Record<string, { type: string; position: number[]; drawn: boolean }>;
   readonly samples: { position: number[]; asked: number; achieved: number }[];
-  readonly slice: { of: Quantity; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
-  readonly wanted: { axis: string; position: number; on: boolean };
+  readonly slice: { of: Quantity; over: Over; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
+  readonly wanted: { axis: string; position: number; on: boolean; over: Over; follows: boolean; faces: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
+  /** Whether what is felt is painted on the hands. */
+  readonly painted: boolean;
   /** How many of each there were. */
   readonly frames: number;
   readonly slices: number;
@@ -77,16 +79,20 @@ export function shown(store: Store, space: Space, slicer: Slicer, boxer: Boxer):
       }));
     },
     get slice() {
-      const { plane, values, of } = space.slice;
+      const { plane, values, of, over } = space.slice;
       if (!plane) return null;
       const { centre, size, shape } = plane;
-      return { of, centre, size, shape, pressure: [...values] };
+      return { of, over, centre, size, shape, pressure: [...values] };
     },
     get wanted() {
-      return { axis: slicer.axis, position: slicer.position, on: slicer.on };
+      const { axis, position, on, over, follows, faces } = slicer;
+      return { axis, position, on, over, follows, faces };
     },
     get surface() {
       return { triangles: boxer.on ? space.surface.triangles : 0, level: space.level };
+    },
+    get painted() {
+      return space.hands.painted;
     },
     get scale() {
       return space.scale.most;

@@ -8,4 +8,6 @@ scenery.py   objects, each told once                          messages.py     wh
 recorded.py  the feed to a file, and back                     player.py       a recording in place of a server
 browser.py   opens the page                                   transcribed.py  a renderer's recording as a feed
 page/        what the browser loads, built from viewer/       past.py         what its ticks were like
+recent.py    the frames of the last moments, for their mean   history.py      charts of a recording before a time
+region_error.py  what is felt on skin, less what is asked     demonstration.py  a hand on a ball, for an empty page
 """

@@ -11,13 +11,15 @@ import queue
 import threading
 import time
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from pacinian.client.client import Client
 from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
-from pacinian.viewing.messages import Alive, Arm, Disarm, Reset, Select, Session, Stop
+from pacinian.viewing.demonstration import Demonstration
+from pacinian.viewing.messages import Alive, Arm, Demonstrate, Disarm, Reset, Select, Session, Stop
 from pacinian.viewing.states import States
 from pacinian.wire.convert_time import technique_to_scene
 
@@ -52,6 +54,8 @@ class Bridge:
         self._selected: dict[int, int] = {}  # pages by the number of what they selected
         self._lost = ""  # why, as it was told
         self._first: tuple[int, AnyAsked] | None = None
+        self._demonstration: Demonstration | None = None
+        self._demonstrated = 0  # the page that it is played for
         self._told: tuple[Session, int] | None = None
         self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
 
@@ -63,6 +67,8 @@ class Bridge:
     def close(self) -> None:
         """End it: silence, if a page had armed."""
         self._ended.set()
+        if self._demonstration is not None:
+            self._demonstration.close()
         self._thread.join()
 
     def ask(self, page: int, asked: AnyAsked) -> None:
@@ -72,6 +78,10 @@ class Bridge:
         elif isinstance(asked, Alive):  # does not wait in line: of an old one nothing may live on
             if page == self._owner:
                 self._alive = time.perf_counter()
+            if page == self._demonstrated and self._demonstration is not None:
+                self._demonstration.keep_alive()
+        elif isinstance(asked, Demonstrate):
+            self._demonstrate(page, asked.on)
         elif not isinstance(asked, (Arm, Disarm, Reset, Select)):
             self._hub.refuse(page, _action(asked), "is for recordings: this is a server")
         else:
@@ -79,6 +89,17 @@ class Bridge:
                 self._inbox.put_nowait((page, asked))
             except queue.Full:
                 self._hub.refuse(page, _action(asked), "too much is asked at once")
+
+    def _demonstrate(self, page: int, on: bool) -> None:
+        """Play for that page, or end what plays, whoever asked for it."""
+        playing = self._demonstration
+        if playing is not None and playing.plays:
+            playing.keep_alive() if on else playing.end()
+        elif on:
+            refuse = partial(self._post, self._hub.refuse, page, "demonstrate")
+            is_open = partial(self._hub.views.__contains__, page)
+            self._demonstration = Demonstration(self._where, is_open, refuse)
+            self._demonstrated = page
 
     def _stop(self, page: int) -> None:
         if not self._stopping.acquire(blocking=False):

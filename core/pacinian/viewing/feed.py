@@ -12,6 +12,8 @@ from pacinian.viewing.messages import (
     Hide,
     Record,
     Seen,
+    Skin,
+    SkinTold,
     Slice,
     SliceTold,
     Volume,
@@ -23,7 +25,7 @@ from pacinian.viewing.messages import (
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from pacinian.viewing.hub import Hub
+    from pacinian.viewing.hub import Drive, Hub
     from pacinian.viewing.slices import Fields
 
 SHORTEST = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
@@ -35,7 +37,7 @@ class Page:
     def __init__(self, hub: Hub, fields: Fields, send: Callable[[bytes], Awaitable[None]]) -> None:
         self._hub, self._fields, self._send = hub, fields, send
         self._fresh = asyncio.Event()
-        self._windows = {name: Window(name) for name in ("slice", "volume")}
+        self._windows = {name: Window(name) for name in ("slice", "volume", "skin")}
         self._view = hub.join(self._wake)
 
     def _wake(self) -> None:
@@ -55,6 +57,8 @@ class Page:
             self._refuse("message", str(error))
             return
         match asked:
+            case Skin():
+                self._windows["skin"].ask(asked)
             case Slice():
                 self._windows["slice"].ask(asked)
             case Volume():
@@ -104,7 +108,7 @@ class Page:
             if pressure is None:
                 continue
             window.unseen = asked.id
-            await self._send(_told(asked, pressure, drive.time))
+            await self._send(_told(asked, pressure, drive))
             await asyncio.sleep(begin + SHORTEST - time.perf_counter())
 
 
@@ -135,17 +139,26 @@ class Window:
             self.turn.set()
 
 
-def _told(asked: Slice | Volume, pressure: bytes, at: float) -> bytes:
+def _told(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
+    if isinstance(asked, Skin):
+        felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
+        return told(
+            SkinTold(
+                id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
+                shape=asked.shape, felt=felt, asked=wanted, time=drive.time,
+            )
+        )  # fmt: skip
     if isinstance(asked, Slice):
         return told(
             SliceTold(
                 id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
-                shape=asked.shape, of=asked.of, pressure=pressure, time=at,
+                shape=asked.shape, of=asked.of, over=asked.over, frames=drive.frames(asked),
+                pressure=pressure, time=drive.time,
             )
         )  # fmt: skip
     return told(
         VolumeTold(
             id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
-            pressure=pressure, time=at,
+            pressure=pressure, time=drive.time,
         )
     )  # fmt: skip

@@ -6,20 +6,21 @@ import itertools
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
 from msgspec.structs import replace
 
-from pacinian.viewing.messages import Disarm, Lost, Refused, Session, told
+from pacinian.viewing.messages import Disarm, Lost, Refused, Session, Slice, told
 from pacinian.viewing.scenery import Scenery
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from pacinian.viewing.messages import AnyAsked, Told
+    from pacinian.viewing.messages import AnyAsked, Told, Volume
     from pacinian.viewing.model import Model
     from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # what all else is of
-ORDER = "record", "replay", "histogram", "frame", "state"
+ORDER = "record", "replay", "history", "histogram", "frame", "state"
 NOW = "histogram", "frame", "state"  # are soon too old to be told
 GONE = "array", *NOW  # with the server
 EVENTS = 64  # that wait for one page
@@ -28,13 +29,35 @@ EVENTS = 64  # that wait for one page
 class Drive(NamedTuple):
     """What the field is computed from. gains: of the frames whose mean is felt, (K, N) complex64; empty for silence.
 
-    time: of the frame [s]. regions: None where none are known.
+    The newest frame is the last of them. time: of it [s]. regions: None where none are known. shares: of the time that
+    each frame has, (K,); empty where all have the same.
     """
 
     model: Model
     gains: bytes
     time: float
     regions: Regions | None = None
+    shares: tuple[float, ...] = ()
+
+    def frames(self, asked: Slice | Volume) -> int:
+        """How many frames count for what is asked."""
+        one = 8 * len(self.model.array)
+        return 1 if asked.over == "instant" else max(len(self.gains) // one, 1)
+
+    def chosen(self, asked: Slice | Volume) -> Drive:
+        """With the frames that count for what is asked, so strong that all have the same share.
+
+        An error is always that of the mean. The peak needs no shares.
+        """
+        over = "mean" if isinstance(asked, Slice) and asked.of == "error" else asked.over
+        if over == "instant":
+            newest = self.gains[-8 * len(self.model.array) :]
+            return self._replace(gains=newest if newest.strip(b"\0") else b"", shares=())
+        if over == "peak" or len(self.shares) < 2:
+            return self._replace(shares=())
+        frames = np.frombuffer(self.gains, np.complex64).reshape(len(self.shares), -1)
+        factors = np.sqrt(len(self.shares) * np.array(self.shares, np.float32))
+        return self._replace(gains=(factors[:, None] * frames).tobytes(), shares=())
 
 
 class Hub:

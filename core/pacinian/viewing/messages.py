@@ -23,6 +23,7 @@ MOST_POINTS = 1 << 18  # of a slice or volume
 WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
 PERPENDICULAR = 1e-3  # of u and v, and how far their lengths are from 1
 
+Over = Literal["mean", "peak", "instant"]  # of the field, over the frames of the last moments
 Id = Annotated[int, Meta(ge=1, le=2**53)]
 Side = Annotated[int, Meta(ge=2, le=1024)]
 Direction = tuple[Part, Part, Part]
@@ -37,7 +38,8 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
     u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols. of: radiation pressure, or its error on
-    regions: made minus asked.
+    regions: made minus asked. over: mean or largest pressure over the frames of the last moments, or that of the newest
+    frame; an error is always that of the mean.
     """
 
     id: Id
@@ -47,6 +49,7 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
     size: tuple[Length, Length]
     shape: tuple[Side, Side]
     of: Literal["pressure", "error"] = "pressure"
+    over: Over = "mean"
 
     def __post_init__(self) -> None:
         _few(self.shape)
@@ -56,6 +59,10 @@ class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
             raise ValueError("`u` and `v` must be unit vectors at a right angle")
 
 
+class Skin(Slice, frozen=True, kw_only=True, tag="skin"):
+    """What is felt on regions, and what is asked there, as seen from a plane before them; as a slice else."""
+
+
 class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
     """The field in a box is wanted, as a slice is. The point (i, j, k) is origin + spacing (i, j, k), k the fastest."""
 
@@ -63,6 +70,7 @@ class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
     origin: Position
     spacing: Length
     shape: tuple[Side, Side, Side]
+    over: Over = "mean"
 
     def __post_init__(self) -> None:
         _few(self.shape)
@@ -71,7 +79,7 @@ class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
 class Hide(Asked, frozen=True, kw_only=True, tag="hide"):
     """No slice, or no volume, any more."""
 
-    what: Literal["slice", "volume"]
+    what: Literal["slice", "volume", "skin"]
 
 
 class Seen(Asked, frozen=True, kw_only=True, tag="seen"):
@@ -112,6 +120,12 @@ class Reset(Asked, frozen=True, kw_only=True, tag="reset"):
     """After an emergency stop or a fault."""
 
 
+class Demonstrate(Asked, frozen=True, kw_only=True, tag="demonstrate"):
+    """Play a demonstration on the server, or end it: only while nobody owns the output, and this page says `alive`."""
+
+    on: bool
+
+
 class Record(Asked, frozen=True, kw_only=True, tag="record"):
     """Begin to record, or end it."""
 
@@ -127,7 +141,20 @@ class Replay(Asked, frozen=True, kw_only=True, tag="replay"):
 
 
 AnyAsked = (
-    Slice | Volume | Hide | Seen | Select | Arm | Alive | Disarm | Stop | Reset | Record | Replay
+    Skin
+    | Slice
+    | Volume
+    | Hide
+    | Seen
+    | Select
+    | Arm
+    | Alive
+    | Disarm
+    | Stop
+    | Reset
+    | Record
+    | Replay
+    | Demonstrate
 )
 
 
@@ -193,7 +220,10 @@ class SceneryTold(Told, frozen=True, kw_only=True, tag="scenery"):
 
 
 class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
-    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa]. time: of the frame [s]."""
+    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa].
+
+    time: of the newest frame [s]. frames: how many frames count; 1 where all of the last moments are the same.
+    """
 
     id: int
     centre: Position
@@ -202,7 +232,26 @@ class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
     size: tuple[float, float]
     shape: tuple[int, int]
     of: str
+    over: str = "mean"
+    frames: int = 1
     pressure: bytes
+    time: float
+
+
+class SkinTold(Told, frozen=True, kw_only=True, tag="skin"):
+    """As asked. felt: radiation pressure on the skin, mean over the last frames; asked: (rows, cols) float32 [Pa] each.
+
+    Not numbers where nothing is felt. time: of the newest frame [s].
+    """
+
+    id: int
+    centre: Position
+    u: Direction
+    v: Direction
+    size: tuple[float, float]
+    shape: tuple[int, int]
+    felt: bytes
+    asked: bytes
     time: float
 
 
@@ -223,6 +272,19 @@ class Histogram(Told, frozen=True, kw_only=True, tag="histogram"):
     edges_ms: tuple[float, ...]
     counts: tuple[int, ...]
     deadline_ms: float
+
+
+class History(Told, frozen=True, kw_only=True, tag="history"):
+    """Of a recording: what was before the time that is shown, for charts. Not numbers where there is none.
+
+    times: by the server's clock, (K,) float64 [s]. drive_mean, drive_max: of the amplitudes, 0..1; error: of the sound
+    pressures at the samples, (K,) float32.
+    """
+
+    times: bytes
+    drive_mean: bytes
+    drive_max: bytes
+    error: bytes
 
 
 class Lost(Told, frozen=True, kw_only=True, tag="lost"):

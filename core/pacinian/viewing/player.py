@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from bisect import bisect_right
 from contextlib import suppress
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from msgspec import Raw
 
+from pacinian.viewing.history import history
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import (
     WRONG,
@@ -23,6 +25,7 @@ from pacinian.viewing.messages import (
     told,
 )
 from pacinian.viewing.model import Model
+from pacinian.viewing.recent import MODULATED_SPAN, RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scenery import Scenery
 from pacinian.wire.codec import decode_state
@@ -40,6 +43,7 @@ T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
 
 EVERY = 1.0 / 30.0  # [s] between two looks
+JUMP = 1.0  # [s] over which the charts are filled anew
 AGAINST = {
     "array": ("lost",),
     "lost": ("array", "histogram", "frame", "state"),
@@ -59,8 +63,10 @@ class Player:
         self._place = 0  # entries before it have been shown
         self._scenery = Scenery()
         self._model: Model | None = None
-        self._drive: Drive | None = None
+        self._recent = RecentFrames()
         self._regions: Regions | None = None
+        self._time = 0.0  # of the newest state or frame [s], by the server's clock
+        self._past = -math.inf  # time that was shown last [s]
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
@@ -72,6 +78,7 @@ class Player:
         self.speed = self.speed if asked.speed is None else asked.speed
         if asked.time is not None:
             self.time = min(asked.time, self._recorded.duration)
+            self._past = -math.inf
         if asked.playing is not None:
             self.playing = asked.playing
             if self.playing and self.time >= self._recorded.duration:
@@ -104,9 +111,13 @@ class Player:
         place = bisect_right(self._times, self.time)
         if place < self._place:
             self._place, self._scenery = 0, Scenery()
+            self._recent.clear()
+            self._past = -math.inf
         newest: dict[str, Entry] = {}
         for entry in self._recorded.entries[self._place : place]:
-            if entry.kind == "scenery":
+            if entry.kind == "scenery" or (
+                entry.kind == "frame" and entry.at > self.time - MODULATED_SPAN
+            ):
                 self._tell(entry)
             for other in AGAINST.get(entry.kind, ()):
                 newest.pop(other, None)
@@ -114,8 +125,16 @@ class Player:
         self._place = place
         for entry in newest.values():
             self._tell(entry)
+        if self._model is not None and newest.keys() & {"frame", "state"}:
+            gains, shares = self._recent.gains()
+            self._hub.drive_by(Drive(self._model, gains, self._time, self._regions, shares))
         if self._scenery is not self._hub.scenery:
             self._hub.show(self._scenery)
+        if self._model is not None:
+            if self.time - self._past > JUMP:
+                past = history(self._recorded, self._recorded.entries[:place], self._model)
+                self._hub.put("history", past)
+            self._past = self.time
         stands = Replayed(
             time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
         )
@@ -130,34 +149,35 @@ class Player:
                 case "array":
                     array = _decode(data, ArrayTold)
                     if hub.values.get("array", (0, b""))[1] != told(array):
-                        self._model = self._drive = None
+                        self._model = None
+                        self._recent.clear()
                         hub.put("array", array)
                         self._model = Model.of(array)
                 case "lost":
-                    self._drive = self._regions = None
+                    self._regions = None
+                    self._recent.clear()
                     hub.lose(_decode(data, Lost).reason)
                 case "scenery" | "poses":
                     scene = _decode(data, SceneryTold)
-                    objects = {name: _whole(item) for name, item in scene.objects.items()}
+                    new = {name: _objects.decode(item) for name, item in scene.objects.items()}
+                    objects = {
+                        name: Raw(msgspec.msgpack.encode(item)) for name, item in new.items()
+                    }
                     self._scenery = self._scenery.with_(scene.scene, objects, scene.poses)
+                    self._recent.see_scene(self._time, new, scene.poses)
                 case "histogram":
                     hub.put("histogram", _decode(data, Histogram))
                 case "frame" | "state":
                     said = decode_state(data)
                     hub.put(entry.kind, msgspec.msgpack.encode(said))
+                    self._time = said.time
                     if isinstance(said, State):
                         self._regions = Regions.of(said)
+                        self._recent.see_state(said.time, said.technique, said.hands)
                     elif self._model is not None:
-                        self._drive = Drive(self._model, self._model.gains(said), said.time)
-                    if self._drive is not None:
-                        hub.drive_by(self._drive._replace(regions=self._regions))
+                        self._recent.add(said.time, self._model.gains(said))
                 case _:
                     pass  # of a later version
-
-
-def _whole(item: Raw) -> Raw:
-    """A wire object, encoded anew."""
-    return Raw(msgspec.msgpack.encode(_objects.decode(item)))
 
 
 def _decode(data: bytes, kind: type[T]) -> T:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 NEAR = 0.005  # [m] from a point of the slice to a sample of a region, at most
 BESIDE = 0.003  # [m] from the samples, at least: at a rim pressure has to fall
 CLOSE = 1.7  # times the distance of neighbours: as far are samples that surround a place
+NEIGHBOURS = 4  # samples whose height a point is moved to
 AROUND = 12  # samples that are looked at around each place
 SAME = 1e-4  # [m]: no farther apart is in one place
 STRAIGHT = np.pi + 1e-3  # [rad]: a larger angle without a neighbour is of a place outside
@@ -76,6 +77,47 @@ def error(
     transducers. With hands, sound counts along the normals and is hidden by hands of an adult's size: the state does
     not tell how large they are.
     """
+    places = nearest_places(at, across, regions)
+    found = np.full(len(at), np.nan)
+    found[places.rows] = felt_at(array, medium, gains, places, regions) - places.asked
+    return found
+
+
+def felt_and_asked(
+    array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
+) -> tuple[Floats, Floats]:
+    """Radiation pressure on the skin, or on a surface in the air, and what is asked there, (P,) [Pa] each.
+
+    As `error`, but each point is first moved along `across` to the height of the samples that are nearest to it beside
+    that direction, so that a plane before a curved contact shows all of it.
+    """
+    places = nearest_places(lifted(at, across, regions), across, regions, beside=0.0)
+    felt, asked = np.full(len(at), np.nan), np.full(len(at), np.nan)
+    felt[places.rows] = felt_at(array, medium, gains, places, regions)
+    asked[places.rows] = places.asked
+    return felt, asked
+
+
+def lifted(at: Floats, across: Floats, regions: Regions) -> Floats:
+    """Points, (P, 3), at the height of the samples that are nearest to them beside a direction, (P, 3) [m]."""
+    from scipy.spatial import KDTree
+
+    q = np.frombuffer(regions.points, "<f4").reshape(-1, 3).astype(np.float64)
+    q = q[np.frombuffer(regions.objects, "<i4") >= 0]
+    up = across / np.linalg.norm(across)
+
+    def flat(points: Floats) -> Floats:
+        return np.asarray(points - (points @ up)[:, None] * up)
+
+    tree = KDTree(flat(q))
+    away, which = _nearest(tree, flat(at), min(NEIGHBOURS, len(q)))
+    weight = 1.0 / (away * away + SAME * SAME)
+    height = (weight * (q @ up)[which]).sum(axis=1) / weight.sum(axis=1)
+    return np.asarray(flat(at) + height[:, None] * up)
+
+
+def felt_at(array: Array, medium: Air, gains: Gains, places: Places, regions: Regions) -> Floats:
+    """Radiation pressure at places, (K,) [Pa]; NaN near transducers. With hands as `error` says."""
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer
@@ -83,8 +125,7 @@ def error(
     from pacinian.scene.hands.hand import Hand
     from pacinian.solving.propagator import Propagator
 
-    found = np.full(len(at), np.nan)
-    places = nearest_places(at, across, regions)
+    found = np.full(len(places.rows), np.nan)
     joints = np.frombuffer(regions.hands, "<f4").reshape(-1, JOINTS, 3).astype(np.float64)
     flesh = [make_capsules(Hand(each)) for each in joints]
     propagator = Propagator(array, medium)
@@ -98,15 +139,16 @@ def error(
         made = np.zeros(len(places.asked[part]))
         for g in gains:
             made += radiation_pressure(propagator.apply(g), medium) / len(gains)
-        found[places.rows[part]] = made - places.asked[part]
+        found[part] = made
     return found
 
 
-def nearest_places(at: Floats, across: Floats, regions: Regions) -> Places:
+def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float = BESIDE) -> Places:
     """Of points `at`, (P, 3) [m], those with a region near, moved to the nearest place of its surface.
 
     The surface is the plane through the nearest sample. A place is inside where samples surround it, and is then
-    asked for their mean, weighted by the inverse square of the distance.
+    asked for their mean, weighted by the inverse square of the distance. beside: [m] from the samples, at least, of a
+    place that is not inside.
     """
     from scipy.spatial import KDTree
 
@@ -128,7 +170,7 @@ def nearest_places(at: Floats, across: Floats, regions: Regions) -> Places:
     weight = own / (away * away + SAME * SAME)
     asked = np.where(inside, (weight * P[around]).sum(axis=1), 0.0)
     asked /= np.where(inside, weight.sum(axis=1), 1.0)
-    kept = inside | ((away[:, 0] >= BESIDE) & (away[:, 0] <= NEAR))
+    kept = inside | ((away[:, 0] >= beside) & (away[:, 0] <= NEAR))
     return Places(rows[kept], x[kept], n[m][kept], asked[kept])
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from pacinian.acoustics.interpolated_field import InterpolatedField
 from pacinian.errors import ArgumentError
 from pacinian.serving.ipc.scheduling import AUTOGROUP
-from pacinian.viewing.messages import Slice, Volume
+from pacinian.viewing.messages import Skin, Slice, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,12 +30,14 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.types import Floats, Gains
+    from pacinian.types import Complexes, Floats, Gains
     from pacinian.viewing.hub import Drive
     from pacinian.viewing.region_error import Regions
 
 PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
 CALM = 19  # nice
+MAX_FIELDS = 16  # that are computed for one slice
+NEGLIGIBLE = 1e-5  # of the power of all frames
 
 
 def grid(asked: Slice | Volume) -> InterpolatedField:
@@ -69,10 +71,17 @@ class Fields:
     ) -> bytes | None:
         """Radiation pressure, or its error, float32 [Pa], in the order of the answer; None once it is not `wanted`.
 
+        Of the frames of `drive` their mean, largest or last, as asked.
+
         Pressure is NaN on a transducer, an error away from regions. Raises ArgumentError.
         """
-        where = grid(asked)
+        where, drive, peak = grid(asked), drive.chosen(asked), asked.over == "peak"
         count = math.prod(where.shape)
+        if isinstance(asked, Skin):
+            if drive.regions is None or not drive.gains:
+                return np.full(2 * count, np.nan, np.float32).tobytes()
+            across = tuple(np.cross(asked.u, asked.v).tolist())
+            return await self._done(skin, drive, where, across, drive.regions)
         if isinstance(asked, Slice) and asked.of == "error":
             if drive.regions is None:
                 return np.full(count, np.nan, np.float32).tobytes()
@@ -81,7 +90,7 @@ class Fields:
         if not drive.gains:
             return bytes(4 * count)
         if where not in self._rough:
-            if found := await self._done(interpolated, drive, where):
+            if found := await self._done(interpolated, drive, where, peak):
                 return found
             self._rough.append(where)
         step = max(256, int(PAIRS / len(drive.model.array)))
@@ -89,7 +98,7 @@ class Fields:
         for begin in range(0, count, step):
             if not wanted():
                 return None
-            made.append(await self._done(pressure, drive, where, begin, begin + step))
+            made.append(await self._done(pressure, drive, where, begin, begin + step, peak))
         return b"".join(made)
 
     async def _done(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
@@ -124,32 +133,40 @@ class Fields:
                 worker.kill()
 
 
-def interpolated(model: bytes, gains: bytes, where: InterpolatedField) -> bytes:
-    """Radiation pressure at all points of a grid, float32 [Pa], interpolated; empty if that is too inexact."""
+def interpolated(model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False) -> bytes:
+    """Radiation pressure at all points of a grid, float32 [Pa], interpolated; empty if that is too inexact.
+
+    peak: the largest of all frames, not their mean.
+    """
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.solving.blas import one_thread
 
     array, medium = _unpacked(model)
-    total: Floats | None = None
-    frames = _frames(gains, array)
-    for g in frames:
+    basis, shares = compress(_frames(gains, array))
+    fields: list[Complexes] = []
+    for g in basis:
         with one_thread():
             p = where.field(array, g, medium)
         if p is None:
             return b""
-        made = radiation_pressure(p, medium)
-        total = made if total is None else total + made
-    return b"" if total is None else (total / len(frames)).astype(np.float32).tobytes()
+        fields.append(p)
+    if peak:
+        made = (radiation_pressure(np.tensordot(row, fields, 1), medium) for row in shares)
+        return functools.reduce(np.maximum, made).astype(np.float32).tobytes()
+    total = sum(radiation_pressure(p, medium) for p in fields)
+    return np.asarray(total / len(shares), np.float32).tobytes()
 
 
-def pressure(model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int) -> bytes:
+def pressure(
+    model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int, peak: bool = False
+) -> bytes:
     """Radiation pressure at some points of a grid, float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.propagation import field
     from pacinian.errors import PointOnTransducer
 
     array, medium = _unpacked(model)
-    frames, at = _frames(gains, array), _points(where)[begin:end]
+    (frames, shares), at = compress(_frames(gains, array)), _points(where)[begin:end]
     found = np.full(len(at), np.nan, np.float32)
     here = np.ones(len(at), np.bool_)
     try:
@@ -158,7 +175,11 @@ def pressure(model: bytes, gains: bytes, where: InterpolatedField, begin: int, e
         here[list(error.indices)] = False
         p = [field(array, frames[0], at[here], medium)]
     p += [field(array, g, at[here], medium) for g in frames[1:]]
-    found[here] = np.mean([radiation_pressure(each, medium) for each in p], axis=0)
+    if peak:
+        every = np.array([radiation_pressure(row @ np.array(p), medium) for row in shares])
+        found[here] = every.max(axis=0)
+    else:
+        found[here] = sum(radiation_pressure(each, medium) for each in p) / len(shares)
     return found.tobytes()
 
 
@@ -175,6 +196,39 @@ def region_errors(
     array, medium = _unpacked(model)
     found = error(array, medium, _frames(gains, array), _points(where), np.array(across), regions)
     return found.astype(np.float32).tobytes()
+
+
+def skin(
+    model: bytes,
+    gains: bytes,
+    where: InterpolatedField,
+    across: tuple[float, ...],
+    regions: Regions,
+) -> bytes:
+    """What is felt on regions before the points of a grid, then what is asked, float32 [Pa]: `felt_and_asked`."""
+    from pacinian.viewing.region_error import felt_and_asked
+
+    array, medium = _unpacked(model)
+    frames, at = _frames(gains, array), _points(where)
+    found = felt_and_asked(array, medium, frames, at, np.array(across), regions)
+    return np.concatenate(found).astype(np.float32).tobytes()
+
+
+def compress(frames: Gains) -> tuple[Gains, Gains]:
+    """Few gains of which all frames, (K, N), are made: `basis`, (R, N), and `shares`, (K, R); frames = shares @ basis.
+
+    Columns of `shares` are orthonormal. So the mean of |p|^2 over the frames is the sum over the basis, divided by K.
+    What has less than `NEGLIGIBLE` of all power is left out. Of frames that need more than `MAX_FIELDS`, as of a focus
+    that runs about, only so many count, the last ones.
+    """
+    if len(frames) == 1:
+        return frames, np.ones((1, 1), np.complex64)
+    power, vectors = np.linalg.eigh(frames.astype(np.complex128) @ frames.conj().T)
+    kept = power > NEGLIGIBLE * max(float(power.sum()), 1e-300)
+    if kept.sum() > MAX_FIELDS < len(frames):
+        return compress(frames[-MAX_FIELDS:])
+    shares = vectors[:, kept].astype(np.complex64)
+    return (shares.conj().T @ frames).astype(np.complex64), shares
 
 
 def _frames(gains: bytes, array: Array) -> Gains:

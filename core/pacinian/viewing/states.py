@@ -14,6 +14,7 @@ from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import WRONG, ArrayTold
 from pacinian.viewing.model import Model, histogram
+from pacinian.viewing.recent import RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scenery import POSE, Scenery
 from pacinian.wire.codec import decode_state
@@ -41,11 +42,13 @@ class States:
         self._client, self._connection, self._hub, self._post = client, connection, hub, post
         self._socket: zmq.Socket[bytes] | None = None
         self._scenery, self._known = Scenery(), ("", 0)
-        self._levels: tuple[bytes, bytes] | None = None
+        self._recent = RecentFrames()
         self._drive: Drive | None = None
         self._emitted: Drive | None = None
         self._regions: Regions | None = None
         self._sent: ArrayTold | None = None
+        self._stale = False
+        self._frame_time = 0.0  # of the newest [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
         self._shows = True
 
@@ -63,22 +66,25 @@ class States:
         if not watched:
             if self._socket is not None:
                 self._unsubscribe()
-                self._levels = self._drive = None
+                self._recent.clear()
+                self._drive = None
                 self._post(self._hub.rest)
             return
         if self._socket is None:
             self._subscribe()
             self._came = now
-        news = self._newest()
+        news, frames = self._newest()
         if STATE in news:
             self._came = now
             with suppress(*WRONG):  # the next one may be whole
                 self._state(news[STATE], now)
         elif now - self._came > SILENT:
             raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
-        if FRAME in news:
+        for data in frames:
             with suppress(*WRONG):
-                self._frame(news[FRAME])
+                self._frame(data)
+        if frames:
+            self._post(self._hub.put, "frame", frames[-1])
         self._emit()
         if self._changed and now >= self._asked + RARELY:
             self._array(now)
@@ -98,15 +104,19 @@ class States:
             self._socket.close(0)
             self._socket = None
 
-    def _newest(self) -> dict[bytes, bytes]:
+    def _newest(self) -> tuple[dict[bytes, bytes], list[bytes]]:
+        """The newest of each topic, and all frames."""
         news: dict[bytes, bytes] = {}
+        frames: list[bytes] = []
         while self._socket is not None:
             try:
                 topic, data = self._socket.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:
                 break
             news[topic] = data
-        return news
+            if topic == FRAME:
+                frames.append(data)
+        return news, frames
 
     def _array(self, now: float) -> None:
         backend = self._client.status().backend  # first: what is told then is of this one, or newer
@@ -116,7 +126,8 @@ class States:
         fields = {name: getattr(told, name) for name in ARRAY}
         server = self._client.server
         array = ArrayTold(server=server, fields=self._model is not None, **fields)
-        self._levels = self._drive = None
+        self._recent.clear()
+        self._drive = None
         if array != self._sent:
             self._sent = array
             self._post(self._hub.put, "array", array)
@@ -130,6 +141,10 @@ class States:
         if state.tick_counts and now >= self._counted + RARELY:
             self._counted = now
             self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
+        self._recent.see_state(state.time, state.technique, state.hands)
+        self._stale = state.output == "stale"
+        if state.output in ("stopped", "faulted"):
+            self._recent.clear()
         self._regions = Regions.of(state)
 
     def _frame(self, data: bytes) -> None:
@@ -137,16 +152,18 @@ class States:
         if not isinstance(frame, FrameState):
             return
         self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
-        self._post(self._hub.put, "frame", data)
-        levels = frame.phase, frame.amplitude
-        if levels != self._levels and self._model is not None:
-            self._levels = levels
-            self._drive = Drive(self._model, self._model.gains(frame), frame.time)
+        self._frame_time = frame.time
+        if self._model is not None and (frame.phase or not self._stale):  # a gap is no modulation
+            self._recent.add(frame.time, self._model.gains(frame))
 
     def _emit(self) -> None:
         """Tell what the field is computed from, if that is another."""
-        if self._drive is not None:
-            self._drive = self._drive._replace(regions=self._regions)
+        if self._model is not None and self._frame_time:
+            (gains, shares), last = self._recent.gains(), self._drive
+            new = Drive(self._model, gains, self._frame_time, self._regions, shares)
+            if last is not None and last._replace(time=new.time, regions=new.regions) == new:
+                new = new._replace(time=last.time)
+            self._drive = new
         if self._drive != self._emitted and self._drive is not None:
             self._post(self._hub.drive_by, self._drive)
         self._emitted = self._drive
@@ -165,5 +182,6 @@ class States:
         objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}
         poses = {name: told.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(told.names)}
         self._scenery = self._scenery.with_(told.scene, objects, poses)
+        self._recent.see_scene(self._frame_time, told.objects, self._scenery.poses)
         if self._scenery is not before:
             self._post(self._hub.show, self._scenery)

@@ -5,6 +5,7 @@ Samples are not among that: they are made by rendering all ticks again.
 
 from __future__ import annotations
 
+import itertools
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,7 @@ def transcribed(
     """Time [s], kind and message. samples: with these, which takes as long as to render. Raises RecordingError."""
     yield 0.0, "array", told(_array(recording))
     stage, begin, due, past = Stage(), None, 0.0, Past(1.0 / recording.settings["rate"])
+    numbers = itertools.count()
     made = (
         iterate_rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
     )
@@ -53,7 +55,7 @@ def transcribed(
             continue
         due = at + EVERY
         encode = msgspec.msgpack.encode
-        yield at, "frame", encode(_frame(recording, tick))
+        yield at, "frame", encode(_frame(recording, tick, next(numbers)))
         yield at, "state", encode(_state(recording, tick, past, renderer))
         yield at, "histogram", told(past.histogram)
         if (news := stage.show(tick)) is not None:
@@ -134,9 +136,11 @@ def _array(recording: Recording) -> ArrayTold:
     )
 
 
-def _frame(recording: Recording, tick: Tick) -> FrameState:
+def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
+    """Of one row after the other, as a server publishes them."""
     frame, can = tick.frame, recording.capability
-    phase, amplitude = frame.phase[-1], frame.amplitude[-1]
+    row = number % len(frame.phase)
+    phase, amplitude = frame.phase[row], frame.amplitude[row]
     loud = bool(amplitude.any())
     return FrameState(
         sequence=frame.sequence,

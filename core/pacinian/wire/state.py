@@ -109,10 +109,11 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):
-    """The emitted levels, from the last row of a frame; empty in silence.
+    """The emitted levels of one row of a frame, another row each time; empty in silence.
 
-    sequence: increases with each message. time: reading of the server's clock [s]. phases, amplitudes: number of levels
-    of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16.
+    Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with
+    them. sequence: increases with each message. time: reading of the server's clock [s]. phases, amplitudes: number of
+    levels of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16.
     """
 
     sequence: int

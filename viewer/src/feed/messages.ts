@@ -144,12 +144,26 @@ export interface Plane {
 /** What a slice is of: radiation pressure, or its error on regions, made minus asked. */
 export type Quantity = "pressure" | "error";
 
-/** Radiation pressure on a plane, or its error [Pa]; NaN where there is none. */
+/** Which pressure, of the frames of the last moments. */
+export type Over = "mean" | "peak" | "instant";
+
+/** Radiation pressure on a plane, or its error [Pa]; NaN where there is none. frames: how many count. */
 export interface Slice extends Plane {
   type: "slice";
   id: number;
   of: Quantity;
+  over: Over;
+  frames: number;
   pressure: Bytes;
+  time: number;
+}
+
+/** What is felt on the skin behind a plane, and what is asked there [Pa]; NaN where there is none. */
+export interface Skin extends Plane {
+  type: "skin";
+  id: number;
+  felt: Bytes;
+  asked: Bytes;
   time: number;
 }
 
@@ -173,6 +187,15 @@ export interface Histogram {
   edges_ms: number[];
   counts: number[];
   deadline_ms: number;
+}
+
+/** Of a recording: drive and error before the time that is shown. times: float64 [s]; others 0..1, float32; NaN: none. */
+export interface Past {
+  type: "history";
+  times: Bytes;
+  drive_mean: Bytes;
+  drive_max: Bytes;
+  error: Bytes;
 }
 
 export interface Lost {
@@ -211,7 +234,9 @@ export type FromServer =
   | Scenery
   | Slice
   | Volume
+  | Skin
   | Histogram
+  | Past
   | Lost
   | Refused
   | Recording
@@ -232,12 +257,13 @@ export interface Selection {
 }
 
 export type ToServer =
-  | ({ type: "slice"; id: number; of: Quantity } & Plane)
-  | ({ type: "volume"; id: number } & Box)
-  | { type: "hide"; what: "slice" | "volume" }
+  | ({ type: "slice"; id: number; of: Quantity; over: Over } & Plane)
+  | ({ type: "volume"; id: number; over: Over } & Box)
+  | ({ type: "skin"; id: number } & Plane)
+  | { type: "hide"; what: "slice" | "volume" | "skin" }
   | { type: "seen"; id: number }
   | ({ type: "select" } & Selection)
   | { type: "arm"; scene: string; take: boolean }
   | { type: "alive" | "disarm" | "stop" | "reset" }
-  | { type: "record"; on: boolean }
+  | { type: "record" | "demonstrate"; on: boolean }
   | { type: "replay"; time?: number; playing?: boolean; speed?: number };

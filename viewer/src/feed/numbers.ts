@@ -2,6 +2,11 @@
 
 import type { Bytes } from "./messages";
 
+/** float64 numbers, a copy. */
+export function doubles(data: Bytes): Float64Array<ArrayBuffer> {
+  return new Float64Array(copied(data, 8));
+}
+
 /** float32 numbers, a copy. */
 export function floats(data: Bytes): Float32Array<ArrayBuffer> {
   return new Float32Array(copied(data, 4));

@@ -11,11 +11,13 @@ import type {
   FromServer,
   Hello,
   Histogram,
+  Past,
   Recording,
   Refused,
   Replay,
   Scenery,
   Session,
+  Skin,
   Slice,
   State,
   Volume,
@@ -34,7 +36,9 @@ export interface Events {
   scenery: Scenery;
   slice: Slice;
   volume: Volume;
+  skin: Skin;
   histogram: Histogram;
+  history: Past;
   refused: Refused;
   record: Recording;
   replay: Replay;
@@ -78,7 +82,10 @@ export class Store {
       this.linked("lost", message.reason);
       return;
     }
-    if (message.type === "array") this.linked("live");
+    if (message.type === "array" && this.link !== "live") {
+      delete this.newest.state; // of before: it is not so any more
+      this.linked("live");
+    }
     this.tell(message.type, message as never);
   }
 

@@ -1,6 +1,6 @@
 /** Which box of the field is wanted, for the surface of equal pressure. */
 
-import type { ToServer, Triple } from "../feed/messages";
+import type { Over, ToServer, Triple } from "../feed/messages";
 import { nextId } from "./ids";
 
 const STAYS = 0.02; // [m] that what is looked at may move before the box does
@@ -9,6 +9,7 @@ export class Boxer {
   on = false;
   /** Share of the colour scale's top at which the surface is. */
   share = 0.3;
+  over: Over = "mean";
   private side = 0.1; // [m]
   private points = 40;
   private centre: Triple = [0, 0, 0.2];
@@ -43,6 +44,7 @@ export class Boxer {
     this.send({
       type: "volume",
       id: nextId(),
+      over: this.over,
       origin: [centre[0] - side / 2, centre[1] - side / 2, centre[2] - side / 2],
       spacing: side / (points - 1),
       shape: [points, points, points],

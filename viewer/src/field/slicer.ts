@@ -1,16 +1,22 @@
 /** Which slice of the field is wanted: told to the server when it changes, at most once a frame. */
 
-import type { Plane, Quantity, ToServer, Triple } from "../feed/messages";
+import type { Over, Plane, Quantity, ToServer, Triple } from "../feed/messages";
 import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./ids";
 
 const COARSE = 2; // while it is dragged
 const FARTHEST = 10; // [m]
+const NEAR = 0.002; // [m] that the contact may move before the slice does
 
 export class Slicer {
   axis: Axis = "y";
   of: Quantity = "pressure";
+  over: Over = "mean";
   on = true;
+  /** Whether it stays at the contact. */
+  follows = true;
+  /** Whether it turns to the axis that faces the viewer. */
+  faces = true;
   private readonly centre: Triple = [0, 0, 0.2];
   private side = 0.2; // [m]
   private cells = 128;
@@ -35,22 +41,41 @@ export class Slicer {
     this.listeners.push(listener);
   }
 
-  /** Along its normal to a position [m]; moving: it goes on. */
+  /** The contact is here [m], and this axis faces the viewer. */
+  attend(centre: Triple, axis: Axis): void {
+    const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
+    const goes = this.follows && !this.moving && away > NEAR;
+    const turns = this.faces && !this.moving && axis !== this.axis;
+    if (goes) this.centre.splice(0, 3, ...centre);
+    if (turns) this.axis = axis;
+    if (goes || turns) this.change();
+  }
+
+  /** Whether to stay at the contact from now on. */
+  follow(on: boolean, centre: Triple): void {
+    this.follows = on;
+    if (on) this.centre.splice(0, 3, ...centre);
+    this.change();
+  }
+
+  /** Along its normal to a position [m]; moving: it goes on. It stays there. */
   move(position: number, moving = false): void {
+    this.follows = false;
     this.centre[number(this.axis)] = Math.min(Math.max(position, -FARTHEST), FARTHEST);
     this.moving = moving;
     this.change();
   }
 
-  /** To another middle [m]. */
-  centreOn(centre: Triple): void {
-    this.centre.splice(0, 3, ...centre);
+  /** Across another axis; without one, across the one that faces the viewer. */
+  turn(axis?: Axis): void {
+    this.faces = !axis;
+    this.axis = axis ?? this.axis;
     this.change();
   }
 
-  /** Across another axis. */
-  turn(axis: Axis): void {
-    this.axis = axis;
+  /** Mean, peak or instant. */
+  take(over: Over): void {
+    this.over = over;
     this.change();
   }
 
@@ -79,7 +104,7 @@ export class Slicer {
       this.send({ type: "hide", what: "slice" });
       return;
     }
-    this.send({ type: "slice", id: nextId(), of: this.of, ...this.plane });
+    this.send({ type: "slice", id: nextId(), of: this.of, over: this.over, ...this.plane });
   }
 
   private change(): void {

@@ -2,7 +2,8 @@
 
 import uPlot from "uplot";
 
-import type { Frame, Histogram, State } from "../feed/messages";
+import type { Frame, Histogram, Past, State } from "../feed/messages";
+import { doubles, floats } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { drawnBySoftware } from "../space/power";
 import { element, say } from "./dom";
@@ -18,23 +19,24 @@ const INK = "#8b96a6";
 const LINE = "#8fc7ff";
 const FAINT = "#4b6d93";
 const AMBER = "#f3c66b";
+const DIM = "#8a7443";
 const RED = "#ff7a70";
 const GRID = { stroke: "#232b36", width: 1 };
 const FONT = "11px system-ui, sans-serif";
 
 export class Charts {
-  private readonly drive = new History(2);
-  private readonly error = new History(1);
+  private readonly drive = new History(["mean", "max"]);
+  private readonly error = new History(["mean", "max"]);
   private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
   private histogram: Histogram | undefined;
   private readonly apart = drawnBySoftware() ? SELDOM : 0;
   private due = 0;
 
-  /** driven: mean and most of the amplitudes now, 0..1. */
+  /** driven: mean and maximum of the amplitudes now, 0..1. */
   constructor(store: Store, driven: () => { mean: number; most: number }) {
     this.plots = {
       drive: plot("chart-drive", over([LINE, FAINT], { range: [0, 100] })),
-      error: plot("chart-error", over([AMBER], { distr: 3, range: [ERRORS[0], ERRORS[3]] })),
+      error: plot("chart-error", over([AMBER, DIM], { distr: 3, range: [ERRORS[0], ERRORS[3]] })),
       ticks: plot("chart-ticks", this.bars()),
     };
     store.on("frame", (frame: Frame) => {
@@ -42,27 +44,44 @@ export class Charts {
       this.drive.add(frame.time, 100 * mean, 100 * most);
     });
     store.on("state", (state: State) => {
-      this.error.add(state.time, Math.min(Math.max(100 * state.error, ERRORS[0]), ERRORS[3]));
+      const asked = state.asked.length > 0;
+      const error = asked ? Math.min(Math.max(100 * state.error, ERRORS[0]), ERRORS[3]) : NaN;
+      this.error.add(state.time, error, error);
     });
-    store.onBeat("state", (state: State) => this.draw(state, driven()));
+    store.on("history", (history) => this.fill(history));
+    store.onBeat("state", (state: State) => this.draw(state));
     store.on("histogram", (histogram: Histogram) => {
       this.histogram = histogram;
     });
   }
 
-  private draw(state: State, drive: { mean: number; most: number }): void {
+  /** Of a recording: what was before the time that is shown. */
+  private fill({ times, drive_mean, drive_max, error }: Past): void {
+    const [at, mean, max, wrong] = [doubles(times), floats(drive_mean), floats(drive_max), floats(error)];
+    this.drive.clear();
+    this.error.clear();
+    at.forEach((time, k) => {
+      const each = Math.min(Math.max(100 * (wrong[k] ?? NaN), ERRORS[0]), ERRORS[3]);
+      this.drive.add(time, 100 * (mean[k] ?? NaN), 100 * (max[k] ?? NaN));
+      this.error.add(time, each, each);
+    });
+    this.due = 0;
+  }
+
+  private draw(state: State): void {
     const now = performance.now();
     if (now < this.due) return;
     this.due = now + this.apart;
-    this.say(state, drive);
+    this.say(state);
     this.plots.drive.setData(this.drive.data);
     this.plots.error.setData(this.error.data);
     if (this.histogram) this.plots.ticks.setData(columns(this.histogram));
   }
 
-  private say(state: State, { mean, most }: { mean: number; most: number }): void {
+  private say(state: State): void {
+    const [mean, max] = this.drive.latest.map((percents) => `${digits(percents)} %`);
     const [p50, p99, worst] = state.tick_ms.map((ms) => digits(ms, 2));
-    output("chart-drive", `mean ${percent(mean)}, most ${percent(most)}`);
+    output("chart-drive", `mean ${mean}, max ${max}`);
     output("chart-error", state.asked.length ? `${percent(state.error)}, ${state.status}` : "no samples");
     output("chart-ticks", `p50 ${p50}, p99 ${p99}, max ${worst} ms`);
   }

@@ -18,6 +18,8 @@ export class Choosing {
   /** What was asked for and has not been followed yet, and until when that is waited for [ms]. */
   private readonly waiting = new Map<string, { value: string; until: number }>();
   private intensity: number | undefined;
+  /** Whether the viewer has armed. */
+  private mine = false;
 
   constructor(
     private readonly store: Store,
@@ -41,10 +43,28 @@ export class Choosing {
     });
     store.on("link", (link) => {
       this.waiting.clear();
-      const off = link !== "live" || Boolean(store.newest.hello?.recording);
-      for (const id of ["solver", "backend", "technique"]) select(id).disabled = off;
-      for (const id of ["frequency", "intensity"]) input(id).disabled = off;
+      if (link !== "live") this.allow(undefined);
     });
+    store.on("session", (session) => {
+      this.mine = session.armed;
+    });
+    this.allow(undefined);
+  }
+
+  /** What cannot be chosen now is disabled, and says why. */
+  private allow(state: State | undefined): void {
+    const why = this.store.newest.hello?.recording
+      ? "This is a recording: nothing can be changed."
+      : this.store.link !== "live" || !state
+        ? "There is no server."
+        : state.owner && !this.mine
+          ? `“${state.owner}” owns the output: take over to change these.`
+          : "";
+    const now = state && this.store.link === "live" ? why : why || " ";
+    for (const id of ["solver", "backend", "technique"]) select(id).disabled = Boolean(now);
+    for (const id of ["frequency", "intensity"]) input(id).disabled = Boolean(now);
+    say(element("drive-why"), why);
+    element("drive-why").hidden = !why;
   }
 
   private ask(kind: string, value: string, selection: Selection): void {
@@ -96,6 +116,7 @@ export class Choosing {
       say(element("intensity-value"), `${value} %`);
     }
     this.rates(select("technique").value);
+    this.allow(state);
     const chosen = this.store.newest.array?.solvers.find(({ name }) => name === select("solver").value);
     say(element("solver-summary"), (chosen?.summary ?? "").replaceAll("`", ""));
   }

@@ -3,14 +3,18 @@
 import type { Boxer } from "../field/boxer";
 import { round, type Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
-import type { Quantity } from "../feed/messages";
+import { LAWS } from "../field/law";
+import type { Over, Quantity } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { AXES, number, peak, range } from "../space/planes";
 import type { Space } from "../space/space";
 import { button, element, input, say, select } from "./dom";
+import { scaleBar } from "./legend";
 import { digits, millimetres } from "./words";
 
 const WAIT = "being computed …";
+const OVERS = ["mean", "peak", "instant"] as const;
+const OVER_WORDS: Record<Over, string> = { mean: "mean", peak: "peak", instant: "this instant" };
 
 export class FieldPanel {
   constructor(
@@ -49,10 +53,15 @@ export class FieldPanel {
     }
     for (const radio of radios("axis")) {
       radio.addEventListener("change", () => {
-        const axis = AXES.find((each) => each === radio.value);
-        if (radio.checked && axis) slicer.turn(axis);
+        if (radio.checked) slicer.turn(AXES.find((each) => each === radio.value));
       });
     }
+    select("over").addEventListener("change", () => {
+      const over = OVERS.find((each) => each === select("over").value) ?? "mean";
+      this.boxer.over = over;
+      slicer.take(over);
+      this.boxer.ask();
+    });
     const [at, exactly] = [input("slice-at"), input("slice-mm")];
     at.addEventListener("input", () => slicer.move(at.valueAsNumber / 1000, true));
     at.addEventListener("change", () => slicer.move(at.valueAsNumber / 1000));
@@ -60,7 +69,7 @@ export class FieldPanel {
       if (Number.isFinite(exactly.valueAsNumber)) slicer.move(exactly.valueAsNumber / 1000);
       else this.showSlice();
     });
-    button("slice-centre").addEventListener("click", () => slicer.centreOn(space.middle));
+    button("slice-follow").addEventListener("click", () => slicer.follow(!slicer.follows, space.middle));
     for (const id of ["slice-size", "slice-cells"]) {
       select(id).addEventListener("change", () =>
         slicer.resize(Number(select("slice-size").value), Number(select("slice-cells").value)),
@@ -84,8 +93,14 @@ export class FieldPanel {
   }
 
   private listenScale(): void {
-    const { space } = this;
+    const { slicer, space } = this;
     const top = input("scale");
+    select("law").addEventListener("change", () => {
+      space.law = LAWS.find((each) => each === select("law").value) ?? "linear";
+      space.rescale();
+      space.view.urge();
+      scaleBar(this.scale.most, slicer.of, space.law, slicer.over);
+    });
     select("scale-auto").addEventListener("change", () => {
       this.scale.auto = select("scale-auto").value === "auto";
       this.showMost();
@@ -120,7 +135,12 @@ export class FieldPanel {
     at.setAttribute("aria-valuetext", `${slicer.axis} = ${millimetres(slicer.position)} mm`);
     input("slice-mm").value = String(Math.round(1e4 * slicer.position) / 10);
     input("slice-on").checked = slicer.on;
-    for (const radio of radios("axis")) radio.checked = radio.value === slicer.axis;
+    for (const radio of radios("axis")) radio.checked = radio.value === (slicer.faces ? "auto" : slicer.axis);
+    button("slice-follow").setAttribute("aria-pressed", String(slicer.follows));
+    say(element("slice-axis"), slicer.axis);
+    select("over").value = slicer.over;
+    select("over").disabled = slicer.of === "error";
+    select("law").disabled = slicer.of === "error";
     for (const radio of radios("of")) radio.checked = radio.value === slicer.of;
   }
 
@@ -130,7 +150,9 @@ export class FieldPanel {
     else if (plane) {
       const { most, at } = peak(plane, values);
       const place = at.map((x) => millimetres(x)).join(", ");
-      say(element("slice-most"), most ? `most ${digits(most)} Pa, at (${place}) mm` : "most 0 Pa");
+      const { frames, over } = this.space.slice;
+      const what = frames > 1 ? ` (${OVER_WORDS[over]} of ${frames} frames)` : over === "instant" ? " (this instant)" : "";
+      say(element("slice-most"), most ? `max ${digits(most)} Pa${what} at (${place}) mm` : `max 0 Pa${what}`);
     }
     this.showScale();
     this.showLevel();
@@ -149,5 +171,5 @@ function radios(name: string): HTMLInputElement[] {
 function errorWords(values: Float32Array): string {
   const found = range(values);
   if (!found) return "No surface or volume that is felt is within 5 mm of this slice.";
-  return `at most ${digits(-found.low)} Pa too little, ${digits(found.high)} Pa too much`;
+  return `max ${digits(-found.low)} Pa too little, ${digits(found.high)} Pa too much`;
 }

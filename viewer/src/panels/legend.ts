@@ -1,14 +1,19 @@
 /** What the colours mean: the wheel of phases, the bar of pressures, the sizes of samples. */
 
 import { COLOURS } from "../colours/maps";
-import type { Quantity } from "../feed/messages";
+import { opacity, shareAt, type Law } from "../field/law";
+import type { Over, Quantity } from "../feed/messages";
 import { ERRORS, PHASES, PRESSURES } from "../space/maps";
 import { element, get, made, say } from "./dom";
 import { digits } from "./words";
 
 const HOLE = 0.62; // of the wheel's radius
 const TICKS = 5;
-const CAPTIONS = { pressure: "radiation pressure [Pa]", error: "made − asked [Pa]" };
+const CAPTIONS: Record<Over, string> = {
+  mean: "mean pressure [Pa]",
+  peak: "peak pressure [Pa]",
+  instant: "pressure now [Pa]",
+};
 
 /** What the bar shows. */
 let painted: Quantity | undefined;
@@ -37,11 +42,12 @@ export function drawLegend(): void {
 }
 
 /** most: top of the colour scale [Pa]; an error goes as far below zero. */
-export function scaleBar(most: number, of: Quantity): void {
+export function scaleBar(most: number, of: Quantity, law: Law = "linear", over: Over = "mean"): void {
   if (of !== painted) paintBar(of);
   painted = of;
-  const low = of === "error" ? -most : 0;
-  const ticks = Array.from({ length: TICKS }, (_, k) => most - ((most - low) * k) / (TICKS - 1));
+  say(element("bar-caption"), of === "error" ? "made − asked [Pa]" : CAPTIONS[over]);
+  const places = Array.from({ length: TICKS }, (_, k) => 1 - k / (TICKS - 1));
+  const ticks = places.map((at) => (of === "error" ? most * (2 * at - 1) : most * shareAt(at, law)));
   const list = element("bar-ticks");
   ticks.forEach((tick, k) => {
     const item = list.children[k] ?? list.appendChild(made("li"));
@@ -51,11 +57,14 @@ export function scaleBar(most: number, of: Quantity): void {
 
 function paintBar(of: Quantity): void {
   const map = of === "error" ? ERRORS : PRESSURES;
-  say(element("bar-caption"), CAPTIONS[of]);
   const paint = get("bar-colours", HTMLCanvasElement).getContext("2d");
   if (!paint) return;
   const image = paint.createImageData(1, COLOURS);
-  for (let k = 0; k < COLOURS; k++) image.data.set(map.subarray(4 * k, 4 * k + 4), 4 * (COLOURS - 1 - k));
+  for (let k = 0; k < COLOURS; k++) {
+    const row = 4 * (COLOURS - 1 - k);
+    image.data.set(map.subarray(4 * k, 4 * k + 4), row);
+    if (of === "pressure") image.data[row + 3] = 255 * opacity(k / (COLOURS - 1));
+  }
   paint.putImageData(image, 0, 0);
 }
 

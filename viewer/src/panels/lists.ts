@@ -4,6 +4,7 @@ import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
+import { split } from "./reasons";
 import { digits, plural, seconds, whole } from "./words";
 
 const OBJECTS = 8; // that are listed
@@ -26,13 +27,17 @@ export class Lists {
     element("fault-count").dataset["some"] = String(state.fault_count > 0);
     say(element("sample-count"), whole(state.asked.length / 4));
     rows(body("samples"), sampled(state));
-    rows(
-      body("skipped"),
-      Object.entries(state.skipped)
-        .filter(([, count]) => count > 0)
-        .sort((a, b) => b[1] - a[1])
-        .map(([reason, count]) => [reason, whole(count)]),
-    );
+    const { saved, problems } = split(state.skipped);
+    for (const [id, reasons] of [["saved", saved], ["problems", problems]] as const) {
+      rows(body(id), reasons.map(({ name, count }) => [name, whole(count)]));
+      reasons.forEach(({ meaning }, k) => {
+        const row = body(id).children[k];
+        if (row instanceof HTMLElement) row.title = meaning;
+      });
+    }
+    element("problem-none").hidden = problems.length > 0;
+    say(element("problem-why"), problems[0]?.meaning ?? "");
+    say(element("saved-count"), whole(saved.reduce((sum, { count }) => sum + count, 0)));
     const clients = state.clients.map((client) => [
       `${client.name}${client.owner ? " ◆ owner" : ""}`,
       whole(client.objects),
@@ -68,7 +73,7 @@ function body(table: string): HTMLElement {
   return element(table).querySelector("tbody") ?? element(table);
 }
 
-/** Object, samples, mean asked, mean achieved, and between the samples: force and rms error of what is felt. */
+/** Object, samples, mean asked, mean achieved, and between the samples: force, rms error and spill of what is felt. */
 function sampled(state: State): string[][] {
   const asked = floats(state.asked);
   const achieved = floats(state.achieved);
@@ -81,6 +86,7 @@ function sampled(state: State): string[][] {
     achieved: 0,
     force: felt[4 * i] ?? NaN,
     rms: felt[4 * i + 1] ?? NaN,
+    spill: felt[4 * i + 3] ?? NaN,
   }));
   index.forEach((which, k) => {
     const sum = sums[which];
@@ -96,6 +102,6 @@ function sampled(state: State): string[][] {
       whole(count),
       digits(sum.asked / count),
       digits(sum.achieved / count),
-      Number.isFinite(sum.force) ? `${digits(100 * sum.force, 2)} ± ${digits(100 * sum.rms, 2)} %` : "–",
+      ...[sum.force, sum.rms, sum.spill].map((x) => (Number.isFinite(x) ? `${digits(100 * x, 2)} %` : "–")),
     ]);
 }

@@ -2,10 +2,11 @@
 
 import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
+import { advice as advise, title } from "./advice";
 import { element, made, say } from "./dom";
 
 const STAYS = 15_000; // [ms]
-const MOST = 4;
+const MAX_NOTES = 2;
 
 export function notices(store: Store): void {
   store.on("refused", refused);
@@ -28,25 +29,31 @@ function words(link: Link, reason: string, before: boolean): [string, string] {
     case "live":
       return ["", ""];
     case "connecting":
-      return ["Connecting", ""];
+      return ["Connecting …", "to the viewer, and through it to the server"];
     case "lost":
-      return [before ? "The server has gone; waiting" : "No server yet; waiting", reason];
+      return before
+        ? ["The server has gone; waiting", `${ended(reason)} What was seen last stays, grey, until it is back.`]
+        : ["No server yet; waiting", `${ended(reason)} Start \`pacinian serve\`, or \`pacinian demo\`, in a terminal.`];
     case "closed":
-      return ["The viewer has gone; waiting", "Start `pacinian view` again: it opens a page of its own."];
+      return ["The viewer has gone; waiting", "Start `pacinian view` again: it opens a page of its own. The server goes on."];
   }
+}
+
+/** As a sentence. */
+function ended(text: string): string {
+  return /[.?!]$/.test(text) || !text ? text : `${text}.`;
 }
 
 function refused({ action, message, advice }: Refused): void {
   const area = element("refused");
   const close = made("button", "Close");
   close.type = "button";
-  const note = made("div", made("p", made("strong", `Refused: ${action}`)), made("p", message));
-  if (advice) note.append(made("p", advice));
-  note.className = "card";
+  const why = made("p", made("strong", title(action)), ` ${ended(message)} `, made("span", advice || advise(action, message)));
+  const note = made("div", why);
   note.append(close);
   const away = (): void => note.remove();
   close.addEventListener("click", away);
   setTimeout(away, STAYS);
   area.append(note);
-  while (area.children.length > MOST) area.firstElementChild?.remove();
+  while (area.children.length > MAX_NOTES) area.firstElementChild?.remove();
 }

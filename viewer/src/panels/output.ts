@@ -12,6 +12,14 @@ const WHY: Record<Output, string> = {
   stopped: "emergency stop, until reset",
   faulted: "a plug-in or device failed, until reset",
 };
+const NOT = {
+  link: "There is no server.",
+  state: "The server has not told its state yet.",
+  held: "The output is stopped: press Reset first.",
+  mine: "This page has armed already.",
+  other: "This page has not armed.",
+  free: "Nothing is stopped or faulted.",
+} as const;
 const OFTEN = 4; // times a lease that the page says it is alive
 const CONTROLS = "button, input, select, textarea, summary, a, [role=switch]";
 
@@ -22,6 +30,8 @@ function air({ speed_of_sound: speed, temperature }: Sound): string {
 
 export class OutputPanel {
   private session: Session | undefined;
+  /** From whom this page has taken the output. */
+  private taken = "";
   private timer = 0;
 
   constructor(
@@ -29,6 +39,8 @@ export class OutputPanel {
     private readonly send: (message: ToServer) => void,
   ) {
     button("arm").addEventListener("click", () => this.arm());
+    button("take-yes").addEventListener("click", () => this.take());
+    button("take-no").addEventListener("click", () => this.ask(false));
     button("disarm").addEventListener("click", () => send({ type: "disarm" }));
     button("reset").addEventListener("click", () => send({ type: "reset" }));
     button("stop").addEventListener("click", () => send({ type: "stop" }));
@@ -53,17 +65,44 @@ export class OutputPanel {
     const free = !(event.target instanceof Element && event.target.closest(CONTROLS));
     if (event.key !== "Escape" && !(event.key === " " && free)) return;
     event.preventDefault();
+    this.ask(false);
     this.send({ type: "stop" });
   }
 
   private arm(): void {
-    const state = this.store.newest.state;
-    const take = Boolean(state?.owner && state.owner !== this.session?.name);
-    this.send({ type: "arm", scene: select("scene").value, take });
+    if (this.others) this.ask(true);
+    else this.send({ type: "arm", scene: select("scene").value, take: false });
+  }
+
+  /** Who else owns the output. */
+  private get others(): string {
+    const owner = this.store.newest.state?.owner ?? "";
+    return this.session?.mine || owner === this.session?.name ? "" : owner;
+  }
+
+  /** Ask whether to take the output from another client. */
+  private ask(on: boolean): void {
+    element("take").hidden = !on;
+    if (!on) return;
+    const scene = select("scene").value;
+    const { others } = this;
+    const then = scene
+      ? `Then the scene “${scene}” is felt, for as long as this page is open and in view.`
+      : "Then nothing is felt: this viewer's own scene is empty.";
+    say(element("take-title"), `Take the output from “${others}”?`);
+    say(element("take-text"), `It falls silent, and is told so. ${then} “Give back” ends that, and “${others}” can arm again.`);
+    button("take-no").focus();
+  }
+
+  private take(): void {
+    this.taken = this.others;
+    this.send({ type: "arm", scene: select("scene").value, take: Boolean(this.taken) });
+    this.ask(false);
   }
 
   /** The lease goes on for as long as this page is alive and looked at. */
   private agree(session: Session | undefined): void {
+    if (!session?.mine && this.session?.mine) this.taken = "";
     this.session = session;
     clearInterval(this.timer);
     if (session?.mine) {
@@ -78,19 +117,25 @@ export class OutputPanel {
 
   private show(state: State | undefined): void {
     const live = this.store.link === "live";
-    const output = state?.output ?? "silent";
-    const shown = live ? output : this.store.link;
+    const output = state?.output;
+    const shown = live ? (output ?? "connecting") : this.store.link;
     element("output").dataset["output"] = shown;
     document.body.dataset["link"] = this.store.link;
     say(element("output-name"), name(shown));
-    say(element("output-why"), live && state ? WHY[output] : "");
+    say(element("output-why"), live && output ? WHY[output] : "");
     const held = output === "stopped" || output === "faulted";
     const mine = Boolean(this.session?.mine);
-    const others = state?.owner && !mine ? state.owner : "";
-    button("arm").disabled = !live || held || mine;
-    say(button("arm"), others ? "Take over" : "Arm");
-    button("disarm").disabled = !live || !mine;
-    button("reset").disabled = !live || !held;
+    const { others } = this;
+    const no = !live ? NOT.link : !state ? NOT.state : "";
+    const own = "Let the scene be felt, for as long as this page is open and in view.";
+    const take = `Let another scene be felt in place of ${others}'s. You are asked first.`;
+    enable("arm", no || (held && NOT.held) || (mine && NOT.mine), others ? take : own);
+    say(button("arm"), others ? "Take over …" : "Arm");
+    if (!others || no || held) this.ask(false);
+    const back = `End this, so that ${this.taken} can arm again.`;
+    enable("disarm", no || (!mine && NOT.other), this.taken ? back : "Silence, softly.");
+    say(button("disarm"), this.taken ? "Give back" : "Disarm");
+    enable("reset", no || (!held && NOT.free), "End the emergency stop or the fault. Nothing is armed by it.");
     if (!state) return;
     const names = [...new Set(state.clients.map(({ scene }) => scene))].filter(named);
     choices(select("scene"), names);
@@ -102,6 +147,13 @@ export class OutputPanel {
     element("late").title = `${whole(state.late)} of ${whole(state.ticks)} ticks`;
     say(element("gap"), seconds(state.longest_gap));
   }
+}
+
+/** A button that can act; or cannot, and says why. */
+function enable(id: string, cannot: string | false, does: string): void {
+  button(id).disabled = Boolean(cannot);
+  button(id).title = cannot || does;
+  button(id).setAttribute("aria-description", cannot || does);
 }
 
 /** Not one of a client's own. */

@@ -11,10 +11,15 @@ export function watchViews(space: Space): void {
     each.addEventListener("click", () => {
       const from = each.dataset["from"];
       if (from === "x" || from === "y" || from === "z") view.from(from);
-      else if (from === "near") space.close();
-      else view.reset();
+      else if (from === "near") space.fit();
+      else view.all();
     });
   }
+  const follow = button("follow");
+  follow.addEventListener("click", () => {
+    space.follow(follow.getAttribute("aria-pressed") !== "true");
+    follow.setAttribute("aria-pressed", String(space.follows));
+  });
   const help = button("help");
   help.addEventListener("click", () => {
     const open = help.getAttribute("aria-expanded") !== "true";

@@ -44,6 +44,11 @@ varying vec3 at;
 uniform sampler2D map;
 uniform vec2 extent;
 #endif
+#ifdef PAINTED
+varying vec4 spot; // across the painted square, before it, and how far the skin faces it
+uniform sampler2D paint, colours;
+uniform float top, deep;
+#endif
 void main() {
   vec3 n = normalize(facing);
   float towards = abs(dot(n, normalize(seen)));
@@ -56,6 +61,15 @@ void main() {
   c *= mix(0.45, 1.15, felt);
   a *= mix(0.6, 1.2, felt);
 #endif
+#ifdef PAINTED
+  if (top > 0.0 && abs(spot.x) < 0.5 && abs(spot.y) < 0.5 && abs(spot.z) < deep && spot.w > 0.2) {
+    float felt = texture2D(paint, spot.xy + 0.5).r;
+    if (felt >= 0.0) {
+      c = mix(c, texture2D(colours, vec2(clamp(felt / top, 0.0, 1.0), 0.5)).rgb, 0.9);
+      a = max(a, 0.95);
+    }
+  }
+#endif
   gl_FragColor = vec4(c, a);
 }`;
 
@@ -67,6 +81,8 @@ export interface Look {
   open?: boolean;
   /** A factor on pressure over x and y, and how wide and high it is [m]. */
   texture?: { map: Texture; size: [number, number] };
+  /** Whether it takes a painting: `paint`, `colours`, `top` and `deep` of its uniforms, at `spot` of its vertices. */
+  painted?: boolean;
   /** Instead of a plain one. */
   vertex?: string;
   /** Of that. */
@@ -94,7 +110,7 @@ export class Glass extends Group {
       side,
       transparent: true,
       depthWrite: false,
-      defines: texture ? { TEXTURED: "" } : {},
+      defines: { ...(texture && { TEXTURED: "" }), ...(look.painted && { PAINTED: "" }) },
       uniforms: {
         ...look.uniforms,
         colour: { value: plain(colour) },

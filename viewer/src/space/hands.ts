@@ -1,15 +1,32 @@
 /** Hands: a capsule around each bone, and some that fill the palm, as the server's own hands have them. */
 
-import { CapsuleGeometry, Float32BufferAttribute, Group, Vector3, Vector4, type BufferGeometry } from "three";
+import {
+  Box3,
+  CapsuleGeometry,
+  DataTexture,
+  Float32BufferAttribute,
+  FloatType,
+  Group,
+  Matrix4,
+  NearestFilter,
+  RedFormat,
+  Vector3,
+  Vector4,
+  type BufferGeometry,
+  type IUniform,
+} from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
-import type { Bytes } from "../feed/messages";
+import type { Bytes, Plane } from "../feed/messages";
 import { floats } from "../feed/numbers";
 import { Glass, SHADED, type Turned } from "./glass";
+import { pressureMap } from "./maps";
+import { matrix } from "./planes";
 import { drawnBySoftware } from "./power";
 
 const JOINTS = 26; // of OpenXR
 const PALM = 0;
+const DEEP = 0.025; // [m] before and behind the painted square
 const SKIN = "#f2c4a4";
 
 /** From each joint to the skin, an adult's [m]. */
@@ -42,6 +59,9 @@ attribute float bone;
 uniform vec4 base[${BONES.length}]; // and how thick it is
 uniform vec3 tip[${BONES.length}];
 ${SHADED}
+uniform mat4 square; // from the world to the painted square
+uniform vec3 before; // the direction from which it is looked at
+varying vec4 spot;
 void main() {
   vec4 from = base[int(bone)];
   vec3 to = tip[int(bone)];
@@ -51,7 +71,9 @@ void main() {
   vec3 x = normalize(cross(abs(z.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(0.0, 1.0, 0.0), z));
   mat3 turned = mat3(x, z, cross(x, z));
   vec3 outward = turned * normal;
-  vec4 p = modelViewMatrix * vec4((position.y > 0.0 ? to : from.xyz) + from.w * outward, 1.0);
+  vec3 place = (position.y > 0.0 ? to : from.xyz) + from.w * outward;
+  spot = vec4((square * vec4(place, 1.0)).xyz, dot(outward, before));
+  vec4 p = modelViewMatrix * vec4(place, 1.0);
   facing = normalMatrix * outward;
   seen = -p.xyz;
   gl_Position = projectionMatrix * p;
@@ -69,17 +91,28 @@ function bones(): BufferGeometry {
   );
 }
 
+/** What is felt on the skin, for all hands. */
+interface Painting {
+  [name: string]: IUniform;
+  paint: IUniform<DataTexture | null>;
+  colours: IUniform<DataTexture>;
+  top: IUniform<number>;
+  deep: IUniform<number>;
+  square: IUniform<Matrix4>;
+  before: IUniform<Vector3>;
+}
+
 class Hand extends Glass implements Turned {
   /** Where the palm is. */
   readonly middle = new Vector3();
   private readonly base: Vector4[];
   private readonly tip: Vector3[];
 
-  constructor(geometry: BufferGeometry) {
+  constructor(geometry: BufferGeometry, painting: Painting) {
     const base = THICK.map((thick) => new Vector4(0, 0, 0, thick));
     const tip = THICK.map(() => new Vector3());
-    const uniforms = { base: { value: base }, tip: { value: tip } };
-    super(geometry, { colour: SKIN, body: 0.42, vertex: VERTEX, uniforms });
+    const uniforms = { base: { value: base }, tip: { value: tip }, ...painting };
+    super(geometry, { colour: SKIN, body: 0.42, vertex: VERTEX, uniforms, painted: true });
     this.base = base;
     this.tip = tip;
   }
@@ -98,21 +131,58 @@ class Hand extends Glass implements Turned {
 
 export class Hands {
   readonly group = new Group();
+  /** What all joints are in [m]. */
+  readonly box = new Box3();
   count = 0;
   private readonly all: Hand[] = [];
   private readonly geometry = bones();
+  private readonly joint = new Vector3();
+  private readonly painting: Painting = {
+    paint: { value: null },
+    colours: { value: pressureMap },
+    top: { value: 0 },
+    deep: { value: DEEP },
+    square: { value: new Matrix4() },
+    before: { value: new Vector3(0, 0, 1) },
+  };
 
   /** Those that are there. */
   get shown(): Turned[] {
     return this.all.slice(0, this.count);
   }
 
+  /** What is felt, on all of them. top: of the colours [Pa]. */
+  paint(plane: Plane, felt: Float32Array<ArrayBuffer>, top: number): void {
+    const { painting } = this;
+    const [rows, columns] = plane.shape;
+    painting.paint.value?.dispose();
+    const texture = new DataTexture(felt, columns, rows, RedFormat, FloatType);
+    texture.minFilter = texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    painting.paint.value = texture;
+    painting.top.value = top;
+    const placed = matrix(plane, new Matrix4());
+    painting.before.value.setFromMatrixColumn(placed, 2);
+    painting.square.value.copy(placed).invert();
+  }
+
+  /** Plain again. */
+  unpaint(): void {
+    this.painting.top.value = 0;
+  }
+
+  get painted(): boolean {
+    return this.count > 0 && this.painting.top.value > 0;
+  }
+
   /** Their joints, (hands, 26, 3) float32 [m]. */
   show(data: Bytes): void {
     const joints = floats(data);
     this.count = Math.floor(joints.length / (3 * JOINTS));
+    this.box.makeEmpty();
+    for (let k = 0; k + 2 < joints.length; k += 3) this.box.expandByPoint(this.joint.fromArray(joints, k));
     while (this.all.length < this.count) {
-      const hand = new Hand(this.geometry);
+      const hand = new Hand(this.geometry, this.painting);
       this.all.push(hand);
       this.group.add(hand);
     }

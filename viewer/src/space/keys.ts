@@ -19,18 +19,20 @@ export function listen(space: Space, slicer: Slicer): void {
     "+": () => view.orbit(0, 0, NEARER),
     "=": () => view.orbit(0, 0, NEARER),
     "-": () => view.orbit(0, 0, 1 / NEARER),
-    Home: () => view.reset(),
+    Home: () => view.all(),
+    f: () => space.fit(),
     "1": () => view.from("y"),
     "2": () => view.from("x"),
     "3": () => view.from("z"),
-    "4": () => space.close(),
+    "4": () => space.fit(),
     PageUp: (event) => move(1, event),
     PageDown: (event) => move(-1, event),
     x: () => slicer.turn("x"),
     y: () => slicer.turn("y"),
     z: () => slicer.turn("z"),
     e: () => slicer.choose(slicer.of === "error" ? "pressure" : "error"),
-    c: () => slicer.centreOn(space.middle),
+    a: () => slicer.turn(),
+    c: () => slicer.follow(true, space.middle),
   };
   view.canvas.addEventListener("keydown", (event) => {
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];

@@ -27,6 +27,11 @@ export class Placed extends Group implements Turned {
     this.add(shown.object);
   }
 
+  /** How far it goes from its middle [m]. */
+  get reach(): number {
+    return this.shown.reach;
+  }
+
   get drawn(): boolean {
     return this.shown.drawn;
   }

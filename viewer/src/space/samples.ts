@@ -1,6 +1,7 @@
 /** Samples: a ring whose area is the pressure asked, filled as far as it is achieved; of one size for each object. */
 
 import {
+  Box3,
   DoubleSide,
   GreaterDepth,
   Group,
@@ -60,6 +61,8 @@ export class Samples {
   most = 0;
   /** The mean place of all. */
   readonly middle = new Vector3();
+  /** What all are in [m]. */
+  readonly box = new Box3();
   private readonly discs = new Quads({ centre: 3, facing: 3, asked: 1, achieved: 1, size: 1 });
   private readonly scale = { value: 1 };
   private readonly point = new Vector3();
@@ -85,7 +88,11 @@ export class Samples {
     this.most = asked.reduce((a, b) => Math.max(a, b), 0);
     this.scale.value = this.most || 1;
     this.middle.set(0, 0, 0);
-    for (let k = 0; k < count; k++) this.middle.add(this.point.fromArray(points, 3 * k));
+    this.box.makeEmpty();
+    for (let k = 0; k < count; k++) {
+      this.middle.add(this.point.fromArray(points, 3 * k));
+      this.box.expandByPoint(this.point);
+    }
     this.middle.divideScalar(Math.max(count, 1));
   }
 

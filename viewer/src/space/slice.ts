@@ -19,7 +19,8 @@ import {
   Vector3,
 } from "three";
 
-import type { Plane, Quantity, Slice } from "../feed/messages";
+import { DECIBELS, LAWS, type Law } from "../field/law";
+import type { Over, Plane, Quantity, Slice } from "../feed/messages";
 import { into } from "../feed/numbers";
 import type { Turned } from "./glass";
 import { errorMap, pressureMap } from "./maps";
@@ -38,18 +39,19 @@ void main() {
 
 const FIELD = `
 uniform sampler2D values, map;
-uniform float most, signed;
+uniform float most, signed, law;
 varying vec2 at;
 void main() {
   float value = texture2D(values, at).r / most;
   bool known = value >= -1e9;
-  if (signed > 0.5) {
-    if (!known) discard;
-    value = 0.5 + 0.5 * value;
-  }
-  float share = known ? clamp(value, 0.0, 1.0) : 0.0;
-  float opacity = mix(0.38, 0.97, smoothstep(0.0, 0.3, share));
-  gl_FragColor = vec4(texture2D(map, vec2(share, 0.5)).rgb, max(opacity, 0.97 * signed));
+  if (!known) discard;
+  if (signed > 0.5) value = 0.5 + 0.5 * value;
+  float share = clamp(value, 0.0, 1.0);
+  if (law > 1.5) share = max(1.0 + log(max(share, 1e-30)) * ${(10 / Math.LN10 / DECIBELS).toFixed(6)}, 0.0);
+  else if (law > 0.5) share = sqrt(share);
+  float opacity = max(0.96 * smoothstep(0.03, 0.35, share), 0.97 * signed);
+  if (opacity < 0.004) discard;
+  gl_FragColor = vec4(texture2D(map, vec2(share, 0.5)).rgb, opacity);
 }`;
 
 const FRAME = `
@@ -71,6 +73,10 @@ export class FieldSlice implements Turned {
   plane: Plane | undefined;
   values = new Float32Array(0);
   of: Quantity = "pressure";
+  over: Over = "mean";
+  /** How many frames count, and when the newest of them was emitted [s]. */
+  frames = 1;
+  time = -Infinity;
   /** How many there were. */
   count = 0;
   private readonly field: Mesh<PlaneGeometry, ShaderMaterial>;
@@ -84,7 +90,7 @@ export class FieldSlice implements Turned {
     const square = new PlaneGeometry(1, 1);
     this.field = new Mesh(
       square,
-      material(FIELD, { values: null, map: pressureMap, most: 1, signed: 0 }),
+      material(FIELD, { values: null, map: pressureMap, most: 1, signed: 0, law: 0 }),
     );
     this.frame = new Mesh(
       square,
@@ -114,6 +120,11 @@ export class FieldSlice implements Turned {
   /** What is white on the colour bar [Pa]. */
   set most(most: number) {
     this.set(this.field, "most", most || 1);
+  }
+
+  /** How pressure becomes colour; an error stays linear. */
+  set law(law: Law) {
+    this.set(this.field, "law", this.of === "error" ? 0 : LAWS.indexOf(law));
   }
 
   get hovered(): boolean {
@@ -157,6 +168,9 @@ export class FieldSlice implements Turned {
     }
     into(this.values, slice.pressure);
     this.plane = slice;
+    this.over = slice.over;
+    this.frames = slice.frames;
+    this.time = slice.time;
     this.count += 1;
     if (this.texture) this.texture.needsUpdate = true;
     matrix(slice, this.placing);
@@ -197,5 +211,5 @@ export class FieldSlice implements Turned {
 function material(fragmentShader: string, values: Record<string, unknown>): ShaderMaterial {
   const uniforms = Object.fromEntries(Object.entries(values).map(([k, value]) => [k, { value }]));
   const given = { vertexShader: VERTEX, fragmentShader, uniforms };
-  return new ShaderMaterial({ ...given, side: DoubleSide, transparent: true });
+  return new ShaderMaterial({ ...given, side: DoubleSide, transparent: true, depthWrite: false });
 }

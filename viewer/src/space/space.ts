@@ -4,9 +4,10 @@ import { Box3, Vector3 } from "three";
 
 import { css } from "../colours/maps";
 import type { Boxer } from "../field/boxer";
-import type { Scale } from "../field/scale";
+import type { Law } from "../field/law";
+import { round, type Scale } from "../field/scale";
 import type { Slicer } from "../field/slicer";
-import type { Arrayed, Frame, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
+import type { Arrayed, Frame, Plane, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
 import { floats, same } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { Axes, type Extent } from "./axes";
@@ -25,7 +26,11 @@ const AHEAD = 0.3; // [m] before the array that is looked at
 const FOCUS = 0.2; // [m] before the array, where there is no sample
 const ROOM = 0.02; // [m] around the array
 const BRIGHT = 2; // of the most that is asked: stronger is as bright; waves are stronger beyond a region
-const CLOSE = 0.09; // [m] around the samples
+const AROUND = 0.03; // [m] around hands and objects
+const SMALLEST = 0.16; // [m] that is looked at
+const BESIDE = 0.15; // [m] from hand or contact, where an object is looked at, too
+const OFTEN = 250; // [ms] between two looks at where hands and objects are
+const OLD = 3000; // [ms] that a slice of another place, or of sound that has ended, is shown
 
 export class Space {
   readonly view: View;
@@ -36,9 +41,15 @@ export class Space {
   readonly axes = new Axes();
   readonly surface = new Isosurface();
   readonly slice: FieldSlice;
+  /** Whether the camera goes along with hands and objects. */
+  follows = true;
+  law: Law = "linear";
   extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, AHEAD] };
   private readonly focus = new Vector3(0, 0, FOCUS);
-  private aimed = false;
+  private met = false;
+  private nextLook = 0;
+  /** Since when the slice shows what is not any more [ms]. */
+  private old: number | undefined;
   /** Whether the objects that are shown are of a server that has gone. */
   private left = false;
   private readonly things: Turned[] = [];
@@ -87,10 +98,58 @@ export class Space {
     return [x, y, z];
   }
 
-  /** Look at what can be felt, closely. */
-  close(): void {
-    const middle = new Vector3(...this.middle);
-    this.view.fit(new Box3(middle.clone(), middle).expandByScalar(CLOSE));
+  /** Look at hand and object; at all where there is neither. */
+  fit(): void {
+    const box = this.content();
+    if (box) this.view.look(box);
+    else this.view.all();
+  }
+
+  /** Whether the camera goes along from now on. */
+  follow(on: boolean): void {
+    this.follows = on;
+    if (on) this.fit();
+  }
+
+  /** What hands, contacts and the objects beside them are in; null where there are none. */
+  private content(): Box3 | null {
+    const box = new Box3().union(this.hands.box).union(this.samples.box);
+    const known = !box.isEmpty();
+    const near = known ? box.clone().expandByScalar(BESIDE) : this.axes.box;
+    for (const { middle, reach } of this.objects.all.values()) {
+      const size = Math.min(reach, BESIDE);
+      if (near.containsPoint(middle)) box.union(new Box3(middle.clone(), middle.clone()).expandByScalar(size));
+    }
+    if (box.isEmpty()) return null;
+    box.expandByScalar(AROUND);
+    const small = new Vector3().setScalar(SMALLEST).sub(box.getSize(new Vector3())).max(new Vector3());
+    return box.expandByVector(small.multiplyScalar(0.5));
+  }
+
+  /** Let camera and slice go where hand and object are, a few times a second. */
+  private attend(): void {
+    const now = performance.now();
+    if (now < this.nextLook) return;
+    this.nextLook = now + OFTEN;
+    const box = this.content();
+    if (box && !this.met) this.view.look(box);
+    else if (box && this.follows) this.view.track(box);
+    this.met ||= Boolean(box);
+    if (this.samples.count) this.slicer.attend(this.middle, this.view.facing(this.slicer.axis));
+    else this.slicer.attend(this.slicer.plane.centre, this.view.facing(this.slicer.axis));
+    this.age(now);
+  }
+
+  /** A slice that is not of the plane that is wanted, or of sound that has ended, vanishes. */
+  private age(now: number): void {
+    const { plane } = this.slice;
+    const { centre, u, v } = this.slicer.plane;
+    const other = plane && ![...centre, ...u, ...v].every((x, k) => near(x, [...plane.centre, ...plane.u, ...plane.v][k]));
+    const ended = plane && this.state?.output !== "sounding";
+    this.old = other || ended ? (this.old ?? now) : undefined;
+    if (this.old === undefined || now < this.old + OLD) return;
+    this.slice.clear();
+    this.view.urge();
   }
 
   /** The colour scale of the slice that is shown. */
@@ -113,7 +172,32 @@ export class Space {
   /** Another top of the colour scale. */
   rescale(): void {
     this.slice.most = this.scale.most;
+    this.slice.law = this.law;
     this.recut();
+  }
+
+  /** Paint what is felt on the hands; return the top of its colours [Pa]: the most that is asked, and some more. */
+  paint(plane: Plane, felt: Float32Array<ArrayBuffer>, asked: Float32Array): number {
+    const most = (values: Float32Array): number => values.reduce((a, b) => (b > a ? b : a), 0);
+    const wanted = most(asked);
+    const top = round(Math.min(most(felt), BRIGHT * wanted) > wanted ? Math.min(most(felt), BRIGHT * wanted) : wanted);
+    this.hands.paint(plane, felt, top);
+    this.layer();
+    this.view.change();
+    return top;
+  }
+
+  /** Hands are plain again. */
+  unpaint(): void {
+    this.hands.unpaint();
+    this.layer();
+    this.view.change();
+  }
+
+  /** Samples are drawn where nothing else tells of them. */
+  private layer(): void {
+    const error = this.slicer.on && this.slice.plane && this.slice.of === "error";
+    this.samples.group.visible = !error && !this.hands.painted;
   }
 
   private changed(change: () => void): void {
@@ -144,8 +228,9 @@ export class Space {
     const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
     this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
     if (alike(before, this.extent)) return; // the server is back
-    this.view.look(this.axes.box);
-    this.slicer.centreOn(this.middle);
+    this.view.whole = this.axes.box;
+    if (!this.met) this.view.all();
+    if (this.slicer.follows) this.slicer.follow(true, this.middle);
   }
 
   private emit(frame: Frame): void {
@@ -159,13 +244,13 @@ export class Space {
     const before = this.state;
     this.state = state;
     this.look(); // a field that stands sends no more slices
+    this.attend();
     if (before && same(before, state, "points", "normals", "asked", "achieved", "hands")) return;
     this.view.change();
     this.samples.show(state);
     this.hands.show(state.hands);
+    this.layer();
     if (!this.samples.count) return;
-    if (!this.aimed) this.slicer.centreOn(this.middle);
-    this.aimed = true;
     this.boxer.follow(this.middle);
   }
 
@@ -174,7 +259,9 @@ export class Space {
     this.slice.show(slice);
     this.most = peak(slice, this.slice.values).most;
     this.slice.most = this.scale.most;
-    this.samples.group.visible = slice.of === "pressure"; // an error tells of them, and between them
+    this.slice.law = this.law;
+    this.old = undefined;
+    this.layer(); // an error tells of samples, and between them
     this.look();
   }
 
@@ -195,7 +282,7 @@ export class Space {
     this.slice.group.visible = this.slicer.on;
     if (!this.slicer.on) {
       this.slice.clear();
-      this.samples.group.visible = true;
+      this.layer();
     }
     this.slice.want(this.slicer.plane);
     this.view.urge();
@@ -210,6 +297,10 @@ export class Space {
     for (const { label } of this.objects.all.values()) label.fit(pixel);
     this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
   }
+}
+
+function near(a: number, b: number | undefined): boolean {
+  return b !== undefined && Math.abs(a - b) < 0.005;
 }
 
 function alike(a: Extent, b: Extent): boolean {

@@ -22,6 +22,8 @@ const POLAR = 1.12; // [rad] from above
 const AZIMUTH = -0.62; // [rad] from the front
 const FILLED = 0.88; // of the view, by what is looked at
 const ROUNDS = 5; // until it does
+const STAYS = 0.12; // of the diagonal of what is looked at: so far it may leave the view before that follows
+const TURNS = 1.15; // times as much along another axis, before that one faces the viewer
 
 export class View {
   readonly scene = new Scene();
@@ -36,6 +38,7 @@ export class View {
   private readonly offset = new Vector3();
   private readonly home = new Box3();
   private readonly flat = new Box3();
+  private readonly fitted = new Box3();
   private untouched = true;
   /** Whether frames come seldom, but for what the user does. */
   readonly seldom: boolean;
@@ -105,16 +108,44 @@ export class View {
     this.before.push(listener);
   }
 
-  /** What is looked at, (low, high) [m]; the view that `reset` goes back to. */
-  look(box: Box3): void {
+  /** All that there is, (low, high) [m]. */
+  set whole(box: Box3) {
     this.home.copy(box);
-    this.reset();
   }
 
-  /** The first view again. */
-  reset(): void {
-    this.fit(this.home, POLAR, AZIMUTH);
+  /** All that there is, from where it is seen first. */
+  all(): void {
+    this.look(this.home);
+  }
+
+  /** What is looked at, (low, high) [m], from where it is seen first. */
+  look(box: Box3): void {
+    this.fitted.copy(box);
+    this.fit(box, POLAR, AZIMUTH);
     this.untouched = true;
+  }
+
+  /** What is looked at is here now [m]: it stays in view. A view that the user has turned goes along, no more. */
+  track(box: Box3): void {
+    const room = this.fitted.getSize(this.offset).length() * STAYS;
+    if (!this.fitted.isEmpty() && this.fitted.clone().expandByScalar(room).containsBox(box)) return;
+    if (this.untouched) {
+      this.look(box);
+      return;
+    }
+    const way = box.getCenter(new Vector3()).sub(this.fitted.getCenter(new Vector3()));
+    this.fitted.copy(box);
+    this.camera.position.add(way);
+    this.controls.target.add(way);
+    this.urge();
+  }
+
+  /** Which axis is looked along most; the last one while it is nearly so. */
+  facing(last: "x" | "y" | "z"): "x" | "y" | "z" {
+    const way = this.camera.position.clone().sub(this.controls.target);
+    const size = { x: Math.abs(way.x), y: Math.abs(way.y), z: Math.abs(way.z) };
+    const best = (["x", "y", "z"] as const).reduce((a, b) => (size[b] > size[a] ? b : a));
+    return size[best] > TURNS * size[last] ? best : last;
   }
 
   /** A box fills the view, as it is seen from a direction [rad], or from the one of now. */
@@ -149,7 +180,7 @@ export class View {
 
   /** From the front, the side or above. */
   from(side: "x" | "y" | "z"): void {
-    this.fit(this.home, side === "z" ? 1e-3 : Math.PI / 2, side === "x" ? Math.PI / 2 : 0);
+    this.fit(this.fitted.isEmpty() ? this.home : this.fitted, side === "z" ? 1e-3 : Math.PI / 2, side === "x" ? Math.PI / 2 : 0);
   }
 
   /** Turn by steps of a key about the target, and come nearer by a factor. */
@@ -194,7 +225,7 @@ export class View {
     this.renderer.setSize(this.size.x, this.size.y);
     this.camera.aspect = this.size.x / this.size.y;
     this.camera.updateProjectionMatrix();
-    if (this.untouched) this.reset();
+    if (this.untouched && !this.fitted.isEmpty()) this.look(this.fitted.clone());
     this.draw();
   }
 

@@ -42,6 +42,9 @@ if TYPE_CHECKING:
 MAX_ROUND_REQUESTS = 64
 ROUND = 0.005  # longest wait for requests in one round [s]
 OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
+MIN_WAIT = 0.001  # wait for requests if a frame is due sooner [s]
+# Step of the times at which frames are published, in periods.
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
 LOOK = 0.02  # interval between two checks of the other processes [s]
 # Time after a reset during which a process may still report the fault that was reset, unless it has
 # answered the reset [s].
@@ -82,7 +85,8 @@ class ControlLoop:
         self._log = RateLimitedLog(clock)
         self._written: dict[str, object] = {}
         self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
-        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0}
+        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0, "frame": 0.0}
+        self._offset = 0.0  # of the newest published frame in its period
         # Faults that were reset, and until when they are ignored [s].
         self._reset: dict[str, tuple[str, float]] = {}
         self._settle()
@@ -105,7 +109,7 @@ class ControlLoop:
 
     def round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        self._doors.wait(ROUND)
+        self._doors.wait(min(ROUND, max(self._due["frame"] - self._clock(), MIN_WAIT)))
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
@@ -120,8 +124,13 @@ class ControlLoop:
             self._probe(now, owner=True)
         if self._is_due("others", OTHERS, now):
             self._probe(now, owner=False)
-        if self._is_due("publish", 1.0 / self._settings.state_rate, now):
+        every = 1.0 / self._settings.state_rate
+        if self._is_due("publish", every, now):
             self._publish(now)
+        after = (self._offset + GOLDEN) % 1.0
+        if self._is_due("frame", every * (1.0 + after - self._offset), now):
+            self._offset = after
+            self._publish_frame(now)
 
     def let_go(self) -> None:
         """End all sound: softly where it is permitted, then for good."""
@@ -313,11 +322,16 @@ class ControlLoop:
 
     def _publish(self, now: float) -> None:
         self._look(now)  # what is published must have been acted on
-        self.view.look_at_frame()
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
             self.newest = self.publisher.published(now, self._supervisor.restarts)
             self._doors.publish(STATE, encode(self.newest))
+        except (TypeError, ValueError):
+            self.counts["unpublished"] += 1
+
+    def _publish_frame(self, now: float) -> None:
+        self.view.look_at_frame()
+        try:
             self._doors.publish(FRAME, encode(self.publisher.frame(now)))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1

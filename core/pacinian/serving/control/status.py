@@ -95,6 +95,7 @@ class StatusPublisher:
         self.fault_count = 0
         self._sequence = 0
         self._inputs = 0
+        self._row = -1  # of a frame, that was told last
         array, medium = settings.array.make(), settings.medium.make()
         self._positions, self._normals = pack(array.positions), pack(array.normals)
         self._frequency = float(array.transducer.frequency)
@@ -190,18 +191,20 @@ class StatusPublisher:
         return tuple(made)
 
     def frame(self, now: float) -> FrameState:
-        """Return the levels that are emitted; empty in silence."""
+        """Return the levels that are emitted, of one row after the other; empty in silence."""
         view, rows, columns = self._view, self._view.frame.rows, self._view.frame.columns
+        self._row += 1
         size = 2 * columns  # size of a row [bytes]
         loud = view.device.sounding and rows > 0 and len(view.levels) == 2 * rows * size
-        end = rows * size if loud else 0
+        end = (self._row % rows + 1) * size if loud else 0
+        amplitudes = rows * size  # where they begin
         return FrameState(
             sequence=view.frame.sequence,
             time=now,
             phases=view.device.phases,
             amplitudes=view.device.amplitudes,
             phase=view.levels[end - size : end] if loud else b"",
-            amplitude=view.levels[2 * end - size : 2 * end] if loud else b"",
+            amplitude=view.levels[amplitudes + end - size : amplitudes + end] if loud else b"",
         )
 
     def abilities(self, request: int) -> Abilities:

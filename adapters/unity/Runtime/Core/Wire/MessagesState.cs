@@ -550,7 +550,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>The emitted levels, from the last row of a frame; empty in silence.</summary>
+    /// <summary>The emitted levels of one row of a frame, another row each time; empty in silence. Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with them.</summary>
     public sealed class FrameState : IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude");

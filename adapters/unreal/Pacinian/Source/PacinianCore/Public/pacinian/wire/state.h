@@ -135,7 +135,9 @@ struct State {
 
 using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
 
-/// The emitted levels, from the last row of a frame; empty in silence.
+/// The emitted levels of one row of a frame, another row each time; empty in silence. Frames are
+/// published at uneven times, `state_rate` times a second on average, so that no modulation keeps
+/// step with them.
 struct FrameState {
   static constexpr std::string_view tag = "frame";
 

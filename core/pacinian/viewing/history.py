@@ -1,0 +1,47 @@
+"""Drive and error of a recorded feed before a time, so that its charts are full at once."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.viewing.messages import WRONG, History
+from pacinian.wire.codec import decode_state
+from pacinian.wire.state import FrameState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.viewing.model import Model
+    from pacinian.viewing.recorded import Entry, Recorded
+
+SPAN = 30.0  # [s] that the charts show
+MAX_MESSAGES = 240  # of each kind that are looked at
+
+
+def history(recorded: Recorded, before: Sequence[Entry], model: Model) -> History:
+    """Of the last `SPAN` seconds of the entries `before` a time; messages that are damaged are left out."""
+    begin = before[-1].at - SPAN if before else 0.0
+    late = [entry for entry in before if entry.at >= begin]
+    rows: dict[float, list[float]] = {}
+    for kind in ("frame", "state"):
+        some = [entry for entry in late if entry.kind == kind]
+        for entry in some[:: 1 + len(some) // MAX_MESSAGES]:
+            with suppress(*WRONG):
+                told = decode_state(recorded.data(entry))
+                row = rows.setdefault(told.time, [np.nan, np.nan, np.nan])
+                if isinstance(told, FrameState):
+                    size = np.abs(np.frombuffer(model.gains(told) or bytes(8), np.complex64))
+                    row[:2] = float(size.mean()), float(size.max())
+                elif isinstance(told, State) and told.asked:
+                    row[2] = told.error
+    times = sorted(rows)
+    values = np.array([rows[time] for time in times], np.float32).reshape(-1, 3)
+    return History(
+        times=np.array(times, "<f8").tobytes(),
+        drive_mean=values[:, 0].tobytes(),
+        drive_max=values[:, 1].tobytes(),
+        error=values[:, 2].tobytes(),
+    )

@@ -1,0 +1,92 @@
+"""Which frames of the last moments count for the mean of the field."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pacinian.viewing.recent import MAX_FRAMES, MODULATED_SPAN, MOVING_SPAN, RecentFrames
+from pacinian.wire.objects import Point
+from pacinian.wire.time import AM
+
+EVERY = 1.0 / 60.0
+MANY = min(MAX_FRAMES, int(MODULATED_SPAN / EVERY) + 1)
+STEADY_POINT = Point(position=(0.0, 0.0, 0.1), radiation_pressure=1.0)
+MODULATED_POINT = Point(
+    position=(0.0, 0.0, 0.1), radiation_pressure=1.0, technique=AM(frequency=200.0)
+)
+
+
+def frame(value: float) -> bytes:
+    return np.full(3, value, np.complex64).tobytes()
+
+
+def filled(count: int = 120) -> RecentFrames:
+    recent = RecentFrames()
+    for k in range(count):
+        recent.add(k * EVERY, frame(k))
+    return recent
+
+
+def values(recent: RecentFrames) -> list[float]:
+    gains, shares = recent.gains()
+    assert len(gains) == 24 * len(shares)
+    assert not shares or abs(sum(shares) - 1.0) < 1e-9
+    return [float(value) for value in np.frombuffer(gains, np.complex64)[::3].real]
+
+
+def test_frames_of_the_last_moments_count_and_equal_ones_are_one() -> None:
+    assert RecentFrames().gains() == (b"", ())
+    recent = filled()
+    assert values(recent) == [119.0]  # none comes again: all are on the way
+    recent.see_state(0.0, "am", b"")
+    found = values(recent)
+    assert found == [float(k) for k in range(120 - len(found), 120)]
+    recent = RecentFrames()
+    for k in range(10):
+        recent.add(k * EVERY, frame(7.0))
+    assert values(recent) == [7.0]
+
+
+def test_frames_of_a_cycle_have_one_share_each_and_those_of_a_modulation_as_they_are_seen() -> None:
+    recent = RecentFrames()
+    for k in range(9):
+        recent.add(k * EVERY, frame(1.0 if k % 3 else 2.0))
+    assert recent.gains()[1] == (0.5, 0.5)
+    recent.see_state(9 * EVERY, "am", b"")
+    assert values(recent) == [2.0, 1.0]
+    assert recent.gains()[1] == (3 / 9, 6 / 9)
+
+
+def test_silence_counts_while_others_sound_and_is_silence_alone() -> None:
+    recent = RecentFrames()
+    for k in range(4):
+        recent.add(k * EVERY, frame(5.0) if k % 2 else b"")
+    assert values(recent) == [5.0]  # a gap, not a part of a cycle
+    recent.see_state(4 * EVERY, "am", b"")
+    assert values(recent) == [0.0, 5.0]
+    for k in range(4, 90):
+        recent.add(k * EVERY, b"")
+    assert recent.gains() == (b"", ())
+
+
+def test_the_mean_of_what_moves_is_short() -> None:
+    hands = np.zeros(78, "<f4")
+    for technique, item, counts in (
+        ("am", STEADY_POINT, int(MOVING_SPAN / EVERY) + 1),
+        ("simultaneous", MODULATED_POINT, int(MOVING_SPAN / EVERY) + 1),
+    ):
+        recent = filled()
+        now = 119 * EVERY
+        recent.see_scene(0.0, {"spot": item}, {"spot": bytes(28)})
+        recent.see_state(0.0, technique, hands.tobytes())
+        assert abs(len(values(recent)) - MANY) <= 1
+        recent.see_state(now, technique, (hands + np.float32(1e-4)).tobytes())  # a tracker's noise
+        assert abs(len(values(recent)) - MANY) <= 1
+        recent.see_state(now, technique, (hands + np.float32(0.01)).tobytes())
+        assert len(values(recent)) == counts
+
+
+def test_a_recording_that_goes_back_begins_anew() -> None:
+    recent = filled()
+    recent.add(0.0, frame(-1.0))
+    assert values(recent) == [-1.0]

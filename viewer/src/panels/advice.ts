@@ -1,0 +1,40 @@
+/** What to do about a refusal, where the server does not say. */
+
+const BY_MESSAGE: [RegExp, string][] = [
+  [/owns the output/, "Take over first, or change it in the program that owns the output."],
+  [/has taken the output/, "To have it back, take over again."],
+  [/was not renewed in time/, "Keep this page in view, then arm again. If it comes again, the machine is too busy."],
+  [/is for a server/, "Start `pacinian view` without a file to watch a server."],
+  [/is for recordings/, "Start `pacinian view FILE` to go through a recording."],
+  [/too much is asked/, "Wait a moment, then try again."],
+  [/stopped|stop holds|emergency/, "Press Reset, then arm again."],
+  [/cannot be computed|was killed/, "Close other programs, or start `pacinian view` again."],
+];
+
+const BY_ACTION: Record<string, string> = {
+  arm: "Look under Clients who owns the output, and under Faults what went wrong.",
+  demonstrate: "Let the program that owns the output end first, or press Reset.",
+  select: "Choose another one; Faults may say more.",
+  record: "Start `pacinian view` in a folder in which you may write.",
+  slice: "Choose a smaller slice, or fewer values.",
+  volume: "Choose a smaller box.",
+  message: "Reload this page. If it comes again, page and viewer are of different versions: start `pacinian view` again.",
+  stop: "Switch the array off.",
+};
+
+export function advice(action: string, message: string): string {
+  const found = BY_MESSAGE.find(([pattern]) => pattern.test(message));
+  return found?.[1] ?? BY_ACTION[action] ?? "Try again; if it is refused again, see Faults.";
+}
+
+const TITLES: Record<string, string> = {
+  arm: "Not armed",
+  demonstrate: "The demonstration does not play",
+  select: "Not changed",
+  record: "Not recorded",
+  stop: "Not stopped",
+};
+
+export function title(action: string): string {
+  return TITLES[action] ?? `Refused: ${action}`;
+}

@@ -1,0 +1,78 @@
+/** What is felt on the skin beside what is asked: two pictures of the contact, with one scale. */
+
+import { COLOURS } from "../colours/maps";
+import type { Skinner } from "../field/skinner";
+import type { Skin, State } from "../feed/messages";
+import { floats } from "../feed/numbers";
+import type { Store } from "../feed/store";
+import { PRESSURES } from "../space/maps";
+import type { Space } from "../space/space";
+import { element, get, input, say } from "./dom";
+import { digits } from "./words";
+
+export class Skinning {
+  private readonly made = { asked: get("skin-asked", HTMLCanvasElement), felt: get("skin-felt", HTMLCanvasElement) };
+  private last = 0;
+
+  constructor(
+    store: Store,
+    private readonly skinner: Skinner,
+    private readonly space: Space,
+  ) {
+    input("skin-on").addEventListener("change", () => {
+      skinner.show(input("skin-on").checked);
+      if (!skinner.on) this.clear("–");
+    });
+    store.on("skin", (skin) => this.draw(skin));
+    store.on("state", (state) => {
+      if (store.newest.array?.fields) skinner.follow(state);
+    });
+    store.onBeat("state", (state) => this.say(state));
+    store.on("link", () => skinner.forget());
+  }
+
+  private draw(skin: Skin): void {
+    if (!this.skinner.on) return;
+    const [felt, asked] = [floats(skin.felt), floats(skin.asked)];
+    const top = this.space.paint(skin, felt, asked);
+    paint(this.made.asked, asked, skin.shape, top);
+    paint(this.made.felt, felt, skin.shape, top);
+    say(element("skin-top"), `0 to ${digits(top, 2)} Pa, ${Math.round(1000 * skin.size[0])} mm wide`);
+    this.last = performance.now();
+  }
+
+  private say(state: State): void {
+    const i = state.objects.indexOf(this.skinner.object);
+    const [force, rms, , spill] = floats(state.felt ?? new Uint8Array()).subarray(4 * i, 4 * i + 4);
+    if (i < 0 || !Number.isFinite(force) || !state.asked.length) {
+      if (performance.now() > this.last + 1000) this.clear("no surface or volume is felt");
+      return;
+    }
+    const shares = [force, rms, spill].map((x) => `${digits(100 * (x ?? NaN), 2)} %`);
+    say(element("skin-words"), `${state.objects[i]}: force ${shares[0]}, rms ${shares[1]}, spill ${shares[2]}`);
+    element("skin-maps").hidden = !this.skinner.on;
+  }
+
+  private clear(why: string): void {
+    say(element("skin-words"), why);
+    say(element("skin-top"), "");
+    element("skin-maps").hidden = true;
+    this.skinner.forget();
+    if (this.space.hands.painted) this.space.unpaint();
+  }
+}
+
+function paint(canvas: HTMLCanvasElement, values: Float32Array, [rows, columns]: [number, number], top: number): void {
+  canvas.width = columns;
+  canvas.height = rows;
+  const draw = canvas.getContext("2d");
+  if (!draw) return;
+  const image = draw.createImageData(columns, rows);
+  values.forEach((value, k) => {
+    if (Number.isNaN(value)) return;
+    const row = rows - 1 - Math.floor(k / columns);
+    const colour = 4 * Math.round(Math.min(Math.max(value / top, 0), 1) * (COLOURS - 1));
+    image.data.set(PRESSURES.subarray(colour, colour + 4), 4 * (row * columns + (k % columns)));
+  });
+  draw.putImageData(image, 0, 0);
+}
