@@ -65,8 +65,8 @@ AREAS = {
     ),
     "wire": Area(
         (
-            *(f"{WIRE}/{name}.py" for name in ("bulk", "co*", "objects", "protocol", "replies")),
-            *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "within")),
+            *(f"{WIRE}/{name}.py" for name in ("binary_arrays", "co*", "objects", "protocol", "replies")),
+            *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "error_path")),
         ),
         ("tests/core/wire", "tests/wire"),
     ),
