@@ -45,7 +45,7 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>That of the server's Python, or of this system; "" if there is none in the usual places. program: `pacinian`, or "".</summary>
+        /// <summary>The libzmq of the server's Python, or of this system; "" if neither has one. program: `pacinian`, or "".</summary>
         public static string Find(string program)
         {
             string wheel = program.Length == 0 ? "" : FindInEnvironment(program);
