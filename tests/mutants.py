@@ -65,7 +65,10 @@ AREAS = {
     ),
     "wire": Area(
         (
-            *(f"{WIRE}/{name}.py" for name in ("binary_arrays", "co*", "objects", "protocol", "replies")),
+            *(
+                f"{WIRE}/{name}.py"
+                for name in ("binary_arrays", "co*", "objects", "protocol", "replies")
+            ),
             *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "error_path")),
         ),
         ("tests/core/wire", "tests/wire"),
