@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.viewing.messages import WRONG, History
 from pacinian.wire.codec import decode_state
-from pacinian.wire.state import FrameState, State
+from pacinian.wire.state import FrameState
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +35,7 @@ def history(recorded: Recorded, before: Sequence[Entry], model: Model) -> Histor
                 if isinstance(told, FrameState):
                     size = np.abs(np.frombuffer(model.gains(told) or bytes(8), np.complex64))
                     row[:2] = float(size.mean()), float(size.max())
-                elif isinstance(told, State) and told.asked:
+                elif told.asked:
                     row[2] = told.error
     times = sorted(rows)
     values = np.array([rows[time] for time in times], np.float32).reshape(-1, 3)
