@@ -366,8 +366,8 @@ def test_plugins_that_are_listed_late_are_told(fake: Fake, connection: Path) -> 
 def test_who_comes_later_is_not_told_what_was(
     fake: Fake, url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rest, rests = Hub.rest, threading.Event()
-    monkeypatch.setattr(Hub, "rest", lambda hub: (rest(hub), rests.set()))
+    rest, rests = Hub.set_idle, threading.Event()
+    monkeypatch.setattr(Hub, "set_idle", lambda hub: (rest(hub), rests.set()))
     with Page(url) as page:
         page.next("state")
     assert rests.wait(LIMIT)

@@ -112,7 +112,7 @@ def test_a_browser_is_told_the_address_by_a_file_that_only_the_user_can_read(
     monkeypatch.setattr(browser.webbrowser, "open", keep)
     monkeypatch.setenv("DISPLAY", ":0")
     url = "http://127.0.0.1:5/?token=secret&x=<y>"
-    file = browser.opened(url)
+    file = browser.open_browser(url)
     assert file is not None
     try:
         assert opened == [file.as_uri()]
@@ -129,4 +129,4 @@ def test_without_a_screen_no_browser_is_started(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.setattr(browser.webbrowser, "open", lambda url: pytest.fail("opened"))
-    assert browser.opened("http://127.0.0.1:5/") is None
+    assert browser.open_browser("http://127.0.0.1:5/") is None

@@ -14,8 +14,8 @@ from websockets.asyncio.client import connect
 import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.viewing import feed, run
-from pacinian.viewing.app import app
-from pacinian.viewing.feed import Page
+from pacinian.viewing.app import make_app
+from pacinian.viewing.feed import PageConnection
 from pacinian.viewing.hub import Drive, Hub
 from pacinian.viewing.model import Model
 
@@ -39,7 +39,7 @@ VOLUME: dict[str, Any] = {
 @pytest.fixture(autouse=True)
 def unpaced(monkeypatch: pytest.MonkeyPatch) -> None:
     """A slice may follow another one at once."""
-    monkeypatch.setattr(feed, "SHORTEST", 0.0)
+    monkeypatch.setattr(feed, "MIN_INTERVAL", 0.0)
 
 
 def drive(gain: float) -> Drive:
@@ -75,7 +75,7 @@ class Stage:
         self.hub, self.fields, self.sent = Hub(), Slow(), list[dict[str, Any]]()
         self.room = asyncio.Event()
         self.room.set()
-        self.page = Page(self.hub, self.fields, self._send)  # type: ignore[arg-type]
+        self.page = PageConnection(self.hub, self.fields, self._send)  # type: ignore[arg-type]
 
     async def _send(self, data: bytes) -> None:
         await self.room.wait()
@@ -181,7 +181,7 @@ def test_a_slice_goes_on_when_a_server_that_was_lost_is_back() -> None:
             stage.fields.go.release()
             await settle()
             stage.say(type="seen", id=1)
-            stage.hub.lose("it has gone")
+            stage.hub.disconnect("it has gone")
             await settle()
             stage.hub.drive_by(drive(2.0))
             stage.fields.go.release()
@@ -287,10 +287,12 @@ def test_a_socket_that_is_not_read_holds_up_no_other_and_keeps_little() -> None:
 
     async def main() -> None:
         hub, ended = Hub(), asyncio.Event()
-        with run.bound("127.0.0.1", 0) as listening:
+        with run.bind("127.0.0.1", 0) as listening:
             host = f"127.0.0.1:{listening.getsockname()[1]}"
             fields: Any = Slow()
-            serving = asyncio.create_task(run._serve(app(hub, fields, "key"), listening, ended))
+            serving = asyncio.create_task(
+                run._serve(make_app(hub, fields, "key"), listening, ended)
+            )
             opening = {"origin": f"http://{host}", "max_queue": 1, "compression": None}
             url = f"ws://{host}/feed?token=key"
             async with connect(url, **opening) as slow, connect(url, **opening) as page:

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from pacinian.viewing.hub import EVENTS, Hub
 from pacinian.viewing.messages import Disarm, Hello, Session
-from pacinian.viewing.scenery import Scenery
+from pacinian.viewing.scene_mirror import SceneMirror
 
 if TYPE_CHECKING:
     from pacinian.viewing.hub import View
@@ -69,7 +69,7 @@ def test_views_are_woken_and_may_leave_meanwhile(hub: Hub) -> None:
 
 
 def test_objects_are_told_once_and_those_without_a_pose_are_gone(hub: Hub) -> None:
-    early, scenery = hub.join(lambda: None), Scenery()
+    early, scenery = hub.join(lambda: None), SceneMirror()
     scenery = scenery.with_("hall", {"ball": BALL}, {"ball": POSE})
     hub.show(scenery)
     assert taken(early)[-1]["objects"] == {"ball": {"type": "ball"}}
@@ -89,17 +89,17 @@ def test_objects_are_told_once_and_those_without_a_pose_are_gone(hub: Hub) -> No
 
 def test_after_a_loss_all_is_told_anew(hub: Hub) -> None:
     view = hub.join(lambda: None)
-    scenery = Scenery().with_("hall", {"ball": BALL}, {"ball": POSE})
+    scenery = SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE})
     hub.put("array", b"array")
     hub.show(scenery)
     list(view.take())
-    hub.lose("it has gone")
+    hub.disconnect("it has gone")
     told = dict(view.take())
     assert msgpack.unpackb(told["lost"]) == {"type": "lost", "reason": "it has gone"}
     assert msgpack.unpackb(told["poses"])["poses"] == {}
     assert {kind for kind, _ in hub.join(lambda: None).take()} == {"lost", "poses"}
     hub.put("array", b"array")
-    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    hub.show(SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE}))
     assert {kind for kind, _ in view.take()} == {"array", "scenery"}
     assert "lost" not in dict(hub.join(lambda: None).take())
 
@@ -110,14 +110,14 @@ def test_a_loss_while_a_view_takes_is_told_before_that_objects_are_gone(
 ) -> None:
     view = hub.join(lambda: None)
     hub.put("array", b"array")
-    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    hub.show(SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE}))
     list(view.take())
     for kind in ("record", "frame", "state"):
         hub.put(kind, b"")
     taking = view.take()
     while next(taking)[0] != after:
         pass
-    hub.lose("it has gone")
+    hub.disconnect("it has gone")
     rest = [kind for kind, _ in (*taking, *view.take())]
     assert rest == ["lost", "poses"]
 
@@ -127,14 +127,14 @@ def test_a_server_that_comes_while_a_view_takes_is_told_before_what_it_emits(
     hub: Hub, after: str
 ) -> None:
     view = hub.join(lambda: None)
-    hub.lose("it is not there yet")
+    hub.disconnect("it is not there yet")
     hub.put("record", b"")
     taking = view.take()
     while next(taking)[0] != after:
         pass
     for kind in ("array", "frame", "state"):
         hub.put(kind, b"")
-    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    hub.show(SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE}))
     kinds = [kind for kind, _ in (*taking, *view.take())]
     assert [kind for kind in kinds if kind != "record"] == ["array", "frame", "state", "scenery"]
 
@@ -155,15 +155,15 @@ def test_the_page_that_armed_is_told_so_and_lets_go_when_it_goes(hub: Hub) -> No
     asked: list[tuple[int, object]] = []
     hub.ask = lambda page, what: asked.append((page, what))
     one, other = hub.join(lambda: None), hub.join(lambda: None)
-    hub.agree(OURS, one.number)
+    hub.set_session(OURS, one.number)
     assert [dict(view.take())["session"] for view in (one, other)] != [None, None]
-    hub.agree(OURS, other.number)
+    hub.set_session(OURS, other.number)
     assert [taken(view)[0]["mine"] for view in (one, other)] == [False, True]
     hub.leave(one)
     assert not asked
     hub.leave(other)
     assert asked == [(other.number, Disarm())]
-    hub.agree(OURS, one.number)  # which it had asked for before it went
+    hub.set_session(OURS, one.number)  # which it had asked for before it went
     assert asked[1:] == [(one.number, Disarm())]
-    hub.agree(replace(OURS, armed=False), one.number)
+    hub.set_session(replace(OURS, armed=False), one.number)
     assert len(asked) == 2

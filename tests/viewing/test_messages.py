@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pacinian.errors import WireError
-from pacinian.viewing.messages import MOST_POINTS, Slice, Volume, understood
+from pacinian.viewing.messages import MAX_POINTS, Slice, Volume, decode_message
 
 SLICE: dict[str, Any] = {
     "type": "slice", "id": 1, "centre": [0, 0, 0.1], "u": [1, 0, 0], "v": [0, 1, 0], "size": [0.1, 0.2],
@@ -35,7 +35,7 @@ PLAIN = st.recursive(
 
 
 def asked(message: Any) -> Any:
-    return understood(msgpack.packb(message) or b"")
+    return decode_message(msgpack.packb(message) or b"")
 
 
 def test_a_slice_and_a_volume_are_understood() -> None:
@@ -44,7 +44,7 @@ def test_a_slice_and_a_volume_are_understood() -> None:
     )
     volume = asked(VOLUME)
     assert isinstance(volume, Volume)
-    assert MOST_POINTS == 64**3
+    assert MAX_POINTS == 64**3
     assert asked({**SLICE, "later": [1, {"a": None}]}) == asked(SLICE)
 
 
@@ -75,7 +75,7 @@ def test_what_cannot_be_meant_is_refused(message: Any) -> None:
 @given(st.binary(max_size=200))
 def test_bytes_are_understood_or_refused(data: bytes) -> None:
     with contextlib.suppress(WireError):
-        understood(data)
+        decode_message(data)
 
 
 @given(st.sampled_from([SLICE, VOLUME]), st.data(), PLAIN)
@@ -89,4 +89,4 @@ def test_a_field_of_any_kind_is_understood_or_refused(
 
 def test_deep_nesting_is_refused() -> None:
     with pytest.raises(WireError):
-        understood(b"\x82\xa4type\xa5slice\xa1x" + b"\x91" * 50_000 + b"\xc0")
+        decode_message(b"\x82\xa4type\xa5slice\xa1x" + b"\x91" * 50_000 + b"\xc0")

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.control.status import describe_sound
-from pacinian.viewing.model import EDGES, Model, histogram
+from pacinian.viewing.model import EDGES, Model, make_histogram
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities
 from pacinian.wire.state import FrameState
@@ -83,7 +83,7 @@ def test_levels_are_what_the_device_makes_of_them(sizes: tuple[float, ...]) -> N
 
 def test_a_histogram_has_the_edges_of_the_wire() -> None:
     counts = np.arange(64, dtype="<u4")
-    made = histogram(counts.tobytes(), 500.0)
+    made = make_histogram(counts.tobytes(), 500.0)
     assert made.counts == tuple(range(64))
     assert (len(made.edges_ms), made.deadline_ms) == (65, 2.0)
     assert made.edges_ms == EDGES

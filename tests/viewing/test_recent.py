@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pacinian.viewing.recent import MAX_FRAMES, MODULATED_SPAN, MOVING_SPAN, RecentFrames
+from pacinian.viewing.recent_frames import MAX_FRAMES, MODULATED_SPAN, MOVING_SPAN, RecentFrames
 from pacinian.wire.objects import Point
 from pacinian.wire.time import AM
 

@@ -19,13 +19,13 @@ from pacinian.rendering.recording import Recorder as Tape
 from pacinian.rendering.recording import Tick
 from pacinian.serving.render import status
 from pacinian.testing import ManualClock
+from pacinian.viewing.feed_file import FeedFile, FeedRecorder, FeedWriter
+from pacinian.viewing.feed_player import FeedPlayer
 from pacinian.viewing.hub import Hub
-from pacinian.viewing.messages import Lost, Replay, told
-from pacinian.viewing.past import Past
-from pacinian.viewing.player import Player
-from pacinian.viewing.recorded import Recorded, Recorder, Writer
-from pacinian.viewing.run import opened
-from pacinian.viewing.scenery import Scenery
+from pacinian.viewing.messages import Lost, Replay, encode_message
+from pacinian.viewing.run import open_view
+from pacinian.viewing.scene_mirror import SceneMirror
+from pacinian.viewing.tick_stats import TickStats
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,7 +52,7 @@ def state(sequence: int) -> bytes:
 @pytest.fixture
 def feed(tmp_path: Path) -> Path:
     """Ten states a second for 10 s; a ball that comes at 2 s and goes at 5 s; lost at 9 s."""
-    writer, scenery = Writer(tmp_path / "a.feed"), Scenery()
+    writer, scenery = FeedWriter(tmp_path / "a.feed"), SceneMirror()
     for i in range(100):
         at = 0.1 * i
         if i == 20:
@@ -62,7 +62,7 @@ def feed(tmp_path: Path) -> Path:
             before, scenery = scenery, scenery.with_("hall", {}, {})
             writer.write(at, *scenery.told(before.version))
         if i == 90:
-            writer.write(at, "lost", told(Lost(reason="gone")))
+            writer.write(at, "lost", encode_message(Lost(reason="gone")))
             break
         writer.write(at, "state", state(i))
     writer.close()
@@ -74,8 +74,8 @@ class Shown:
 
     def __init__(self, path: Path) -> None:
         self.hub = Hub()
-        self.recorded = Recorded(path)
-        self.player = Player(self.hub, self.recorded)
+        self.recorded = FeedFile(path)
+        self.player = FeedPlayer(self.hub, self.recorded)
         self.view = self.hub.join(lambda: None)
 
     def at(self, time: float, **more: Any) -> dict[str, Any]:
@@ -122,7 +122,7 @@ def test_a_file_that_was_cut_off_is_whole_as_far_as_it_goes(feed: Path) -> None:
     data = feed.read_bytes()
     for length in range(len(data) - 400, len(data), 7):
         feed.write_bytes(data[:length])
-        recorded = Recorded(feed)
+        recorded = FeedFile(feed)
         assert len(recorded.entries) >= 85
         recorded.close()
 
@@ -136,9 +136,9 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
     ):  # fmt: skip
         path.write_bytes(content or b"")
         with pytest.raises(pc.RecordingError, match=problem):
-            Recorded(path)
+            FeedFile(path)
     for missing in (tmp_path / "y", tmp_path):
-        with pytest.raises(pc.RecordingError, match="cannot be read"), opened(missing):
+        with pytest.raises(pc.RecordingError, match="cannot be read"), open_view(missing):
             pass
 
 
@@ -161,19 +161,19 @@ def test_damage_raises_or_is_left_out(feed: Path, data: st.DataObject) -> None:
 
 def test_a_recorder_writes_what_a_page_is_told_from_order_to_order(tmp_path: Path) -> None:
     hub = Hub()
-    recorder = Recorder(hub, tmp_path)
+    recorder = FeedRecorder(hub, tmp_path)
     view = hub.join(lambda: None)
     hub.put("state", state(1))
     hub.record(view.number, True)
     hub.record(view.number, True)  # it is
-    hub.show(Scenery().with_("hall", {"ball": BALL}, {"ball": POSE}))
+    hub.show(SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE}))
     hub.put("state", state(2))
     hub.refuse(0, "arm", "is not recorded")
     hub.record(view.number, False)
     hub.put("state", state(3))
     recorder.close()
     (file,) = tmp_path.iterdir()
-    recorded = Recorded(file)
+    recorded = FeedFile(file)
     kinds = [entry.kind for entry in recorded.entries]
     assert "scenery" in kinds
     sequences = [
@@ -188,7 +188,7 @@ def test_a_recorder_writes_what_a_page_is_told_from_order_to_order(tmp_path: Pat
 
 def test_recordings_begun_in_the_same_second_are_two_files(tmp_path: Path) -> None:
     hub = Hub()
-    recorder = Recorder(hub, tmp_path)
+    recorder = FeedRecorder(hub, tmp_path)
     for on in (True, False, True, False):
         hub.record(0, on)
     recorder.close()
@@ -200,7 +200,7 @@ def test_a_full_disk_ends_a_recording_and_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hub = Hub()
-    Recorder(hub, tmp_path)
+    FeedRecorder(hub, tmp_path)
     view = hub.join(lambda: None)
     hub.record(0, True)
     (file,) = tmp_path.iterdir()
@@ -217,7 +217,7 @@ def test_a_full_disk_ends_a_recording_and_is_told(
 
 def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
     hub = Hub()
-    Recorder(hub, tmp_path / "none")
+    FeedRecorder(hub, tmp_path / "none")
     view = hub.join(lambda: None)
     hub.record(view.number, True)
     told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
@@ -248,9 +248,9 @@ OWN = pc.SDF(lambda q: np.sqrt((q * q).sum(axis=1)) - 0.01, (0.01, 0.01, 0.01))
 
 def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: Path) -> None:
     rendered(tmp_path / "r.pac")
-    with opened(tmp_path / "r.pac") as recorded:
+    with open_view(tmp_path / "r.pac") as recorded:
         hub = Hub()
-        player, view = Player(hub, recorded), hub.join(lambda: None)
+        player, view = FeedPlayer(hub, recorded), hub.join(lambda: None)
         assert 0.4 < recorded.duration < 0.5
         player.ask(0, Replay(time=recorded.duration, playing=False))
         player.show()
@@ -269,7 +269,7 @@ def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: 
 
 def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path) -> None:
     renderer = rendered(tmp_path / "r.pac", 0.49)
-    with opened(tmp_path / "r.pac", samples=True) as recorded:
+    with open_view(tmp_path / "r.pac", samples=True) as recorded:
         states = [msgpack.unpackb(recorded.data(e)) for e in recorded.entries if e.kind == "state"]
     wanted = status.make_status(renderer, 0.48)  # as the last tick left it
     assert states[-1]["ticks"] == wanted["ticks"] == 49
@@ -282,7 +282,7 @@ def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path)
 
 def test_how_long_a_renderers_ticks_took_is_replayed(tmp_path: Path) -> None:
     frame = Frame(1, 0.0, np.zeros((1, 2), np.uint16), np.zeros((1, 2), np.uint16))
-    past = Past(1e-3)
+    past = TickStats(1e-3)
     assert past.tick_ms == (0.0, 0.0, 0.0)
     assert not any(past.histogram.counts)
     for k in range(1500):  # late ones are of before the last second
@@ -305,7 +305,7 @@ def test_frames_that_are_others_when_rendered_again_are_told(tmp_path: Path) -> 
         if "phase" in tick:
             tick["phase"] = bytes(len(tick["phase"]))
     (tmp_path / "s.pac").write_bytes(b"".join(map(msgpack.packb, maps)))
-    with opened(tmp_path / "s.pac", samples=True) as recorded:
+    with open_view(tmp_path / "s.pac", samples=True) as recorded:
         (*_, last) = (e for e in recorded.entries if e.kind == "state")
         (fault,) = msgpack.unpackb(recorded.data(last))["faults"]
     assert fault.endswith("rendered again, are not what was sent")
@@ -316,11 +316,11 @@ def test_what_lacks_its_scenes_cannot_be_rendered_again(tmp_path: Path) -> None:
     item = pc.Volume(shape=OWN, pose=at, radiation_pressure=1.0)
     with pc.Renderer(pc.autd(), pc.Scene((item,)), clock=ManualClock(), recorder=tape) as made:
         made.tick()
-    with opened(tmp_path / "r.pac") as recorded:
+    with open_view(tmp_path / "r.pac") as recorded:
         assert len(recorded.entries) > 2
     with (
         pytest.raises(pc.RecordingError, match="lacks the scene"),
-        opened(tmp_path / "r.pac", samples=True),
+        open_view(tmp_path / "r.pac", samples=True),
     ):
         pass
 

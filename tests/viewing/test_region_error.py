@@ -11,7 +11,7 @@ import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian.viewing.region_error import Regions, error, felt_and_asked, nearest_places
+from pacinian.viewing.region_error import Regions, compute_error, felt_and_asked, nearest_places
 from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import state
@@ -112,10 +112,10 @@ def test_the_error_is_the_mean_of_all_frames_less_what_was_asked() -> None:
     assert (places.asked > 0.0).sum() == 12
     p = np.array([pc.field(ARRAY, g, places.points, AIR, "double") for g in TWO])
     wanted = pc.radiation_pressure(p, AIR).mean(axis=0) - places.asked
-    found = error(ARRAY, AIR, TWO, at, UP, told)
+    found = compute_error(ARRAY, AIR, TWO, at, UP, told)
     assert np.isnan(found).sum() == len(at) - len(places.rows)
     np.testing.assert_allclose(found[places.rows], wanted, atol=1e-3 * np.abs(wanted).max())
-    silent = error(ARRAY, AIR, TWO[:0], at, UP, told)
+    silent = compute_error(ARRAY, AIR, TWO[:0], at, UP, told)
     np.testing.assert_array_equal(silent[places.rows], -places.asked)
 
 
@@ -133,7 +133,7 @@ def test_on_skin_sound_counts_along_the_normal_less_what_the_hand_hides() -> Non
     each = np.array([pc.field(ARRAY, g, places.points, AIR, "double") for g in np.eye(249)]).T
     p = ((weights * each)[None] * TWO[:, None].astype(complex)).sum(axis=2)
     wanted = pc.radiation_pressure(p, AIR).mean(axis=0) - places.asked
-    found = error(ARRAY, AIR, TWO, at, UP, told)[places.rows]
+    found = compute_error(ARRAY, AIR, TWO, at, UP, told)[places.rows]
     np.testing.assert_allclose(found, wanted, atol=2e-3 * np.abs(wanted).max())
 
 
@@ -148,7 +148,7 @@ def test_a_slice_through_a_region_has_the_figures_that_are_felt() -> None:
     told = regions(samples, np.full(121, asked))
     y = 0.0004 * (np.arange(100) - 49.5)
     at = np.stack([*np.meshgrid(y, y), np.full((100, 100), 0.2)], axis=-1).reshape(-1, 3)
-    found = error(array, AIR, solution.gains[None], at, UP, told)
+    found = compute_error(array, AIR, solution.gains[None], at, UP, told)
     inside = np.abs(at).max(axis=1, initial=0.0, where=[True, True, False]) < 0.015
     e, beside = found[inside], found[~inside]
     felt = FeltRegion(

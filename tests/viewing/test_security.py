@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.errors import ServerError
 from pacinian.viewing import app as app_module
 from pacinian.viewing.app import allowed
-from pacinian.viewing.run import bound
+from pacinian.viewing.run import bind
 
 from .watching import Page, viewer
 
@@ -108,8 +108,8 @@ def test_no_file_but_the_pages_is_served(url: str, path: str) -> None:
 
 
 def test_a_missing_page_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert app_module.app.__defaults__ == (app_module.PAGE,)
-    monkeypatch.setattr(app_module.app, "__defaults__", (tmp_path,))
+    assert app_module.make_app.__defaults__ == (app_module.PAGE,)
+    monkeypatch.setattr(app_module.make_app, "__defaults__", (tmp_path,))
     with viewer(tmp_path / "no server") as url:
         response = asked(url, "localhost")
         assert response.status == 503
@@ -127,9 +127,9 @@ def test_a_name_and_an_origin_go_together() -> None:
 @pytest.mark.parametrize("host", ["0.0.0.0", "192.168.1.1", "::", "example.org", ""])
 def test_it_listens_on_this_machine_only(host: str) -> None:
     with pytest.raises(pc.ArgumentError, match="of this machine alone"):
-        bound(host, 0)
+        bind(host, 0)
 
 
 def test_a_port_that_is_taken_is_told() -> None:
-    with bound("localhost", 0) as first, pytest.raises(ServerError, match="cannot be bound"):
-        bound("127.0.0.1", first.getsockname()[1])
+    with bind("localhost", 0) as first, pytest.raises(ServerError, match="cannot be bound"):
+        bind("127.0.0.1", first.getsockname()[1])

@@ -23,8 +23,15 @@ from pacinian.viewing import slices
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
 from pacinian.viewing.model import Model
-from pacinian.viewing.region_error import Regions, error
-from pacinian.viewing.slices import MAX_FIELDS, Fields, compress, grid, interpolated, pressure
+from pacinian.viewing.region_error import Regions, compute_error
+from pacinian.viewing.slices import (
+    MAX_FIELDS,
+    FieldWorker,
+    compress_gains,
+    compute_pressure,
+    interpolate_pressure,
+    make_grid,
+)
 
 from ..waiting import eventually
 from .watching import LIMIT
@@ -50,7 +57,7 @@ HERE = Slice(
 def test_points_of_a_slice_are_the_middles_of_its_cells(turn: float, rows: int, cols: int) -> None:
     u, v = (math.cos(turn), math.sin(turn), 0.0), (-math.sin(turn), math.cos(turn), 0.0)
     asked = Slice(id=1, centre=(0.1, 0.2, 0.3), u=u, v=v, size=(0.5, 0.2), shape=(rows, cols))
-    found = grid(asked).points
+    found = make_grid(asked).points
     assert np.allclose(found.mean(axis=(0, 1)), asked.centre)
     assert np.allclose(found[0, 1] - found[0, 0], 0.5 / cols * np.array(u))
     assert np.allclose(found[1, 0] - found[0, 0], 0.2 / rows * np.array(v))
@@ -61,21 +68,21 @@ def test_points_of_a_slice_are_the_middles_of_its_cells(turn: float, rows: int, 
 
 def test_points_of_a_volume_count_the_last_side_fastest() -> None:
     asked = Volume(id=1, origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(2, 3, 4))
-    found = grid(asked).points.reshape(-1, 3)
+    found = make_grid(asked).points.reshape(-1, 3)
     assert found[1].tolist() == [1.0, 2.0, 3.5]
     assert found[4].tolist() == [1.0, 2.5, 3.0]
     assert found[-1].tolist() == [1.5, 3.0, 4.5]
 
 
 def exactly(asked: Slice | Volume, begin: int = 0, end: int = 1 << 20) -> bytes:
-    return pressure(DRIVE.model.packed, DRIVE.gains, grid(asked), begin, end)
+    return compute_pressure(DRIVE.model.packed, DRIVE.gains, make_grid(asked), begin, end)
 
 
 def test_pressures_are_those_of_the_reference_and_nan_on_a_transducer() -> None:
     on = msgspec.structs.replace(HERE, centre=tuple(ARRAY.positions[7].tolist()), shape=(31, 41))
     for asked in (HERE, on):
         found = np.frombuffer(exactly(asked), "<f4")
-        at = grid(asked).points.reshape(-1, 3)
+        at = make_grid(asked).points.reshape(-1, 3)
         free = np.isfinite(found)
         assert len(found) - free.sum() == (asked is on)
         wanted = pc.radiation_pressure(pc.field(ARRAY, GAINS, at[free], AIR, "double"), AIR)
@@ -93,15 +100,15 @@ def workers() -> list[psutil.Process]:
 
 
 @pytest.fixture
-def fields(monkeypatch: pytest.MonkeyPatch) -> Iterator[Fields]:
+def fields(monkeypatch: pytest.MonkeyPatch) -> Iterator[FieldWorker]:
     monkeypatch.setattr(slices, "CALM", 1)  # no test waits for an idle machine
-    made = Fields()
+    made = FieldWorker()
     yield made
     made.close()
     assert not psutil.wait_procs(workers(), LIMIT)[1]
 
 
-def computed(fields: Fields, *asked: Any, wanted: Any = lambda: True) -> list[bytes | None]:
+def computed(fields: FieldWorker, *asked: Any, wanted: Any = lambda: True) -> list[bytes | None]:
     async def run() -> list[bytes | None]:
         each = [fields.pressure(one, DRIVE, wanted) for one in asked]
         return list(await asyncio.gather(*each))
@@ -113,36 +120,39 @@ def test_the_mean_of_all_frames_is_shown() -> None:
     frames = np.stack([GAINS, np.exp(-0.3j * np.arange(len(ARRAY))).astype(np.complex64)])
     for asked in (HERE, msgspec.structs.replace(HERE, shape=(120, 160))):
         each = [
-            np.frombuffer(pressure(DRIVE.model.packed, g.tobytes(), grid(asked), 0, 1 << 20), "<f4")
+            np.frombuffer(
+                compute_pressure(DRIVE.model.packed, g.tobytes(), make_grid(asked), 0, 1 << 20),
+                "<f4",
+            )
             for g in frames
         ]
         wanted = np.mean(each, axis=0)
         assert np.abs(each[0] - each[1]).max() > 0.5 * wanted.max()
-        whole = pressure(DRIVE.model.packed, frames.tobytes(), grid(asked), 0, 1 << 20)
+        whole = compute_pressure(DRIVE.model.packed, frames.tobytes(), make_grid(asked), 0, 1 << 20)
         np.testing.assert_allclose(np.frombuffer(whole, "<f4"), wanted, rtol=1e-5)
-    fast = interpolated(DRIVE.model.packed, frames.tobytes(), grid(asked))
+    fast = interpolate_pressure(DRIVE.model.packed, frames.tobytes(), make_grid(asked))
     assert np.abs(np.frombuffer(fast, "<f4") - wanted).max() < 4e-3 * wanted.max()
     highest = np.max(each, axis=0)
-    for compute, tolerance in ((interpolated, 4e-3), (at_once, 1e-4)):
+    for compute, tolerance in ((interpolate_pressure, 4e-3), (at_once, 1e-4)):
         found = np.frombuffer(
-            compute(DRIVE.model.packed, frames.tobytes(), grid(asked), peak=True), "<f4"
+            compute(DRIVE.model.packed, frames.tobytes(), make_grid(asked), peak=True), "<f4"
         )
         assert np.abs(found - highest).max() < tolerance * highest.max()
 
 
 def at_once(model: bytes, gains: bytes, where: InterpolatedField, *, peak: bool) -> bytes:
-    return pressure(model, gains, where, 0, 1 << 20, peak)
+    return compute_pressure(model, gains, where, 0, 1 << 20, peak)
 
 
-def test_many_frames_of_one_modulation_cost_one_field(fields: Fields) -> None:
+def test_many_frames_of_one_modulation_cost_one_field(fields: FieldWorker) -> None:
     strengths = np.sqrt(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(16) / 16))
     frames = (strengths[:, None] * GAINS).astype(np.complex64)
-    basis, shares = compress(frames)
+    basis, shares = compress_gains(frames)
     assert len(basis) == 1
     np.testing.assert_allclose(shares @ basis, frames, atol=1e-5)
     rng = np.random.default_rng(0)
     others = np.exp(1j * rng.uniform(0.0, 6.0, (40, len(ARRAY)))).astype(np.complex64)
-    basis, shares = compress(others)
+    basis, shares = compress_gains(others)
     assert len(basis) == len(shares) == MAX_FIELDS
     np.testing.assert_allclose(shares @ basis, others[-MAX_FIELDS:], atol=1e-4)
     (whole,) = computed(fields, HERE)
@@ -163,7 +173,7 @@ def test_many_frames_of_one_modulation_cost_one_field(fields: Fields) -> None:
 
 
 def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
-    fields: Fields,
+    fields: FieldWorker,
 ) -> None:
     asked = msgspec.structs.replace(HERE, of="error")
     (nowhere,) = computed(fields, asked)
@@ -178,14 +188,14 @@ def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
     )  # fmt: skip
     found = asyncio.run(fields.pressure(asked, DRIVE._replace(regions=told), lambda: True))
     across = np.cross(asked.u, asked.v)
-    at = grid(asked).points.reshape(-1, 3)
-    wanted = error(ARRAY, AIR, GAINS[None], at, across, told)
+    at = make_grid(asked).points.reshape(-1, 3)
+    wanted = compute_error(ARRAY, AIR, GAINS[None], at, across, told)
     np.testing.assert_array_equal(np.frombuffer(found or b"", "<f4"), wanted.astype("<f4"))
     assert 0 < np.isfinite(wanted).sum() < len(wanted)
 
 
 def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
-    fields: Fields, monkeypatch: pytest.MonkeyPatch
+    fields: FieldWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = exactly(HERE)
     monkeypatch.setattr(slices, "PAIRS", 300.0 * len(ARRAY))
@@ -205,7 +215,7 @@ def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
         assert os.getsid(worker.pid) == worker.pid
 
 
-def test_silence_takes_no_process(fields: Fields) -> None:
+def test_silence_takes_no_process(fields: FieldWorker) -> None:
     quiet = DRIVE._replace(gains=b"")
     found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
     assert found == bytes(4 * 30 * 40)
@@ -213,11 +223,11 @@ def test_silence_takes_no_process(fields: Fields) -> None:
 
 
 def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
-    fields: Fields,
+    fields: FieldWorker,
 ) -> None:
     fine = msgspec.structs.replace(HERE, shape=(120, 160))
     (found,) = computed(fields, fine)
-    assert found == interpolated(DRIVE.model.packed, DRIVE.gains, grid(fine))
+    assert found == interpolate_pressure(DRIVE.model.packed, DRIVE.gains, make_grid(fine))
     wanted = np.frombuffer(exactly(fine), "<f4")
     assert np.abs(np.frombuffer(found or b"", "<f4") - wanted).max() < 2e-3 * wanted.max()
     (worker,) = workers()
@@ -229,7 +239,7 @@ def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
     other.wait(LIMIT)
 
 
-def test_what_is_being_computed_at_the_end_starts_no_other_process(fields: Fields) -> None:
+def test_what_is_being_computed_at_the_end_starts_no_other_process(fields: FieldWorker) -> None:
     async def end() -> None:
         task = asyncio.create_task(fields.pressure(HERE, DRIVE, lambda: True))
         while not workers():
@@ -247,7 +257,7 @@ import asyncio, pathlib, sys, time
 import pacinian as pc
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.model import Model
-from pacinian.viewing.slices import MAX_FIELDS, Fields
+from pacinian.viewing.slices import MAX_FIELDS, FieldWorker
 
 def for_ever(model, gains, begun):
     pathlib.Path(begun).touch()
@@ -255,7 +265,7 @@ def for_ever(model, gains, begun):
         time.sleep(1.0)
 
 async def main():
-    fields = Fields()
+    fields = FieldWorker()
     try:
         await fields._done(for_ever, Drive(Model(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
     finally:

@@ -48,14 +48,14 @@ def view(
     if samples:
         click.echo(f"{recording}: rendering its samples, which takes as long as the run", err=True)
 
-    from pacinian.viewing.browser import opened
+    from pacinian.viewing.browser import open_browser
     from pacinian.viewing.run import view as run
 
     with contextlib.ExitStack() as stack:
 
         def ready(url: str) -> None:
             click.echo(f"view: {url}")
-            if not no_browser and (file := opened(url)) is not None:
+            if not no_browser and (file := open_browser(url)) is not None:
                 stack.callback(file.unlink, missing_ok=True)
 
         async def until_ended() -> None:

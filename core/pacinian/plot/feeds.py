@@ -9,8 +9,8 @@ import msgspec
 import numpy as np
 
 from pacinian.errors import RecordingError
-from pacinian.viewing.messages import WRONG, ArrayTold
-from pacinian.viewing.recorded import Recorded
+from pacinian.viewing.feed_file import FeedFile
+from pacinian.viewing.messages import WRONG, ArrayMessage
 from pacinian.wire.codec import decode_state
 from pacinian.wire.state import FrameState
 
@@ -38,11 +38,11 @@ def watched(path: Path) -> Watched:
     """Read a file; skip damaged messages. Raises RecordingError."""
     drive, states = list[tuple[float, ...]](), list[tuple[float, ...]]()
     sizes = b""
-    with closing(Recorded(path)) as recorded:
+    with closing(FeedFile(path)) as recorded:
         for at, kind, data in ((e.at, e.kind, recorded.data(e)) for e in recorded.entries):
             with suppress(*WRONG):
                 if kind == "array":
-                    sound = msgspec.msgpack.decode(data, type=ArrayTold).sound
+                    sound = msgspec.msgpack.decode(data, type=ArrayMessage).sound
                     sizes = b"" if sound is None else sound.sizes
                 elif kind in ("frame", "state"):
                     told = decode_state(data)

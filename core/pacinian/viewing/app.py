@@ -22,13 +22,13 @@ try:
 except ImportError as error:
     raise MissingExtra("starlette", "view") from error
 
-from pacinian.viewing.feed import Page
+from pacinian.viewing.feed import PageConnection
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
     from pacinian.viewing.hub import Hub
-    from pacinian.viewing.slices import Fields
+    from pacinian.viewing.slices import FieldWorker
 
 log = logging.getLogger(__name__)
 PAGE = Path(__file__).parent / "page"
@@ -47,7 +47,7 @@ HEADERS = {
 UNBUILT = "This installation has no page: with Node.js (npm) there, `pip install` Pacinian again."
 
 
-def app(hub: Hub, fields: Fields, token: str, page: Path = PAGE) -> ASGIApp:
+def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> ASGIApp:
     """The application. token: of those who may open the feed. page: folder of what the browser loads."""
 
     async def feed(socket: WebSocket) -> None:
@@ -63,7 +63,7 @@ def app(hub: Hub, fields: Fields, token: str, page: Path = PAGE) -> ASGIApp:
             except RuntimeError as error:  # it has been closed meanwhile
                 raise WebSocketDisconnect from error
 
-        await _talk(socket, Page(hub, fields, send))
+        await _talk(socket, PageConnection(hub, fields, send))
 
     async def unbuilt(scope: Scope, receive: Receive, send: Send) -> None:
         await PlainTextResponse(UNBUILT, 503)(scope, receive, send)
@@ -71,10 +71,10 @@ def app(hub: Hub, fields: Fields, token: str, page: Path = PAGE) -> ASGIApp:
     built = (page / "index.html").is_file()
     files: ASGIApp = StaticFiles(directory=page, html=True) if built else unbuilt
     made = Starlette(routes=[WebSocketRoute("/feed", feed), Mount("/", files)])
-    return Guard(made)
+    return HostGuard(made)
 
 
-async def _talk(socket: WebSocket, page: Page) -> None:
+async def _talk(socket: WebSocket, page: PageConnection) -> None:
     """Until the page goes."""
     tasks = [asyncio.create_task(page.run()), asyncio.create_task(_listen(socket, page))]
     try:
@@ -91,7 +91,7 @@ async def _talk(socket: WebSocket, page: Page) -> None:
                 await socket.close(FAILED)
 
 
-async def _listen(socket: WebSocket, page: Page) -> None:
+async def _listen(socket: WebSocket, page: PageConnection) -> None:
     while (message := await socket.receive())["type"] == "websocket.receive":
         page.hear(message.get("bytes") or b"")
         await asyncio.sleep(0.0)  # others' turn, however much this one says
@@ -105,7 +105,7 @@ def _gone(error: Exception) -> bool:
     return isinstance(error, WebSocketDisconnect)
 
 
-class Guard:
+class HostGuard:
     """Lets in who calls us by a name of this machine, and of websockets only those of our own page.
 
     So no name that resolves to this machine by another's will, and no other site's page, gets to the feed.

@@ -20,7 +20,7 @@ from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.demonstration import Demonstration
 from pacinian.viewing.messages import Alive, Arm, Demonstrate, Disarm, Reset, Select, Session, Stop
-from pacinian.viewing.states import States
+from pacinian.viewing.states import StateReader
 from pacinian.wire.convert_time import technique_to_scene
 
 if TYPE_CHECKING:
@@ -141,14 +141,14 @@ class Bridge:
             self._lost = str(error)
             if not isinstance(error, PacinianError):
                 log.error("the viewer cannot go on with this server", exc_info=error)
-            self._post(self._hub.lose, self._lost)
+            self._post(self._hub.disconnect, self._lost)
         self._ended.wait(AGAIN)
 
     def _watch(self, client: Client, connection: Connection) -> None:
         """One session, until it is lost, another scene is joined, or this ends."""
         self._owner, self._armed, self._told, scene = 0, False, None, self._scene
         self._selected.clear()
-        with States(client, connection, self._hub, self._post) as states:
+        with StateReader(client, connection, self._hub, self._post) as states:
             self._lost, due = "", time.perf_counter()
             while not self._ended.is_set():
                 self._obey(client, due)
@@ -232,7 +232,7 @@ class Bridge:
         session = Session(name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False)
         if (session, self._owner) != self._told:
             self._told = session, self._owner
-            self._post(self._hub.agree, *self._told)
+            self._post(self._hub.set_session, *self._told)
 
     def _refuse(self, page: int, asked: AnyAsked, error: Exception) -> None:
         advice = error.advice if isinstance(error, Refused) else ""

@@ -12,7 +12,7 @@ from pathlib import Path
 PAGE = '<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url={url}"><title>Pacinian</title>\n'
 
 
-def opened(url: str) -> Path | None:
+def open_browser(url: str) -> Path | None:
     """Open it, if there is a screen; return a file to be removed later, or None if there is none.
 
     The address goes through that file, which only the user can read: a program's arguments anybody can.

@@ -69,11 +69,11 @@ class Demonstration:
         try:
             with Client(self._where, name=NAME) as client:
                 client.put(BALL)
-                client.hands(hand(0.0))
+                client.hands(make_hand(0.0))
                 client.arm()
                 begin = time.perf_counter()
                 while self._goes_on():
-                    client.hands(hand(time.perf_counter() - begin), wait=False)
+                    client.hands(make_hand(time.perf_counter() - begin), wait=False)
                     client.hold(EVERY)
         except ConnectionLost:
             pass  # the pages are told by the viewer's own session
@@ -87,7 +87,7 @@ class Demonstration:
         return lives and not self._ended.is_set()
 
 
-def hand(t: float) -> Hand:
+def make_hand(t: float) -> Hand:
     """The hand after t seconds [s]."""
     turn = 2.0 * math.pi * t / TURN
     return Hand.open(

@@ -13,28 +13,30 @@ from pacinian.viewing.messages import (
     Record,
     Seen,
     Skin,
-    SkinTold,
+    SkinMessage,
     Slice,
-    SliceTold,
+    SliceMessage,
     Volume,
-    VolumeTold,
-    told,
-    understood,
+    VolumeMessage,
+    decode_message,
+    encode_message,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from pacinian.viewing.hub import Drive, Hub
-    from pacinian.viewing.slices import Fields
+    from pacinian.viewing.slices import FieldWorker
 
-SHORTEST = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
+MIN_INTERVAL = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
 
 
-class Page:
+class PageConnection:
     """A page that is open. send: takes a message, and returns when there is room for another."""
 
-    def __init__(self, hub: Hub, fields: Fields, send: Callable[[bytes], Awaitable[None]]) -> None:
+    def __init__(
+        self, hub: Hub, fields: FieldWorker, send: Callable[[bytes], Awaitable[None]]
+    ) -> None:
         self._hub, self._fields, self._send = hub, fields, send
         self._fresh = asyncio.Event()
         self._windows = {name: Window(name) for name in ("slice", "volume", "skin")}
@@ -52,7 +54,7 @@ class Page:
     def hear(self, data: bytes) -> None:
         """Do what the page says; what cannot be meant is refused."""
         try:
-            asked = understood(data)
+            asked = decode_message(data)
         except WireError as error:
             self._refuse("message", str(error))
             return
@@ -109,7 +111,7 @@ class Page:
                 continue
             window.unseen = asked.id
             await self._send(_told(asked, pressure, drive))
-            await asyncio.sleep(begin + SHORTEST - time.perf_counter())
+            await asyncio.sleep(begin + MIN_INTERVAL - time.perf_counter())
 
 
 class Window:
@@ -142,22 +144,22 @@ class Window:
 def _told(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
     if isinstance(asked, Skin):
         felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
-        return told(
-            SkinTold(
+        return encode_message(
+            SkinMessage(
                 id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
                 shape=asked.shape, felt=felt, asked=wanted, time=drive.time,
             )
         )  # fmt: skip
     if isinstance(asked, Slice):
-        return told(
-            SliceTold(
+        return encode_message(
+            SliceMessage(
                 id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
                 shape=asked.shape, of=asked.of, over=asked.over, frames=drive.frames(asked),
                 pressure=pressure, time=drive.time,
             )
         )  # fmt: skip
-    return told(
-        VolumeTold(
+    return encode_message(
+        VolumeMessage(
             id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
             pressure=pressure, time=drive.time,
         )

@@ -14,14 +14,14 @@ from pacinian.wire.state import FrameState
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from pacinian.viewing.feed_file import Entry, FeedFile
     from pacinian.viewing.model import Model
-    from pacinian.viewing.recorded import Entry, Recorded
 
 SPAN = 30.0  # [s] that the charts show
 MAX_MESSAGES = 240  # of each kind that are looked at
 
 
-def history(recorded: Recorded, before: Sequence[Entry], model: Model) -> History:
+def collect_history(recorded: FeedFile, before: Sequence[Entry], model: Model) -> History:
     """Of the last `SPAN` seconds of the entries `before` a time; messages that are damaged are left out."""
     begin = before[-1].at - SPAN if before else 0.0
     late = [entry for entry in before if entry.at >= begin]

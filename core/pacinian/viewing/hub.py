@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.viewing.messages import Disarm, Lost, Refused, Session, Slice, told
-from pacinian.viewing.scenery import Scenery
+from pacinian.viewing.messages import Disarm, Lost, Refused, Session, Slice, encode_message
+from pacinian.viewing.scene_mirror import SceneMirror
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from pacinian.viewing.messages import AnyAsked, Told, Volume
+    from pacinian.viewing.messages import AnyAsked, ServerMessage, Volume
     from pacinian.viewing.model import Model
     from pacinian.viewing.region_error import Regions
 
@@ -72,16 +72,16 @@ class Hub:
         self.ask: Callable[[int, AnyAsked], None] = lambda page, asked: None
         self.record: Callable[[int, bool], None] = lambda page, on: None
         self.values: dict[str, tuple[int, bytes]] = {}
-        self.scenery = Scenery()
+        self.scenery = SceneMirror()
         self.session: tuple[Session, int] | None = None
         self.views: dict[int, View] = {}
         self._numbers = itertools.count(1)
 
-    def put(self, kind: str, message: Told | bytes) -> None:
+    def put(self, kind: str, message: ServerMessage | bytes) -> None:
         """A new value in place of the last of its kind."""
         if kind == "array":
             self.values.pop("lost", None)
-        data = message if isinstance(message, bytes) else told(message)
+        data = message if isinstance(message, bytes) else encode_message(message)
         self.values[kind] = next(self._numbers), data
         self.fresh()
 
@@ -95,34 +95,34 @@ class Hub:
         self.drive = drive
         self.fresh()
 
-    def show(self, scenery: Scenery) -> None:
+    def show(self, scenery: SceneMirror) -> None:
         """What is in the scene has changed."""
         self.scenery = scenery
         self.fresh()
 
-    def agree(self, session: Session, owner: int) -> None:
+    def set_session(self, session: Session, owner: int) -> None:
         """How the viewer's session with the server stands, and which page armed."""
         self.session = session, owner
         self._let_go()
         self.fresh()
 
-    def rest(self) -> None:
+    def set_idle(self) -> None:
         """Nobody looks: who comes later is told what is then."""
         for kind in NOW:
             self.values.pop(kind, None)
         self.drive = None
 
-    def lose(self, reason: str) -> None:
+    def disconnect(self, reason: str) -> None:
         """There is no server, or none any more."""
         for kind in GONE:
             self.values.pop(kind, None)
         self.drive = self.session = None
-        self.scenery = Scenery()
+        self.scenery = SceneMirror()
         self.put("lost", Lost(reason=reason))
 
     def refuse(self, page: int, action: str, message: str, advice: str = "") -> None:
         """Tell one page, or with 0 all, what was not done."""
-        data = told(Refused(action=action, message=message, advice=advice))
+        data = encode_message(Refused(action=action, message=message, advice=advice))
         for number, view in list(self.views.items()):
             if page in (0, number):
                 view.events.append(data)
@@ -156,7 +156,7 @@ class View:
         self.events = deque[bytes](maxlen=EVENTS)
         self._hub = hub
         self._seen: dict[str, int] = {}
-        self._scenery = Scenery()
+        self._scenery = SceneMirror()
         self._session: tuple[Session, int] | None = None
 
     def take(self) -> Iterator[tuple[str, bytes]]:
@@ -173,7 +173,7 @@ class View:
             self._session = hub.session
             session, owner = hub.session
             mine = session.armed and owner == self.number
-            yield "session", told(replace(session, mine=mine))
+            yield "session", encode_message(replace(session, mine=mine))
         while self.events:
             yield "refused", self.events.popleft()
 

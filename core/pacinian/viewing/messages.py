@@ -18,8 +18,8 @@ from pacinian.wire.replies import Plugin, Sound
 from pacinian.wire.time import Technique
 
 VERSION = 1
-LONGEST = 1 << 16  # [bytes] of what a page says
-MOST_POINTS = 1 << 18  # of a slice or volume
+MAX_BYTES = 1 << 16  # [bytes] of what a page says
+MAX_POINTS = 1 << 18  # of a slice or volume
 WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
 PERPENDICULAR = 1e-3  # of u and v, and how far their lengths are from 1
 
@@ -29,11 +29,11 @@ Side = Annotated[int, Meta(ge=2, le=1024)]
 Direction = tuple[Part, Part, Part]
 
 
-class Asked(Struct, frozen=True, kw_only=True, tag_field="type", forbid_unknown_fields=False):
+class PageMessage(Struct, frozen=True, kw_only=True, tag_field="type", forbid_unknown_fields=False):
     """What a page says."""
 
 
-class Slice(Asked, frozen=True, kw_only=True, tag="slice"):
+class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
     """The field in a plane is wanted, again whenever what is emitted has changed, until `hide`.
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
@@ -63,7 +63,7 @@ class Skin(Slice, frozen=True, kw_only=True, tag="skin"):
     """What is felt on regions, and what is asked there, as seen from a plane before them; as a slice else."""
 
 
-class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
+class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
     """The field in a box is wanted, as a slice is. The point (i, j, k) is origin + spacing (i, j, k), k the fastest."""
 
     id: Id
@@ -76,19 +76,19 @@ class Volume(Asked, frozen=True, kw_only=True, tag="volume"):
         _few(self.shape)
 
 
-class Hide(Asked, frozen=True, kw_only=True, tag="hide"):
+class Hide(PageMessage, frozen=True, kw_only=True, tag="hide"):
     """No slice, or no volume, any more."""
 
     what: Literal["slice", "volume", "skin"]
 
 
-class Seen(Asked, frozen=True, kw_only=True, tag="seen"):
+class Seen(PageMessage, frozen=True, kw_only=True, tag="seen"):
     """The page has the slice or volume of that id: the next may come."""
 
     id: Id
 
 
-class Select(Asked, frozen=True, kw_only=True, tag="select"):
+class Select(PageMessage, frozen=True, kw_only=True, tag="select"):
     """As the wire's `select`, with the server's rules."""
 
     solver: Choice | None = None
@@ -97,42 +97,42 @@ class Select(Asked, frozen=True, kw_only=True, tag="select"):
     intensity: Share | None = None
 
 
-class Arm(Asked, frozen=True, kw_only=True, tag="arm"):
+class Arm(PageMessage, frozen=True, kw_only=True, tag="arm"):
     """The user has clicked: that scene is to be felt, for as long as this page says `alive`. scene: by name, or own."""
 
     scene: Annotated[str, Meta(max_length=64)] = ""
     take: bool = False
 
 
-class Alive(Asked, frozen=True, kw_only=True, tag="alive"):
+class Alive(PageMessage, frozen=True, kw_only=True, tag="alive"):
     """The page that armed is still looked at: the lease goes on."""
 
 
-class Disarm(Asked, frozen=True, kw_only=True, tag="disarm"):
+class Disarm(PageMessage, frozen=True, kw_only=True, tag="disarm"):
     """Silence, softly."""
 
 
-class Stop(Asked, frozen=True, kw_only=True, tag="stop"):
+class Stop(PageMessage, frozen=True, kw_only=True, tag="stop"):
     """Emergency stop."""
 
 
-class Reset(Asked, frozen=True, kw_only=True, tag="reset"):
+class Reset(PageMessage, frozen=True, kw_only=True, tag="reset"):
     """After an emergency stop or a fault."""
 
 
-class Demonstrate(Asked, frozen=True, kw_only=True, tag="demonstrate"):
+class Demonstrate(PageMessage, frozen=True, kw_only=True, tag="demonstrate"):
     """Play a demonstration on the server, or end it: only while nobody owns the output, and this page says `alive`."""
 
     on: bool
 
 
-class Record(Asked, frozen=True, kw_only=True, tag="record"):
+class Record(PageMessage, frozen=True, kw_only=True, tag="record"):
     """Begin to record, or end it."""
 
     on: bool
 
 
-class Replay(Asked, frozen=True, kw_only=True, tag="replay"):
+class Replay(PageMessage, frozen=True, kw_only=True, tag="replay"):
     """Of a recording: go to a time [s], play or pause, faster or slower."""
 
     time: Annotated[float, Meta(ge=0.0, le=1e9)] | None = None
@@ -158,11 +158,11 @@ AnyAsked = (
 )
 
 
-class Told(Struct, frozen=True, kw_only=True, tag_field="type"):
+class ServerMessage(Struct, frozen=True, kw_only=True, tag_field="type"):
     """What a page is told."""
 
 
-class Hello(Told, frozen=True, kw_only=True, tag="hello"):
+class Hello(ServerMessage, frozen=True, kw_only=True, tag="hello"):
     """The first message. recording: of a file that is replayed, its name; empty where a server is watched."""
 
     version: int = VERSION
@@ -170,7 +170,7 @@ class Hello(Told, frozen=True, kw_only=True, tag="hello"):
     recording: str = ""
 
 
-class ArrayTold(Told, frozen=True, kw_only=True, tag="array"):
+class ArrayMessage(ServerMessage, frozen=True, kw_only=True, tag="array"):
     """There is a server (again), or what it has is new: as the wire's `abilities`.
 
     fields: whether slices and volumes can be had. sound: what they are computed from.
@@ -194,7 +194,7 @@ class ArrayTold(Told, frozen=True, kw_only=True, tag="array"):
     sound: Sound | None = None
 
 
-class Session(Told, frozen=True, kw_only=True, tag="session"):
+class Session(ServerMessage, frozen=True, kw_only=True, tag="session"):
     """The viewer as the server's client. name: by which it is the owner in `state`. armed: by a page of this viewer.
 
     mine: by this one, which must say `alive` oftener than `lease` [s].
@@ -207,7 +207,7 @@ class Session(Told, frozen=True, kw_only=True, tag="session"):
     mine: bool
 
 
-class SceneryTold(Told, frozen=True, kw_only=True, tag="scenery"):
+class SceneryMessage(ServerMessage, frozen=True, kw_only=True, tag="scenery"):
     """Objects of the scene that is felt. objects: those that are new since the last scenery, as wire objects.
 
     poses: of all that are there, x, y, z [m], quaternion x, y, z, w, (7,) float32 each; others are gone.
@@ -219,7 +219,7 @@ class SceneryTold(Told, frozen=True, kw_only=True, tag="scenery"):
     poses: dict[str, bytes]
 
 
-class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
+class SliceMessage(ServerMessage, frozen=True, kw_only=True, tag="slice"):
     """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa].
 
     time: of the newest frame [s]. frames: how many frames count; 1 where all of the last moments are the same.
@@ -238,7 +238,7 @@ class SliceTold(Told, frozen=True, kw_only=True, tag="slice"):
     time: float
 
 
-class SkinTold(Told, frozen=True, kw_only=True, tag="skin"):
+class SkinMessage(ServerMessage, frozen=True, kw_only=True, tag="skin"):
     """As asked. felt: radiation pressure on the skin, mean over the last frames; asked: (rows, cols) float32 [Pa] each.
 
     Not numbers where nothing is felt. time: of the newest frame [s].
@@ -255,7 +255,7 @@ class SkinTold(Told, frozen=True, kw_only=True, tag="skin"):
     time: float
 
 
-class VolumeTold(Told, frozen=True, kw_only=True, tag="volume"):
+class VolumeMessage(ServerMessage, frozen=True, kw_only=True, tag="volume"):
     """As asked; pressure: radiation pressure (nx, ny, nz) float32 [Pa]. time: of the frame [s]."""
 
     id: int
@@ -266,7 +266,7 @@ class VolumeTold(Told, frozen=True, kw_only=True, tag="volume"):
     time: float
 
 
-class Histogram(Told, frozen=True, kw_only=True, tag="histogram"):
+class Histogram(ServerMessage, frozen=True, kw_only=True, tag="histogram"):
     """Times of the ticks of the last second. edges_ms: B + 1. counts: B; of the first and last also what is beyond."""
 
     edges_ms: tuple[float, ...]
@@ -274,7 +274,7 @@ class Histogram(Told, frozen=True, kw_only=True, tag="histogram"):
     deadline_ms: float
 
 
-class History(Told, frozen=True, kw_only=True, tag="history"):
+class History(ServerMessage, frozen=True, kw_only=True, tag="history"):
     """Of a recording: what was before the time that is shown, for charts. Not numbers where there is none.
 
     times: by the server's clock, (K,) float64 [s]. drive_mean, drive_max: of the amplitudes, 0..1; error: of the sound
@@ -287,13 +287,13 @@ class History(Told, frozen=True, kw_only=True, tag="history"):
     error: bytes
 
 
-class Lost(Told, frozen=True, kw_only=True, tag="lost"):
+class Lost(ServerMessage, frozen=True, kw_only=True, tag="lost"):
     """There is no server, or none any more; an `array` tells that it is back."""
 
     reason: str
 
 
-class Refused(Told, frozen=True, kw_only=True, tag="refused"):
+class Refused(ServerMessage, frozen=True, kw_only=True, tag="refused"):
     """What was asked is not done. action: `type` of what was asked."""
 
     action: str
@@ -301,14 +301,14 @@ class Refused(Told, frozen=True, kw_only=True, tag="refused"):
     advice: str = ""
 
 
-class Recording(Told, frozen=True, kw_only=True, tag="record"):
+class Recording(ServerMessage, frozen=True, kw_only=True, tag="record"):
     """Whether the feed is being recorded, and to which file."""
 
     on: bool
     file: str = ""
 
 
-class Replayed(Told, frozen=True, kw_only=True, tag="replay"):
+class Replayed(ServerMessage, frozen=True, kw_only=True, tag="replay"):
     """How a replay stands [s]."""
 
     time: float
@@ -321,7 +321,7 @@ _asked: msgspec.msgpack.Decoder[AnyAsked] = msgspec.msgpack.Decoder(AnyAsked)
 _encoder = msgspec.msgpack.Encoder()
 
 
-def understood(data: bytes) -> AnyAsked:
+def decode_message(data: bytes) -> AnyAsked:
     """What a page says. Raises WireError."""
     try:
         return _asked.decode(data)
@@ -329,11 +329,11 @@ def understood(data: bytes) -> AnyAsked:
         raise WireError(str(error)[:300]) from error
 
 
-def told(message: Told) -> bytes:
+def encode_message(message: ServerMessage) -> bytes:
     """As bytes."""
     return _encoder.encode(message)
 
 
 def _few(shape: tuple[int, ...]) -> None:
-    if math.prod(shape) > MOST_POINTS:
-        raise ValueError(f"`shape` must be at most {MOST_POINTS:,} points")
+    if math.prod(shape) > MAX_POINTS:
+        raise ValueError(f"`shape` must be at most {MAX_POINTS:,} points")

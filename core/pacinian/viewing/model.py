@@ -17,7 +17,7 @@ from pacinian.plugins.backend import Capability, Frame
 from pacinian.viewing.messages import Histogram
 
 if TYPE_CHECKING:
-    from pacinian.viewing.messages import ArrayTold
+    from pacinian.viewing.messages import ArrayMessage
     from pacinian.wire.replies import Abilities
     from pacinian.wire.state import FrameState
 
@@ -33,7 +33,7 @@ class Model:
     sizes: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, told: Abilities | ArrayTold) -> Self | None:
+    def of(cls, told: Abilities | ArrayMessage) -> Self | None:
         """As a server tells; None where it does not, or tells of what this version does not know."""
         sound = told.sound
         if sound is None or sound.directivity not in DIRECTIVITIES:
@@ -72,7 +72,7 @@ class Model:
         return made.tobytes()
 
 
-def histogram(counts: bytes, rate: float) -> Histogram:
+def make_histogram(counts: bytes, rate: float) -> Histogram:
     """Of `State.tick_counts`. rate: ticks per second [Hz]."""
     bins = tuple(np.frombuffer(counts, "<u4").tolist())
     return Histogram(edges_ms=EDGES[: len(bins) + 1], counts=bins, deadline_ms=1e3 / rate)

@@ -66,7 +66,7 @@ class Places(NamedTuple):
     asked: Floats
 
 
-def error(
+def compute_error(
     array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
 ) -> Floats:
     """Radiation pressure made minus asked, at the place of a region that is nearest to each point, (P,) [Pa].
@@ -79,26 +79,26 @@ def error(
     """
     places = nearest_places(at, across, regions)
     found = np.full(len(at), np.nan)
-    found[places.rows] = felt_at(array, medium, gains, places, regions) - places.asked
+    found[places.rows] = compute_felt(array, medium, gains, places, regions) - places.asked
     return found
 
 
 def felt_and_asked(
     array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
 ) -> tuple[Floats, Floats]:
-    """Radiation pressure on the skin, or on a surface in the air, and what is asked there, (P,) [Pa] each.
+    """Return the radiation pressure on the skin, or on a surface in the air, and the target there, (P,) [Pa] each.
 
-    As `error`, but each point is first moved along `across` to the height of the samples that are nearest to it beside
-    that direction, so that a plane before a curved contact shows all of it.
+    As `compute_error`, but each point first moves along `across` to the height of its nearest samples, so that a plane
+    before a curved contact shows all of the contact.
     """
-    places = nearest_places(lifted(at, across, regions), across, regions, beside=0.0)
+    places = nearest_places(lift_off(at, across, regions), across, regions, beside=0.0)
     felt, asked = np.full(len(at), np.nan), np.full(len(at), np.nan)
-    felt[places.rows] = felt_at(array, medium, gains, places, regions)
+    felt[places.rows] = compute_felt(array, medium, gains, places, regions)
     asked[places.rows] = places.asked
     return felt, asked
 
 
-def lifted(at: Floats, across: Floats, regions: Regions) -> Floats:
+def lift_off(at: Floats, across: Floats, regions: Regions) -> Floats:
     """Points, (P, 3), at the height of the samples that are nearest to them beside a direction, (P, 3) [m]."""
     from scipy.spatial import KDTree
 
@@ -116,8 +116,10 @@ def lifted(at: Floats, across: Floats, regions: Regions) -> Floats:
     return np.asarray(flat(at) + height[:, None] * up)
 
 
-def felt_at(array: Array, medium: Air, gains: Gains, places: Places, regions: Regions) -> Floats:
-    """Radiation pressure at places, (K,) [Pa]; NaN near transducers. With hands as `error` says."""
+def compute_felt(
+    array: Array, medium: Air, gains: Gains, places: Places, regions: Regions
+) -> Floats:
+    """Radiation pressure at places, (K,) [Pa]; NaN near transducers. With hands as `compute_error` says."""
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer

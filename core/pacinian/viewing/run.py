@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 from pacinian.client.server_session import read_version
 from pacinian.errors import ArgumentError, MissingExtra, RecordingError, ServerError
-from pacinian.viewing.app import app
+from pacinian.viewing.app import make_app
 from pacinian.viewing.bridge import Bridge
+from pacinian.viewing.feed_file import SUFFIX, FeedFile, FeedRecorder, FeedWriter
+from pacinian.viewing.feed_player import FeedPlayer
 from pacinian.viewing.hub import Hub
-from pacinian.viewing.messages import LONGEST, Hello
-from pacinian.viewing.player import Player
-from pacinian.viewing.recorded import SUFFIX, Recorded, Recorder, Writer
-from pacinian.viewing.slices import Fields
-from pacinian.viewing.transcribed import transcribed
+from pacinian.viewing.messages import MAX_BYTES, Hello
+from pacinian.viewing.recording_to_feed import convert_recording
+from pacinian.viewing.slices import FieldWorker
 
 try:
     import uvicorn
@@ -50,9 +50,9 @@ async def view(
     of a renderer's, too, which takes as long as to render it. folder: for recordings, the current one unless given.
     ready: is told the address. Raises ArgumentError, ServerError, RecordingError.
     """
-    token, hub, fields = secrets.token_urlsafe(32), Hub(), Fields()
+    token, hub, fields = secrets.token_urlsafe(32), Hub(), FieldWorker()
     with contextlib.ExitStack() as stack:
-        listening = stack.enter_context(bound(host, port))
+        listening = stack.enter_context(bind(host, port))
         stack.callback(fields.close)
         hub.put(
             "hello",
@@ -60,17 +60,17 @@ async def view(
         )
         if recording is None:
             bridge = Bridge(hub, asyncio.get_running_loop(), connection)
-            recorder = Recorder(hub, folder or Path())
+            recorder = FeedRecorder(hub, folder or Path())
             bridge.start()
             stack.callback(bridge.close)
             stack.callback(recorder.close)
         else:
-            recorded = stack.enter_context(opened(recording, samples=samples))
-            playing = asyncio.create_task(Player(hub, recorded).run())
+            recorded = stack.enter_context(open_view(recording, samples=samples))
+            playing = asyncio.create_task(FeedPlayer(hub, recorded).run())
             stack.callback(playing.cancel)
         name = f"[{host}]" if ":" in host else host
         ready(f"http://{name}:{listening.getsockname()[1]}/?token={token}")
-        await _serve(app(hub, fields, token), listening, ended)
+        await _serve(make_app(hub, fields, token), listening, ended)
 
 
 async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event | None) -> None:
@@ -79,7 +79,7 @@ async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event |
         log_level="warning",  # the address, which has the token in it, would be logged
         access_log=False,
         ws="websockets-sansio",
-        ws_max_size=LONGEST,
+        ws_max_size=MAX_BYTES,
         ws_per_message_deflate=False,
         lifespan="off",
         server_header=False,
@@ -100,28 +100,28 @@ async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event |
 
 
 @contextlib.contextmanager
-def opened(path: Path, *, samples: bool = False) -> Generator[Recorded]:
+def open_view(path: Path, *, samples: bool = False) -> Generator[FeedFile]:
     """A recording of a viewer, or of a renderer. samples: of the latter. Raises RecordingError."""
     from pacinian.rendering.recording import Recording
 
     with contextlib.ExitStack() as stack:
         try:
-            found = Recorded(path)
+            found = FeedFile(path)
         except RecordingError as error:
             try:
                 rendered = Recording(path)
             except RecordingError:
                 raise error from None
             kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pacinian-")))
-            with contextlib.closing(Writer(kept / f"feed{SUFFIX}")) as writer:
-                for at, kind, data in transcribed(rendered, samples=samples):
+            with contextlib.closing(FeedWriter(kept / f"feed{SUFFIX}")) as writer:
+                for at, kind, data in convert_recording(rendered, samples=samples):
                     writer.write(at, kind, data)
-            found = Recorded(writer.path)
+            found = FeedFile(writer.path)
         stack.callback(found.close)
         yield found
 
 
-def bound(host: str, port: int) -> socket.socket:
+def bind(host: str, port: int) -> socket.socket:
     """A socket that listens on this machine only. Raises ArgumentError, ServerError."""
     address = "127.0.0.1" if host == "localhost" else host
     try:

@@ -40,7 +40,7 @@ MAX_FIELDS = 16  # that are computed for one slice
 NEGLIGIBLE = 1e-5  # of the power of all frames
 
 
-def grid(asked: Slice | Volume) -> InterpolatedField:
+def make_grid(asked: Slice | Volume) -> InterpolatedField:
     """Where the field is asked for, in the order of the answer."""
     if isinstance(asked, Volume):
         steps = tuple(tuple(row) for row in (asked.spacing * np.eye(3)).tolist())
@@ -58,7 +58,7 @@ def grid(asked: Slice | Volume) -> InterpolatedField:
     )
 
 
-class Fields:
+class FieldWorker:
     """Computes for all pages, a part of each in turn."""
 
     def __init__(self) -> None:
@@ -75,22 +75,22 @@ class Fields:
 
         Pressure is NaN on a transducer, an error away from regions. Raises ArgumentError.
         """
-        where, drive, peak = grid(asked), drive.chosen(asked), asked.over == "peak"
+        where, drive, peak = make_grid(asked), drive.chosen(asked), asked.over == "peak"
         count = math.prod(where.shape)
         if isinstance(asked, Skin):
             if drive.regions is None or not drive.gains:
                 return np.full(2 * count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._done(skin, drive, where, across, drive.regions)
+            return await self._done(compute_skin, drive, where, across, drive.regions)
         if isinstance(asked, Slice) and asked.of == "error":
             if drive.regions is None:
                 return np.full(count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._done(region_errors, drive, where, across, drive.regions)
+            return await self._done(compute_region_errors, drive, where, across, drive.regions)
         if not drive.gains:
             return bytes(4 * count)
         if where not in self._rough:
-            if found := await self._done(interpolated, drive, where, peak):
+            if found := await self._done(interpolate_pressure, drive, where, peak):
                 return found
             self._rough.append(where)
         step = max(256, int(PAIRS / len(drive.model.array)))
@@ -98,7 +98,7 @@ class Fields:
         for begin in range(0, count, step):
             if not wanted():
                 return None
-            made.append(await self._done(pressure, drive, where, begin, begin + step, peak))
+            made.append(await self._done(compute_pressure, drive, where, begin, begin + step, peak))
         return b"".join(made)
 
     async def _done(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
@@ -109,7 +109,9 @@ class Fields:
                 raise ArgumentError("slice", "cannot be computed: the viewer ends")
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, context, initializer=calm, initargs=(CALM,))
+                self._pool = ProcessPoolExecutor(
+                    1, context, initializer=lower_own_priority, initargs=(CALM,)
+                )
             pool, given = self._pool, (drive.model.packed, drive.gains, *about)
             try:
                 return await loop.run_in_executor(pool, work, *given)
@@ -133,7 +135,9 @@ class Fields:
                 worker.kill()
 
 
-def interpolated(model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False) -> bytes:
+def interpolate_pressure(
+    model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False
+) -> bytes:
     """Radiation pressure at all points of a grid, float32 [Pa], interpolated; empty if that is too inexact.
 
     peak: the largest of all frames, not their mean.
@@ -142,7 +146,7 @@ def interpolated(model: bytes, gains: bytes, where: InterpolatedField, peak: boo
     from pacinian.solving.blas import one_thread
 
     array, medium = _unpacked(model)
-    basis, shares = compress(_frames(gains, array))
+    basis, shares = compress_gains(_frames(gains, array))
     fields: list[Complexes] = []
     for g in basis:
         with one_thread():
@@ -157,7 +161,7 @@ def interpolated(model: bytes, gains: bytes, where: InterpolatedField, peak: boo
     return np.asarray(total / len(shares), np.float32).tobytes()
 
 
-def pressure(
+def compute_pressure(
     model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int, peak: bool = False
 ) -> bytes:
     """Radiation pressure at some points of a grid, float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
@@ -166,7 +170,7 @@ def pressure(
     from pacinian.errors import PointOnTransducer
 
     array, medium = _unpacked(model)
-    (frames, shares), at = compress(_frames(gains, array)), _points(where)[begin:end]
+    (frames, shares), at = compress_gains(_frames(gains, array)), _points(where)[begin:end]
     found = np.full(len(at), np.nan, np.float32)
     here = np.ones(len(at), np.bool_)
     try:
@@ -183,7 +187,7 @@ def pressure(
     return found.tobytes()
 
 
-def region_errors(
+def compute_region_errors(
     model: bytes,
     gains: bytes,
     where: InterpolatedField,
@@ -191,14 +195,16 @@ def region_errors(
     regions: Regions,
 ) -> bytes:
     """The error of radiation pressure on regions near all points of a grid, float32 [Pa]: see `region_error.error`."""
-    from pacinian.viewing.region_error import error
+    from pacinian.viewing.region_error import compute_error
 
     array, medium = _unpacked(model)
-    found = error(array, medium, _frames(gains, array), _points(where), np.array(across), regions)
+    found = compute_error(
+        array, medium, _frames(gains, array), _points(where), np.array(across), regions
+    )
     return found.astype(np.float32).tobytes()
 
 
-def skin(
+def compute_skin(
     model: bytes,
     gains: bytes,
     where: InterpolatedField,
@@ -214,7 +220,7 @@ def skin(
     return np.concatenate(found).astype(np.float32).tobytes()
 
 
-def compress(frames: Gains) -> tuple[Gains, Gains]:
+def compress_gains(frames: Gains) -> tuple[Gains, Gains]:
     """Few gains of which all frames, (K, N), are made: `basis`, (R, N), and `shares`, (K, R); frames = shares @ basis.
 
     Columns of `shares` are orthonormal. So the mean of |p|^2 over the frames is the sum over the basis, divided by K.
@@ -226,7 +232,7 @@ def compress(frames: Gains) -> tuple[Gains, Gains]:
     power, vectors = np.linalg.eigh(frames.astype(np.complex128) @ frames.conj().T)
     kept = power > NEGLIGIBLE * max(float(power.sum()), 1e-300)
     if kept.sum() > MAX_FIELDS < len(frames):
-        return compress(frames[-MAX_FIELDS:])
+        return compress_gains(frames[-MAX_FIELDS:])
     shares = vectors[:, kept].astype(np.complex64)
     return (shares.conj().T @ frames).astype(np.complex64), shares
 
@@ -246,7 +252,7 @@ def _points(where: InterpolatedField) -> Floats:
     return where.points.reshape(-1, 3)
 
 
-def calm(nice: int) -> None:
+def lower_own_priority(nice: int) -> None:
     """Give way to all others, and end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
     if sys.platform != "win32":

@@ -12,11 +12,11 @@ from msgspec import Raw
 from pacinian.client.link import connect, make_socket
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
-from pacinian.viewing.messages import WRONG, ArrayTold
-from pacinian.viewing.model import Model, histogram
-from pacinian.viewing.recent import RecentFrames
+from pacinian.viewing.messages import WRONG, ArrayMessage
+from pacinian.viewing.model import Model, make_histogram
+from pacinian.viewing.recent_frames import RecentFrames
 from pacinian.viewing.region_error import Regions
-from pacinian.viewing.scenery import POSE, Scenery
+from pacinian.viewing.scene_mirror import POSE, SceneMirror
 from pacinian.wire.codec import decode_state
 from pacinian.wire.state import FRAME, STATE, FrameState, State
 
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 SILENT = 2.0  # [s] without a state, after which the server is lost
 WAITING = 16  # messages
 RARELY = 0.2  # [s] between two histograms, or looks at a scene without objects, or at what there is
-ARRAY = set(ArrayTold.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
+ARRAY = set(ArrayMessage.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
 
 
-class States:
+class StateReader:
     """A context manager, of one session. post: calls a function in the event loop."""
 
     def __init__(
@@ -41,12 +41,12 @@ class States:
     ) -> None:
         self._client, self._connection, self._hub, self._post = client, connection, hub, post
         self._socket: zmq.Socket[bytes] | None = None
-        self._scenery, self._known = Scenery(), ("", 0)
+        self._scenery, self._known = SceneMirror(), ("", 0)
         self._recent = RecentFrames()
         self._drive: Drive | None = None
         self._emitted: Drive | None = None
         self._regions: Regions | None = None
-        self._sent: ArrayTold | None = None
+        self._sent: ArrayMessage | None = None
         self._stale = False
         self._frame_time = 0.0  # of the newest [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
@@ -68,7 +68,7 @@ class States:
                 self._unsubscribe()
                 self._recent.clear()
                 self._drive = None
-                self._post(self._hub.rest)
+                self._post(self._hub.set_idle)
             return
         if self._socket is None:
             self._subscribe()
@@ -125,7 +125,7 @@ class States:
         self._changed = not (told.solvers and told.backends)  # it may still be listing them
         fields = {name: getattr(told, name) for name in ARRAY}
         server = self._client.server
-        array = ArrayTold(server=server, fields=self._model is not None, **fields)
+        array = ArrayMessage(server=server, fields=self._model is not None, **fields)
         self._recent.clear()
         self._drive = None
         if array != self._sent:
@@ -140,7 +140,9 @@ class States:
         self._changed |= state.backend != self._backend
         if state.tick_counts and now >= self._counted + RARELY:
             self._counted = now
-            self._post(self._hub.put, "histogram", histogram(state.tick_counts, self._told.rate))
+            self._post(
+                self._hub.put, "histogram", make_histogram(state.tick_counts, self._told.rate)
+            )
         self._recent.see_state(state.time, state.technique, state.hands)
         self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):

@@ -14,8 +14,8 @@ from pacinian.plot.feeds import watched
 from pacinian.plot.timelines import BINS, MANY
 from pacinian.rendering.report import REMEMBERED
 from pacinian.testing import ManualClock
-from pacinian.viewing.messages import ArrayTold, told
-from pacinian.viewing.recorded import Writer
+from pacinian.viewing.feed_file import FeedWriter
+from pacinian.viewing.messages import ArrayMessage, encode_message
 from pacinian.wire.replies import Sound
 from pacinian.wire.state import FrameState, State
 
@@ -153,7 +153,7 @@ def frame(*amplitude: int) -> FrameState:
 @pytest.fixture
 def feed(tmp_path: Path) -> Path:
     """100 states in 10 s; silent from the 40th to the 59th; lost for 2 s after the 80th."""
-    writer = Writer(tmp_path / "a.feed")
+    writer = FeedWriter(tmp_path / "a.feed")
     encode = msgspec.msgpack.encode
     for k in range(100):
         at = 0.1 * k + 2.0 * (k >= 80)
@@ -195,13 +195,13 @@ def test_levels_of_an_uneven_device_are_what_it_makes_of_them(tmp_path: Path) ->
         pressure=1.0, directivity="omni", sizes=np.array([0.0, 0.1, 0.3, 1.0, 0.9], "<f4").tobytes(),
         speed_of_sound=343.0, density=1.2, power=1.0, absorption=0.0,
     )  # fmt: skip
-    array = ArrayTold(
+    array = ArrayMessage(
         server="", positions=b"", normals=b"", frequency=40e3, wavelength=0.0085, phases=16, amplitudes=5,
         device_rate=1e3, rate=1e3, limits={}, solvers=(), backends=(), techniques=(), presets=(), fields=True,
         sound=sound,
     )  # fmt: skip
-    with closing(Writer(tmp_path / "a.feed")) as writer:
-        writer.write(0.0, "array", told(array))
+    with closing(FeedWriter(tmp_path / "a.feed")) as writer:
+        writer.write(0.0, "array", encode_message(array))
         writer.write(0.0, "frame", msgspec.msgpack.encode(frame(1, 2)))
         writer.write(
             0.1, "frame", msgspec.msgpack.encode(frame(7, 7))
@@ -222,7 +222,7 @@ def test_a_file_that_is_no_recording_or_has_no_state_is_told(tmp_path: Path) -> 
     for name in ("x", "none"):
         with pytest.raises(pc.RecordingError, match=name):
             plot.timeline(tmp_path / name)
-    with closing(Writer(tmp_path / "a.feed")) as writer:
+    with closing(FeedWriter(tmp_path / "a.feed")) as writer:
         writer.write(0.0, "frame", msgspec.msgpack.encode(frame(1)))
     with pytest.raises(pc.RecordingError, match="no state"):
         plot.timeline(tmp_path / "a.feed")

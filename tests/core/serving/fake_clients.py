@@ -27,7 +27,7 @@ class FakeControl:
 
     @property
     def permit(self) -> Permit:
-        return self.sessions.ownership.permit
+        return self.sessions.lease.permit
 
     @property
     def armed(self) -> int:

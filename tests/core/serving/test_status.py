@@ -285,7 +285,7 @@ class Status(RuleBasedStateMachine):
     def no_better_is_said_than_what_is(self) -> None:
         if not hasattr(self, "seen"):
             return
-        ownership = self.control.sessions.ownership
+        ownership = self.control.sessions.lease
         true: set[Output] = {"silent"}
         true |= {"faulted"} if ownership.fault or self.seen_halted else set()
         true |= {"stopped"} if ownership.permit.stopped else set()
@@ -303,7 +303,7 @@ class Status(RuleBasedStateMachine):
             if fault and reset in part.results
         ]
         if failed:
-            assert self.control.sessions.ownership.fault
+            assert self.control.sessions.lease.fault
 
 
 TestStatus = Status.TestCase

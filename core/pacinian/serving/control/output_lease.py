@@ -45,7 +45,7 @@ class OutputLease:
         self.permit = Permit()
         self.owner: Session | None = None
         self.fault = ""
-        self.told: list[tuple[bytes, Reply]] = []
+        self.replies: list[tuple[bytes, Reply]] = []
         self._takeover = takeover
         # Ids of the owner's pending `arm` requests, while another session's sound fades.
         self._asked: list[int] = []
@@ -75,7 +75,7 @@ class OutputLease:
             epoch, scene = self.permit.epoch + 1, number_scene(self.owner.scene)
             self.permit = Permit(ARMED, self.owner.until, epoch, scene=scene)
             for request in self._asked:
-                self.told.append((self.owner.peer, Ok(id=request)))
+                self.replies.append((self.owner.peer, Ok(id=request)))
             self._asked = []
 
     def arm(self, session: Session, request: int, take: bool, now: float) -> None:
@@ -98,7 +98,7 @@ class OutputLease:
         session.until = max(session.until, now + session.lease)
         if self.armed:
             self.renew(session)
-            self.told.append((session.peer, Ok(id=request)))
+            self.replies.append((session.peer, Ok(id=request)))
         else:
             self._asked.append(request)
             self.pass_time(now)
@@ -179,4 +179,4 @@ class OutputLease:
         self, session: Session, request: int, code: Code, problem: str, advice: str = ""
     ) -> None:
         error = Error(id=request, code=code, message=problem[:1000], advice=advice)
-        self.told.append((session.peer, error))
+        self.replies.append((session.peer, error))

@@ -134,7 +134,7 @@ class ControlLoop:
 
     def let_go(self) -> None:
         """End all sound: softly where it is permitted, then for good."""
-        ownership = self.sessions.ownership
+        ownership = self.sessions.lease
         if ownership.owner is not None:
             ownership.disarm(ownership.owner, self._clock())
         # Requests are not answered here, because a game that arms again would keep this loop
@@ -156,7 +156,7 @@ class ControlLoop:
     def _stop(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
         if requests := self._doors.stop.receive():
-            self.sessions.ownership.stop()
+            self.sessions.lease.stop()
             self._settle()
             self._doors.stop.confirm(requests)
             self._log.warning("emergency stop", user="without a connection")
@@ -216,7 +216,7 @@ class ControlLoop:
                 elif isinstance(message, Status):
                     state = self.publisher.state(now, self._supervisor.restarts)
                     self._send(peer, replace(state, id=message.id))
-                elif sessions.ownership.owner not in (None, session):
+                elif sessions.lease.owner not in (None, session):
                     problem = "another client owns the output"
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
                 elif reply := self.selection.ask(session, message, self.publisher.known(), now):
@@ -245,7 +245,7 @@ class ControlLoop:
     def _settle(self) -> None:
         """Write what has changed for the other processes, then send the replies to the clients."""
         while True:
-            ownership = self.sessions.ownership
+            ownership = self.sessions.lease
             self._write("permit", ownership.permit, ownership.permit.pack)
             stamp = (self.sessions.changes, ownership.owner)
             self._write("sessions", stamp, lambda: pack(self.sessions.listed()))
@@ -274,14 +274,14 @@ class ControlLoop:
 
     def _probe(self, now: float, *, owner: bool) -> None:
         for session in self.sessions.all:
-            if (session is self.sessions.ownership.owner) is owner:
+            if (session is self.sessions.lease.owner) is owner:
                 self._send(session.peer, self.sessions.probe(session, now))
         self._settle()
 
     def _look(self, now: float) -> None:
         """Read the statuses of the other processes, and check that they live."""
         self.view.look()
-        ownership = self.sessions.ownership
+        ownership = self.sessions.lease
         report, device = self.view.report, self.view.device
         for name, fault, results in (
             ("renderer", report.halted, report.results),
@@ -314,7 +314,7 @@ class ControlLoop:
         problem = f"the process {name!r} {why}, and is restarted"
         self._fault(problem)
         self._reset.pop(TELLS_OF.get(name, ""), None)  # the new process does not know of the reset
-        self.sessions.ownership.interrupt("fault", problem)
+        self.sessions.lease.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
         if name == "render" and self.selection.renderer_ended(now):

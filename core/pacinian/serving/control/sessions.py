@@ -38,7 +38,7 @@ class ClientSessions:
         server: str = "pacinian",
         key: Callable[[], bytes] = lambda: secrets.token_bytes(SESSION),
     ) -> None:
-        self.ownership = OutputLease(settings.safety.takeover)
+        self.lease = OutputLease(settings.safety.takeover)
         self.changes = self.resets = self.replayed = 0
         self._settings, self._server, self._key = settings, server, key
         self._by_key: dict[bytes, Session] = {}
@@ -52,18 +52,18 @@ class ClientSessions:
     def listed(self) -> messages.SessionTable:
         """Return the sessions that may send commands, and the owner's scene."""
         infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
-        owner = self.ownership.owner
+        owner = self.lease.owner
         return messages.SessionTable(tuple(infos), owner.scene if owner is not None else "")
 
     def taken(self) -> list[tuple[bytes, Reply]]:
         """Return the collected replies, and clear them."""
-        told = self.ownership.told
-        self.ownership.told = []
+        told = self.lease.replies
+        self.lease.replies = []
         return told
 
     def pass_time(self, now: float) -> None:
         """End the leases and sessions that expire at `now` [s]."""
-        self.ownership.pass_time(now)
+        self.lease.pass_time(now)
         forget = self._settings.safety.forget
         for session in [s for s in self.all if now - s.renewed > forget]:
             problem = f"nothing was renewed for {forget:g} s: the session is over"
@@ -78,7 +78,7 @@ class ClientSessions:
                 self._hello(peer, user, message, now)
                 return
             case Stop():
-                self.ownership.stop()
+                self.lease.stop()
                 self._tell(peer, Ok(id=message.id))
                 return
             case _:
@@ -90,14 +90,14 @@ class ClientSessions:
                 self._renew(session, message, now)
                 return
             case Arm():
-                self.ownership.arm(session, message.id, message.take, now)
+                self.lease.arm(session, message.id, message.take, now)
                 return
             case Disarm():
-                if not self.ownership.disarm(session, now):
+                if not self.lease.disarm(session, now):
                     self._error(peer, message.id, "owner", "another client owns the output")
                     return
             case Reset():
-                self.resets += self.ownership.reset()
+                self.resets += self.lease.reset()
             case Bye():
                 self._end(session, now, soft=True)
             case _:
@@ -182,11 +182,11 @@ class ClientSessions:
         session.sequence, session.time, session.renewed = message.sequence, message.time, now
         sent = now - session.clock.age(message.time, now)
         session.until = max(session.until, sent + session.lease)
-        self.ownership.renew(session)
+        self.lease.renew(session)
         self._tell(session.peer, self._renewed(session, message.id, now))
 
     def _renewed(self, session: Session, request: int, now: float) -> Renewed:
-        owner = session is self.ownership.owner
+        owner = session is self.lease.owner
         return Renewed(
             id=request,
             sequence=session.sequence,
@@ -194,16 +194,16 @@ class ClientSessions:
             server_time=now,
             until=session.until,
             owner=owner,
-            armed=owner and self.ownership.armed,
+            armed=owner and self.lease.armed,
         )
 
     def _end(self, session: Session, now: float, *, soft: bool = False) -> None:
         del self._by_key[session.key], self._by_peer[session.peer]
         self.changes += 1
-        self.ownership.gone(session, now, soft=soft)
+        self.lease.gone(session, now, soft=soft)
 
     def _tell(self, peer: bytes, reply: Reply) -> None:
-        self.ownership.told.append((peer, reply))
+        self.lease.replies.append((peer, reply))
 
     def _error(self, peer: bytes, request: int, code: Code, problem: str, advice: str = "") -> None:
         self._tell(peer, Error(id=request, code=code, message=problem, advice=advice))

@@ -112,7 +112,7 @@ class StatusPublisher:
 
         It is faulted without a guard or a device, and while a process still reports a fault that was reset.
         """
-        view, ownership, device = self._view, self._sessions.ownership, self._view.device
+        view, ownership, device = self._view, self._sessions.lease, self._view.device
         there = view.guarded and device.generation
         if ownership.fault or device.fault or view.report.halted or not there:
             return "faulted"
@@ -124,7 +124,7 @@ class StatusPublisher:
 
     def state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state at `now` [s], without hand updates."""
-        report, device, ownership = self._view.report, self._view.device, self._sessions.ownership
+        report, device, ownership = self._view.report, self._view.device, self._sessions.lease
         told = {k: v for k, v in report.state.items() if k not in OURS}
         common: dict[str, Any] = {
             "type": "state",
@@ -179,7 +179,7 @@ class StatusPublisher:
                 ClientState(
                     name=session.name,
                     scene=session.scene,
-                    owner=session is self._sessions.ownership.owner,
+                    owner=session is self._sessions.lease.owner,
                     objects=objects,
                     commands=commands,
                     errors=errors,

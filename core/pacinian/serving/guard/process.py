@@ -171,7 +171,7 @@ def main() -> None:
         ended.set()
 
     starter = child_process.Parent()
-    told = starter.told
+    told = starter.config
     sys.setswitchinterval(SWITCH)
     rounds = GuardLoop(told.path, told.settings)
     if told.spare:

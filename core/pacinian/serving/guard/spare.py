@@ -52,7 +52,7 @@ def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]
         parent.wait()
         return
     try:
-        guard = os.pidfd_open(parent.told.spare)
+        guard = os.pidfd_open(parent.config.spare)
     except OSError:  # the guard has ended already, and the parent knows it
         parent.wait()
         return

@@ -126,7 +126,7 @@ def read_launch_config(orphaned: Callable[[], object]) -> LaunchConfig:
     """
     parent = Parent()
     parent.watch(orphaned)
-    return parent.told
+    return parent.config
 
 
 class Parent:
@@ -142,7 +142,7 @@ class Parent:
             os.dup2(nothing.fileno(), 0)
         length = int.from_bytes(_read(self.pipe, 4), "little")
         try:
-            self.told = msgspec.json.decode(
+            self.config = msgspec.json.decode(
                 _read(self.pipe, min(length, MAX_CONFIG_BYTES)), type=LaunchConfig
             )
         except msgspec.DecodeError as error:

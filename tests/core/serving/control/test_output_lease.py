@@ -62,7 +62,7 @@ def test_bye_is_soft_and_a_lost_link_is_not() -> None:
     desk.sessions.lost(b"game", desk.clock.time)
     assert desk.armed == 0
     assert not desk.sessions.all
-    assert desk.sessions.ownership.owner is None
+    assert desk.sessions.lease.owner is None
     desk.sessions.lost(b"game", desk.clock.time)  # twice is no error
 
 
@@ -162,7 +162,7 @@ def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
     desk.sessions.lost(b"b", desk.clock.time)
     desk.wait(1.0)
     assert desk.permit[:4] == (0, 0.0, 1, 0)
-    assert desk.sessions.ownership.owner is None
+    assert desk.sessions.lease.owner is None
 
 
 # stop, fault, reset
@@ -198,7 +198,7 @@ def test_a_stop_while_one_hands_over_holds() -> None:
 def test_a_fault_holds_until_reset_and_is_told_once() -> None:
     desk, game = armed()
     for fault in ("device: unplugged", "device: unplugged", "another"):
-        desk.sessions.ownership.fail(fault)
+        desk.sessions.lease.fail(fault)
     ((_, told),) = desk.sessions.taken()
     assert (code(told), told.message) == ("fault", "device: unplugged")
     assert desk.armed == 0
@@ -211,7 +211,7 @@ def test_a_fault_holds_until_reset_and_is_told_once() -> None:
 
 def test_a_renderer_that_is_started_again_needs_an_arm_but_no_reset() -> None:
     desk, game = armed()
-    desk.sessions.ownership.interrupt("fault", "the renderer was killed")
+    desk.sessions.lease.interrupt("fault", "the renderer was killed")
     assert [code(reply) for _, reply in desk.sessions.taken()] == ["fault"]
     assert desk.armed == 0
     assert game.arm() == Ok(id=7)
@@ -260,7 +260,7 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
         elif what == "stop":
             desk.ask(peer, Stop())
         elif what == "fault":
-            desk.sessions.ownership.fail("broken")
+            desk.sessions.lease.fail("broken")
         elif peer in games:
             game, sign[peer] = games[peer], desk.clock.time
             if what == "renew":
@@ -269,13 +269,13 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
                 game.desk.all(peer, Arm(session=game.welcome.session, id=7, take=what == "take"))
             else:
                 game.ask({"disarm": Disarm, "bye": Bye, "reset": Reset}[what])
-        after, owner = desk.permit, desk.sessions.ownership.owner
+        after, owner = desk.permit, desk.sessions.lease.owner
         assert after.epoch >= before.epoch
         if after.armed == 1:
             assert owner is not None
             assert owner in desk.sessions.all
             assert not after.stopped
-            assert not desk.sessions.ownership.fault
+            assert not desk.sessions.lease.fault
             assert after.until <= sign[owner.peer] + LEASE + 1e-9
             assert desk.clock.time < after.until
             if before.armed != 1:

@@ -46,7 +46,7 @@ from pacinian.serving.ipc.messages import BusStatus, DeviceStatus, RendererStatu
 from pacinian.wire.replies import Plugin
 ended = threading.Event()
 parent, name = child_process.Parent(), sys.argv[1]
-told = parent.told
+told = parent.config
 if told.spare:
     parent.wait()
 parent.watch(ended.set)

@@ -29,7 +29,7 @@ from pathlib import Path
 from pacinian.serving.ipc import child_process
 gone = threading.Event()
 parent = child_process.Parent()
-told = parent.told
+told = parent.config
 if told.spare:
     (told.path / "ready").touch()
     parent.wait()

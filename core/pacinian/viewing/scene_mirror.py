@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.viewing.messages import SceneryTold, told
+from pacinian.viewing.messages import SceneryMessage, encode_message
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -16,7 +16,7 @@ _versions = itertools.count(1)
 POSE = 28  # [bytes] of seven float32
 
 
-class Scenery(NamedTuple):
+class SceneMirror(NamedTuple):
     """What is there. version: counts all changes. objects: by name, since which version, encoded. poses: by name."""
 
     version: int = 0
@@ -24,7 +24,9 @@ class Scenery(NamedTuple):
     objects: Mapping[str, tuple[int, Raw]] = {}
     poses: Mapping[str, bytes] = {}
 
-    def with_(self, scene: str, objects: Mapping[str, Raw], poses: Mapping[str, bytes]) -> Scenery:
+    def with_(
+        self, scene: str, objects: Mapping[str, Raw], poses: Mapping[str, bytes]
+    ) -> SceneMirror:
         """With what is new, in these poses; objects that have none are gone. The same if nothing has changed."""
         if not objects and poses == self.poses and scene == self.scene:
             return self
@@ -33,11 +35,11 @@ class Scenery(NamedTuple):
         if objects or kept.keys() - poses.keys():
             kept = {name: known for name, known in kept.items() if name in poses}
             kept |= {name: (version, data) for name, data in objects.items()}
-        return Scenery(version, scene, kept, poses)
+        return SceneMirror(version, scene, kept, poses)
 
     def told(self, since: int) -> tuple[str, bytes]:
         """For one who was told `since`: "scenery", or "poses" where no object is new; and the message."""
         new = {name: data for name, (version, data) in self.objects.items() if version > since}
         scene, poses = self.scene, dict(self.poses)
-        message = SceneryTold(version=self.version, scene=scene, objects=new, poses=poses)
-        return "scenery" if new else "poses", told(message)
+        message = SceneryMessage(version=self.version, scene=scene, objects=new, poses=poses)
+        return "scenery" if new else "poses", encode_message(message)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 
-class Past:
+class TickStats:
     """ticks: how many. late: that ended after the next one was due. different: frames that, rendered again, are.
 
     period: of a tick [s].

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 FORMAT, VERSION = "pacinian feed", 1
 KINDS = "array", "lost", "scenery", "poses", "histogram", "frame", "state"  # that are recorded
-LATEST = 1e6  # [s]
-LARGEST = 1 << 28  # [bytes] of one message
+MAX_TIME = 1e6  # [s]
+MAX_MESSAGE_BYTES = 1 << 28  # [bytes] of one message
 SUFFIX = ".feed"
 
 
-class Writer:
+class FeedWriter:
     """Appends messages to a new file. Raises RecordingError."""
 
     def __init__(self, path: Path) -> None:
@@ -55,12 +55,12 @@ class Writer:
             raise RecordingError(self.path, f"cannot be written: {error.strerror}") from error
 
 
-class Recorder:
+class FeedRecorder:
     """Looks on as a page does, and writes what it is told to a new file in `folder`, from one order to the next."""
 
     def __init__(self, hub: Hub, folder: Path) -> None:
         self._hub, self._folder, self._begin = hub, folder, 0.0
-        self._writer: Writer | None = None
+        self._writer: FeedWriter | None = None
         self._view: View | None = None
         hub.record = self.record
 
@@ -75,7 +75,10 @@ class Recorder:
 
     def _open(self) -> None:
         name = f"pacinian-{datetime.now():%Y%m%d-%H%M%S-%f}{SUFFIX}"
-        self._writer, self._begin = Writer((self._folder / name).absolute()), time.perf_counter()
+        self._writer, self._begin = (
+            FeedWriter((self._folder / name).absolute()),
+            time.perf_counter(),
+        )
         self._view = self._hub.join(self._write)
         self._hub.put("record", Recording(on=True, file=str(self._writer.path)))
 
@@ -112,7 +115,7 @@ class Entry(NamedTuple):
     size: int
 
 
-class Recorded:
+class FeedFile:
     """A recorded feed to read. entries: in order. duration: [s].
 
     A last message that was cut off is left out. Raises RecordingError if the file is no such recording.
@@ -146,7 +149,7 @@ class Recorded:
         self._file.close()
 
     def _entries(self) -> Iterator[Entry]:
-        reader = msgpack.Unpacker(self._file, max_buffer_size=LARGEST)
+        reader = msgpack.Unpacker(self._file, max_buffer_size=MAX_MESSAGE_BYTES)
         last = 0.0
         try:
             head = next(reader, None)
@@ -155,7 +158,7 @@ class Recorded:
             if head.get("version") != VERSION:
                 raise RecordingError(self.path, f"has version {head['version']}: update Pacinian")
             for at, kind, data in reader:
-                if not (isinstance(kind, str) and isinstance(data, bytes) and 0.0 <= at < LATEST):
+                if not (isinstance(kind, str) and isinstance(data, bytes) and 0.0 <= at < MAX_TIME):
                     raise ValueError("a message that cannot be")
                 last = max(last, float(at))
                 yield Entry(last, kind, reader.tell() - len(data), len(data))

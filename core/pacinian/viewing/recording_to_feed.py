@@ -17,9 +17,9 @@ from pacinian.acoustics.air import Air
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
 from pacinian.serving.render import status
-from pacinian.viewing.messages import ArrayTold, told
-from pacinian.viewing.past import Past
-from pacinian.viewing.scenery import Scenery
+from pacinian.viewing.messages import ArrayMessage, encode_message
+from pacinian.viewing.scene_mirror import SceneMirror
+from pacinian.viewing.tick_stats import TickStats
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.convert import to_wire
 from pacinian.wire.replies import Plugin, Sound
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 EVERY = 1.0 / 30.0  # [s] between two ticks that are shown
 
 
-def transcribed(
+def convert_recording(
     recording: Recording, *, samples: bool = False
 ) -> Iterator[tuple[float, str, bytes]]:
     """Time [s], kind and message. samples: with these, which takes as long as to render. Raises RecordingError."""
-    yield 0.0, "array", told(_array(recording))
-    stage, begin, due, past = Stage(), None, 0.0, Past(1.0 / recording.settings["rate"])
+    yield 0.0, "array", encode_message(_array(recording))
+    stage, begin, due, past = Stage(), None, 0.0, TickStats(1.0 / recording.settings["rate"])
     numbers = itertools.count()
     made = (
         iterate_rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
@@ -57,7 +57,7 @@ def transcribed(
         encode = msgspec.msgpack.encode
         yield at, "frame", encode(_frame(recording, tick, next(numbers)))
         yield at, "state", encode(_state(recording, tick, past, renderer))
-        yield at, "histogram", told(past.histogram)
+        yield at, "histogram", encode_message(past.histogram)
         if (news := stage.show(tick)) is not None:
             yield at, *news
 
@@ -66,7 +66,7 @@ class Stage:
     """Objects of the scenes, each told once, or again when its shape is another."""
 
     def __init__(self) -> None:
-        self._scenery = Scenery()
+        self._scenery = SceneMirror()
         self._shapes: dict[str, tuple[type, object]] = {}
 
     def show(self, tick: Tick) -> tuple[str, bytes] | None:
@@ -98,7 +98,7 @@ def _named(scene: Scene) -> Iterator[tuple[str, Object]]:
         yield item.name or f"object {i + 1}", item
 
 
-def _array(recording: Recording) -> ArrayTold:
+def _array(recording: Recording) -> ArrayMessage:
     settings, can = recording.settings, recording.capability
     kind: dict[str, Any] = settings["transducer"]
     medium, directivity = Air(**settings["medium"]), kind["directivity"]
@@ -116,7 +116,7 @@ def _array(recording: Recording) -> ArrayTold:
             absorption=medium.beta(kind["frequency"]),
             temperature=medium.temperature,
         )
-    return ArrayTold(
+    return ArrayMessage(
         server=f"recording {recording.path.name}",
         positions=pack(recording.positions),
         normals=pack(recording.normals),
@@ -152,7 +152,7 @@ def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
     )
 
 
-def _state(recording: Recording, tick: Tick, past: Past, renderer: Renderer | None) -> State:
+def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer | None) -> State:
     """What a recording knows of it, and what a renderer does."""
     asked = tick.asked
     hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]

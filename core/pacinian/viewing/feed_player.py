@@ -12,22 +12,22 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from msgspec import Raw
 
-from pacinian.viewing.history import history
+from pacinian.viewing.history import collect_history
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import (
     WRONG,
-    ArrayTold,
+    ArrayMessage,
     Histogram,
     Lost,
     Replay,
     Replayed,
-    SceneryTold,
-    told,
+    SceneryMessage,
+    encode_message,
 )
 from pacinian.viewing.model import Model
-from pacinian.viewing.recent import MODULATED_SPAN, RecentFrames
+from pacinian.viewing.recent_frames import MODULATED_SPAN, RecentFrames
 from pacinian.viewing.region_error import Regions
-from pacinian.viewing.scenery import Scenery
+from pacinian.viewing.scene_mirror import SceneMirror
 from pacinian.wire.codec import decode_state
 from pacinian.wire.objects import Object
 from pacinian.wire.state import State
@@ -35,9 +35,9 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from pacinian.viewing.feed_file import Entry, FeedFile
     from pacinian.viewing.hub import Hub
     from pacinian.viewing.messages import AnyAsked
-    from pacinian.viewing.recorded import Entry, Recorded
 
 T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
@@ -51,17 +51,17 @@ AGAINST = {
 }
 
 
-class Player:
+class FeedPlayer:
     """Plays to the pages of a hub; from the begin, at once."""
 
     def __init__(
-        self, hub: Hub, recorded: Recorded, clock: Callable[[], float] = time.perf_counter
+        self, hub: Hub, recorded: FeedFile, clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self.time, self.speed, self.playing = 0.0, 1.0, True
         self._hub, self._recorded, self._clock = hub, recorded, clock
         self._times = [entry.at for entry in recorded.entries]
         self._place = 0  # entries before it have been shown
-        self._scenery = Scenery()
+        self._scenery = SceneMirror()
         self._model: Model | None = None
         self._recent = RecentFrames()
         self._regions: Regions | None = None
@@ -110,7 +110,7 @@ class Player:
         """Tell the pages how it is at this time."""
         place = bisect_right(self._times, self.time)
         if place < self._place:
-            self._place, self._scenery = 0, Scenery()
+            self._place, self._scenery = 0, SceneMirror()
             self._recent.clear()
             self._past = -math.inf
         newest: dict[str, Entry] = {}
@@ -132,7 +132,7 @@ class Player:
             self._hub.show(self._scenery)
         if self._model is not None:
             if self.time - self._past > JUMP:
-                past = history(self._recorded, self._recorded.entries[:place], self._model)
+                past = collect_history(self._recorded, self._recorded.entries[:place], self._model)
                 self._hub.put("history", past)
             self._past = self.time
         stands = Replayed(
@@ -147,8 +147,8 @@ class Player:
             data = self._recorded.data(entry)
             match entry.kind:
                 case "array":
-                    array = _decode(data, ArrayTold)
-                    if hub.values.get("array", (0, b""))[1] != told(array):
+                    array = _decode(data, ArrayMessage)
+                    if hub.values.get("array", (0, b""))[1] != encode_message(array):
                         self._model = None
                         self._recent.clear()
                         hub.put("array", array)
@@ -156,9 +156,9 @@ class Player:
                 case "lost":
                     self._regions = None
                     self._recent.clear()
-                    hub.lose(_decode(data, Lost).reason)
+                    hub.disconnect(_decode(data, Lost).reason)
                 case "scenery" | "poses":
-                    scene = _decode(data, SceneryTold)
+                    scene = _decode(data, SceneryMessage)
                     new = {name: _objects.decode(item) for name, item in scene.objects.items()}
                     objects = {
                         name: Raw(msgspec.msgpack.encode(item)) for name, item in new.items()
