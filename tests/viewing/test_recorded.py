@@ -308,7 +308,7 @@ def test_frames_that_are_others_when_rendered_again_are_told(tmp_path: Path) -> 
     with open_view(tmp_path / "s.pac", samples=True) as recorded:
         (*_, last) = (e for e in recorded.entries if e.kind == "state")
         (fault,) = msgpack.unpackb(recorded.data(last))["faults"]
-    assert fault.endswith("rendered again, are not what was sent")
+    assert fault.endswith("rendered again, differ from what was sent")
 
 
 def test_what_lacks_its_scenes_cannot_be_rendered_again(tmp_path: Path) -> None:

@@ -1,13 +1,13 @@
-"""The live viewer's server: a page in the browser that shows what a running server emits, or a recording.
+"""The server of the live viewer: a page in the browser that shows what a running server emits, or a recording.
 
-run.py       all of it, until Ctrl-C                          app.py          HTTP: the page, its token, the websocket
-hub.py       the newest of everything, for all pages          feed.py         one page: what it is sent, what it asks
-bridge.py    a client of the running server, in a thread      states.py       what it brings from there
-slices.py    the field, in a process of its own               model.py        what that is computed from
-scenery.py   objects, each told once                          messages.py     what pages and server say to each other
-recorded.py  the feed to a file, and back                     player.py       a recording in place of a server
-browser.py   opens the page                                   transcribed.py  a renderer's recording as a feed
-page/        what the browser loads, built from viewer/       past.py         what its ticks were like
-recent.py    the frames of the last moments, for their mean   history.py      charts of a recording before a time
-region_error.py  what is felt on skin, less what is asked     demonstration.py  a hand on a ball, for an empty page
+run.py       all of it, until Ctrl-C                          app.py           HTTP: the page, its token, the websocket
+hub.py       the newest values, for all pages                 feed.py          one page: messages to it and from it
+bridge.py    a client of the running server, in a thread      states.py        reads the states and frames it publishes
+slices.py    computes the field, in its own process           model.py         the array and medium of the field
+browser.py   opens the page                                   messages.py      messages between pages and viewer
+page/        the page's files, built from viewer/             scene_mirror.py  the objects of the rendered scene
+history.py   past values for the charts of a recording        feed_file.py     writes and reads feed files
+tick_stats.py         tick times of a renderer's recording    feed_player.py   plays a feed file in place of a server
+recent_frames.py      the last frames, for their mean         recording_to_feed.py  converts a renderer's recording
+region_error.py       pressure on skin minus its target       demonstration.py      a hand on a ball, for an empty page
 """

@@ -1,4 +1,4 @@
-"""HTTP on loopback: the page, and one websocket for each page that is open, for who has the token and nobody else."""
+"""HTTP on loopback: serves the page, and a websocket to each open page that has the token."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 PAGE = Path(__file__).parent / "page"
-LOCAL = "127.0.0.1", "localhost", "::1"  # hosts that a browser on this machine calls us by
-CLOSED, FAILED = 1008, 1011  # codes of a websocket's end: not allowed, a mistake of ours
+LOCAL = "127.0.0.1", "localhost", "::1"  # names of this host that a browser on this machine uses
+CLOSED, FAILED = 1008, 1011  # websocket close codes: policy violation, internal error
 HEADERS = {
     "content-security-policy": "default-src 'self'; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'",
-    "referrer-policy": "no-referrer",  # the token is in the address
+    "referrer-policy": "no-referrer",  # the address contains the token
     "x-content-type-options": "nosniff",
     "x-frame-options": "DENY",
     "cross-origin-opener-policy": "same-origin",
@@ -48,7 +48,7 @@ UNBUILT = "This installation has no page: with Node.js (npm) there, `pip install
 
 
 def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> ASGIApp:
-    """The application. token: of those who may open the feed. page: folder of what the browser loads."""
+    """Make the application. token: opens the feed. page: folder of the files that the browser loads."""
 
     async def feed(socket: WebSocket) -> None:
         given = socket.query_params.get("token", "")
@@ -60,7 +60,7 @@ def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> AS
         async def send(data: bytes) -> None:
             try:
                 await socket.send_bytes(data)
-            except RuntimeError as error:  # it has been closed meanwhile
+            except RuntimeError as error:  # it was closed in the meantime
                 raise WebSocketDisconnect from error
 
         await _talk(socket, PageConnection(hub, fields, send))
@@ -75,7 +75,7 @@ def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> AS
 
 
 async def _talk(socket: WebSocket, page: PageConnection) -> None:
-    """Until the page goes."""
+    """Serve a page until it disconnects."""
     tasks = [asyncio.create_task(page.run()), asyncio.create_task(_listen(socket, page))]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -94,11 +94,11 @@ async def _talk(socket: WebSocket, page: PageConnection) -> None:
 async def _listen(socket: WebSocket, page: PageConnection) -> None:
     while (message := await socket.receive())["type"] == "websocket.receive":
         page.hear(message.get("bytes") or b"")
-        await asyncio.sleep(0.0)  # others' turn, however much this one says
+        await asyncio.sleep(0.0)  # let other tasks run, even if this page floods us
 
 
 def _gone(error: Exception) -> bool:
-    """Whether all that went wrong is that the page is not there any more."""
+    """Whether the error only says that the page has disconnected."""
     if isinstance(error, ExceptionGroup):
         parts: tuple[Exception, ...] = error.exceptions
         return all(map(_gone, parts))
@@ -106,16 +106,16 @@ def _gone(error: Exception) -> bool:
 
 
 class HostGuard:
-    """Lets in who calls us by a name of this machine, and of websockets only those of our own page.
+    """Admits only requests that name this machine as the host, and whose origin, if they have one, is our own page.
 
-    So no name that resolves to this machine by another's will, and no other site's page, gets to the feed.
+    This keeps DNS rebinding and the pages of other sites away from the feed.
     """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """An ASGI application."""
+        """Handle a request as an ASGI application."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -135,7 +135,7 @@ class HostGuard:
 
 
 def allowed(headers: Headers) -> bool:
-    """Whether a request is to this machine by its own name, and, if a page makes it, by a page of ours."""
+    """Whether the host is a name of this machine and the origin, if there is one, is our own page."""
     host, origin = headers.get("host", ""), headers.get("origin")
     try:
         name = urlsplit(f"//{host}").hostname

@@ -1,6 +1,6 @@
-"""A client of the running server, in a thread: it brings the newest to the pages, and does what they ask.
+"""A client of the running server, in a thread: it passes the newest values to the pages, and their requests to it.
 
-It connects again by itself when the server comes back, and takes from it no more than any client does.
+It reconnects by itself when the server comes back, and loads the server no more than any other client.
 """
 
 from __future__ import annotations
@@ -34,48 +34,48 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 NAME = "viewer"
-EVERY, NOBODY = 1.0 / 30.0, 0.1  # [s] between two looks, and while no page is open
-AGAIN = 0.5  # [s] between two tries to connect
-IDLE = 1.0  # [s] between two renewals while nothing is armed
-FRESH = 0.5  # of the lease: how old an `alive` may be for it to count
-WAITING = 64  # requests of pages, and selections whose answer is not known
+EVERY, NOBODY = 1.0 / 30.0, 0.1  # polling intervals with and without open pages [s]
+AGAIN = 0.5  # interval between attempts to connect [s]
+IDLE = 1.0  # interval between renewals while the viewer is not armed [s]
+FRESH = 0.5  # maximum age of an `alive` that counts, as a share of the lease
+WAITING = 64  # maximum number of waiting requests, and of selections without a reply
 
 
 class Bridge:
-    """Runs between `start` and `close`. where: the connection file, as `pacinian.Client` takes it."""
+    """Runs from `start` to `close`. where: the connection file, as for `pacinian.Client`."""
 
     def __init__(self, hub: Hub, loop: AbstractEventLoop, where: Path | str | None) -> None:
         self._hub, self._loop, self._where = hub, loop, where
         self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(WAITING)
         self._ended, self._stopping = threading.Event(), threading.Lock()
         self._scene = ""
-        self._owner, self._alive = 0, -math.inf  # the page that armed, and when it said so last [s]
+        self._owner, self._alive = 0, -math.inf  # the page that armed, and its last `alive` [s]
         self._armed, self._renewed = False, -math.inf
-        self._selected: dict[int, int] = {}  # pages by the number of what they selected
-        self._lost = ""  # why, as it was told
+        self._selected: dict[int, int] = {}  # pages by the id of their selection
+        self._lost = ""  # last reported reason
         self._first: tuple[int, AnyAsked] | None = None
         self._demonstration: Demonstration | None = None
-        self._demonstrated = 0  # the page that it is played for
+        self._demonstrated = 0  # the page that requested it
         self._told: tuple[Session, int] | None = None
         self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
 
     def start(self) -> None:
-        """Begin; pages may ask from now on."""
+        """Start the thread, and accept requests from pages."""
         self._hub.ask = self.ask
         self._thread.start()
 
     def close(self) -> None:
-        """End it: silence, if a page had armed."""
+        """End the thread; the output goes silent if a page had armed it."""
         self._ended.set()
         if self._demonstration is not None:
             self._demonstration.close()
         self._thread.join()
 
     def ask(self, page: int, asked: AnyAsked) -> None:
-        """Do it soon; an emergency stop at once, whatever else goes on."""
+        """Queue a request of a page; carry out an emergency stop at once, in its own thread."""
         if isinstance(asked, Stop):
             threading.Thread(target=self._stop, args=(page,), name="stop").start()
-        elif isinstance(asked, Alive):  # does not wait in line: of an old one nothing may live on
+        elif isinstance(asked, Alive):  # not queued: an old one must not renew the lease
             if page == self._owner:
                 self._alive = time.perf_counter()
             if page == self._demonstrated and self._demonstration is not None:
@@ -91,7 +91,7 @@ class Bridge:
                 self._hub.refuse(page, _action(asked), "too much is asked at once")
 
     def _demonstrate(self, page: int, on: bool) -> None:
-        """Play for that page, or end what plays, whoever asked for it."""
+        """Start the demonstration for that page, or end the one that plays, whichever page started it."""
         playing = self._demonstration
         if playing is not None and playing.plays:
             playing.keep_alive() if on else playing.end()
@@ -103,10 +103,10 @@ class Bridge:
 
     def _stop(self, page: int) -> None:
         if not self._stopping.acquire(blocking=False):
-            return  # one is under way
+            return  # a stop is already under way
         try:
             emergency_stop(self._where)
-        except Exception as error:  # whatever it is, it did not stop
+        except Exception as error:  # any error means that the output was not stopped
             self._post(
                 self._hub.refuse, page, "stop", describe_error(error), "switch the array off"
             )
@@ -114,7 +114,7 @@ class Bridge:
             self._stopping.release()
 
     def _post(self, do: Callable[..., object], *arguments: object) -> None:
-        """In the event loop; nothing once that has ended."""
+        """Call a function in the event loop; do nothing after that has ended."""
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(do, *arguments)
 
@@ -128,7 +128,10 @@ class Bridge:
                 self._lose(error)
 
     def _lose(self, error: Exception) -> None:
-        """The session is over. Nothing resumes; where another scene cannot be joined, our own goes on."""
+        """Report the end of the session, and refuse the waiting requests. Nothing resumes.
+
+        If the server refused another scene, reconnect at once to the viewer's own scene instead.
+        """
         first, self._first, self._scene = self._first, None, ""
         if first is not None:
             self._refuse(*first, error)
@@ -145,7 +148,7 @@ class Bridge:
         self._ended.wait(AGAIN)
 
     def _watch(self, client: Client, connection: Connection) -> None:
-        """One session, until it is lost, another scene is joined, or this ends."""
+        """Run one session until it is lost, a page arms another scene, or the bridge ends."""
         self._owner, self._armed, self._told, scene = 0, False, None, self._scene
         self._selected.clear()
         with StateReader(client, connection, self._hub, self._post) as states:
@@ -165,7 +168,7 @@ class Bridge:
                 self._tell(client)
 
     def _obey(self, client: Client, due: float) -> None:
-        """What a page asks, waiting for it until it is due to look again [s]."""
+        """Handle one request of a page; wait for it until `due`, when the state is read again [s]."""
         try:
             wait = max(0.0, due - time.perf_counter())
             page, asked = self._first or (
@@ -207,13 +210,13 @@ class Bridge:
                 pass
 
     def _keep(self, client: Client) -> None:
-        """The lease while the page that armed is looked at; the session while nothing is armed."""
+        """Renew the lease while the page that armed is visible, or the session while nothing is armed."""
         now, was = time.perf_counter(), self._armed
         self._armed = client.armed
         if self._armed:
             due = self._alive > self._renewed and now - self._alive < FRESH * client.lease
         else:
-            due = was or now - self._renewed > IDLE  # if it ended just now, that tells why
+            due = was or now - self._renewed > IDLE  # if it just ended, the reply says why
         if due:
             self._renew(client)
 
@@ -225,7 +228,7 @@ class Bridge:
             self._refuse(self._owner, Arm(), error)
 
     def _tell(self, client: Client) -> None:
-        """What was refused since, and how the session stands."""
+        """Report new refusals and the state of the session to the pages."""
         for error in client.errors:
             self._refuse(self._selected.pop(error.request, 0), Select(), error)
         armed = client.armed

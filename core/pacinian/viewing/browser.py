@@ -1,4 +1,4 @@
-"""Opens a page in the user's browser without showing its address to others on the machine."""
+"""Opens a page in the user's browser without showing its address to other users of the machine."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ PAGE = '<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content=
 
 
 def open_browser(url: str) -> Path | None:
-    """Open it, if there is a screen; return a file to be removed later, or None if there is none.
+    """Open the page if there is a display. Return a file to remove later; None if there is no display.
 
-    The address goes through that file, which only the user can read: a program's arguments anybody can.
+    The file, which only the user can read, passes the address to the browser. Anybody can read a program's arguments.
     """
     if sys.platform == "linux" and not any(
         os.environ.get(n) for n in ("DISPLAY", "WAYLAND_DISPLAY")
     ):
         return None
-    file, name = tempfile.mkstemp(prefix="pacinian-", suffix=".html")  # made 0600
+    file, name = tempfile.mkstemp(prefix="pacinian-", suffix=".html")  # created with mode 0600
     with os.fdopen(file, "w", encoding="utf-8") as stream:
         stream.write(PAGE.format(url=html.escape(url)))
     webbrowser.open(Path(name).as_uri())

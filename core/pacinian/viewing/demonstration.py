@@ -1,4 +1,4 @@
-"""A hand that moves over a ball, for a page that has nothing to show: a client of the server of its own."""
+"""A hand that moves over a ball, for a page that has nothing to show. It has its own session with the server."""
 
 from __future__ import annotations
 
@@ -19,20 +19,22 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 NAME = "demonstration"
-EVERY = 1.0 / 60.0  # [s] between two hands
-QUIET = 10.0  # [s] without a word of a page that is open, after which it ends: one that is hidden says so at once
-HEIGHT = 0.2  # [m] of the hand over the array
-TURN, SWAY = 5.0, 0.02  # [s] of one way to and fro, and how far [m]
+EVERY = 1.0 / 60.0  # interval between two hands [s]
+# Maximum time between two `alive` messages of an open page [s]. A page that is hidden ends the
+# demonstration at once.
+QUIET = 10.0
+HEIGHT = 0.2  # height of the hand above the array [m]
+TURN, SWAY = 5.0, 0.02  # period [s] and amplitude [m] of the movement
 BALL = Volume(
     name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, HEIGHT - 0.04)), radiation_pressure=6.0
 )
 
 
 class Demonstration:
-    """Plays in a thread of its own while the page that asked is alive. It arms, but takes the output from nobody.
+    """Plays in its own thread while the page that started it sends `alive`. It takes the output from nobody.
 
-    where: the connection file. is_open: whether the page is. refuse: is told, with a message and advice, why it does
-    not play.
+    where: the connection file. is_open: returns whether the page is still open. refuse: called with a message and
+    advice if the demonstration cannot play.
     """
 
     def __init__(
@@ -49,19 +51,19 @@ class Demonstration:
 
     @property
     def plays(self) -> bool:
-        """Whether it has not ended."""
+        """Whether the demonstration is running."""
         return self._thread.is_alive()
 
     def keep_alive(self) -> None:
-        """The page is looked at."""
+        """Note that the page is still visible."""
         self._alive = time.perf_counter()
 
     def end(self) -> None:
-        """Silence, soon."""
+        """End the demonstration soon, without waiting."""
         self._ended.set()
 
     def close(self) -> None:
-        """End it, and wait for that."""
+        """End the demonstration, and wait until it has ended."""
         self.end()
         self._thread.join()
 
@@ -76,7 +78,7 @@ class Demonstration:
                     client.hands(make_hand(time.perf_counter() - begin), wait=False)
                     client.hold(EVERY)
         except ConnectionLost:
-            pass  # the pages are told by the viewer's own session
+            pass  # the viewer's own session reports it to the pages
         except Refused as error:
             self._refuse(str(error).removesuffix(f"; {error.advice}"), error.advice)
         except Exception as error:
@@ -88,7 +90,7 @@ class Demonstration:
 
 
 def make_hand(t: float) -> Hand:
-    """The hand after t seconds [s]."""
+    """Return the hand at time t [s]."""
     turn = 2.0 * math.pi * t / TURN
     return Hand.open(
         "right", Pose((SWAY * math.sin(turn), 0.5 * SWAY * math.sin(2.0 * turn), HEIGHT))

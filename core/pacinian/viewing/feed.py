@@ -1,4 +1,4 @@
-"""One page: what it is sent, and what it asks. However slow it is, it holds up nobody, and nothing piles up."""
+"""The connection to one page: its messages and requests. A slow page delays no other page, and builds up no queue."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Drive, Hub
     from pacinian.viewing.slices import FieldWorker
 
-MIN_INTERVAL = 1.0 / 40.0  # [s] from one slice to the next; what is emitted comes 30 times a second
+MIN_INTERVAL = 1.0 / 40.0  # minimum interval between slices [s]; frames come 30 times a second
 
 
 class PageConnection:
-    """A page that is open. send: takes a message, and returns when there is room for another."""
+    """An open page. send: sends a message, and returns when there is room for another."""
 
     def __init__(
         self, hub: Hub, fields: FieldWorker, send: Callable[[bytes], Awaitable[None]]
@@ -48,11 +48,11 @@ class PageConnection:
             window.turn.set()
 
     def close(self) -> None:
-        """It has gone."""
+        """Remove the view of a page that has gone."""
         self._hub.leave(self._view)
 
     def hear(self, data: bytes) -> None:
-        """Do what the page says; what cannot be meant is refused."""
+        """Handle a message from the page; refuse a malformed one."""
         try:
             asked = decode_message(data)
         except WireError as error:
@@ -79,7 +79,7 @@ class PageConnection:
         self._hub.refuse(self._view.number, action, message)
 
     async def run(self) -> None:
-        """Send what is new, until cancelled, or the page goes."""
+        """Send what is new, until cancelled or the page disconnects."""
         self._wake()
         async with asyncio.TaskGroup() as tasks:
             for window in self._windows.values():
@@ -91,7 +91,7 @@ class PageConnection:
                     await self._send(data)
 
     async def _look(self, window: Window) -> None:
-        """Send what a window shows whenever that is another, or what is emitted has changed."""
+        """Send the field of a window whenever its request or the emission changes."""
         while True:
             await window.turn.wait()
             window.turn.clear()
@@ -106,7 +106,7 @@ class PageConnection:
             except ArgumentError as error:
                 self._refuse(window.name, str(error))
                 continue
-            window.turn.set()  # for what has come meanwhile
+            window.turn.set()  # something may have changed meanwhile
             if pressure is None:
                 continue
             window.unseen = asked.id
@@ -115,9 +115,9 @@ class PageConnection:
 
 
 class Window:
-    """What a page wants to see of the field. shown: that, and of what.
+    """A page's request for the field. shown: request and drive that were computed last.
 
-    unseen: id of what was sent last, until the page has it; or 0. turn: is set when there may be something to do.
+    unseen: id of the last reply until the page acknowledges it, else 0. turn: set when there may be something to do.
     """
 
     def __init__(self, name: str) -> None:
@@ -126,16 +126,16 @@ class Window:
         self.shown: object = None
 
     def ask(self, asked: Slice | Volume | None) -> None:
-        """From now on this."""
+        """Replace the request; None ends it."""
         self.asked, self.shown = asked, None
         self.turn.set()
 
     def wants(self, asked: Slice | Volume) -> bool:
-        """Whether it still does."""
+        """Whether the request is still the current one."""
         return self.asked is asked
 
     def seen(self, number: int) -> None:
-        """The page has it."""
+        """Note that the page has received the reply with that id."""
         if number == self.unseen:
             self.unseen = 0
             self.turn.set()

@@ -1,4 +1,4 @@
-"""The feed to a file, and back: a stream of MessagePack, only ever appended to, so it is whole as far as it goes."""
+"""Writes and reads feed files: append-only streams of MessagePack, readable up to any point where they are cut."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Hub, View
 
 FORMAT, VERSION = "pacinian feed", 1
-KINDS = "array", "lost", "scenery", "poses", "histogram", "frame", "state"  # that are recorded
-MAX_TIME = 1e6  # [s]
-MAX_MESSAGE_BYTES = 1 << 28  # [bytes] of one message
+KINDS = "array", "lost", "scenery", "poses", "histogram", "frame", "state"  # recorded kinds
+MAX_TIME = 1e6  # upper bound of the times in a file [s]
+MAX_MESSAGE_BYTES = 1 << 28  # maximum size of a message [bytes]
 SUFFIX = ".feed"
 
 
@@ -38,7 +38,7 @@ class FeedWriter:
         self._write({"format": FORMAT, "version": VERSION})
 
     def write(self, at: float, kind: str, data: bytes) -> None:
-        """A message that was told `at` [s] after the begin."""
+        """Write a message that was sent `at` [s] after the beginning."""
         self._write([at, kind, data])
 
     def _write(self, value: object) -> None:
@@ -48,7 +48,7 @@ class FeedWriter:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
 
     def close(self) -> None:
-        """End the file."""
+        """Close the file. Raises RecordingError."""
         try:
             self._file.close()
         except OSError as error:
@@ -56,7 +56,7 @@ class FeedWriter:
 
 
 class FeedRecorder:
-    """Looks on as a page does, and writes what it is told to a new file in `folder`, from one order to the next."""
+    """Receives the feed as a page does, and writes each recording to a new file in `folder`."""
 
     def __init__(self, hub: Hub, folder: Path) -> None:
         self._hub, self._folder, self._begin = hub, folder, 0.0
@@ -65,7 +65,7 @@ class FeedRecorder:
         hub.record = self.record
 
     def record(self, page: int, on: bool) -> None:
-        """Begin, or end; what cannot be done is refused."""
+        """Start or end a recording for a page; report a failure to that page."""
         if on == (self._writer is not None):
             return
         try:
@@ -96,7 +96,7 @@ class FeedRecorder:
             self._hub.refuse(0, "record", str(error), "is the disk full?")
 
     def close(self) -> None:
-        """End it. Raises RecordingError if the last of it cannot be written."""
+        """End the recording. Raises RecordingError if its last part cannot be written."""
         writer, self._writer = self._writer, None
         if writer is None:
             return
@@ -107,7 +107,7 @@ class FeedRecorder:
 
 
 class Entry(NamedTuple):
-    """A message in the file. at: when it was told [s]. place, size: where its bytes are."""
+    """A message in the file. at: time when it was sent [s]. place, size: offset and size of its data [bytes]."""
 
     at: float
     kind: str
@@ -116,9 +116,9 @@ class Entry(NamedTuple):
 
 
 class FeedFile:
-    """A recorded feed to read. entries: in order. duration: [s].
+    """Reads a feed file. entries: messages in order. duration: [s].
 
-    A last message that was cut off is left out. Raises RecordingError if the file is no such recording.
+    An incomplete last message is left out. Raises RecordingError if the file is not a feed file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -137,7 +137,7 @@ class FeedFile:
         self.duration = self.entries[-1].at
 
     def data(self, entry: Entry) -> bytes:
-        """The bytes of a message. Raises RecordingError."""
+        """Read the bytes of a message. Raises RecordingError."""
         try:
             self._file.seek(entry.place)
             return self._file.read(entry.size)
@@ -164,5 +164,5 @@ class FeedFile:
                 yield Entry(last, kind, reader.tell() - len(data), len(data))
         except RecordingError:
             raise
-        except Exception as error:  # the bytes may say anything
+        except Exception as error:  # damaged bytes can raise anything
             raise RecordingError(self.path, f"is damaged: {error}") from error

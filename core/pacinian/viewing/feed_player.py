@@ -1,4 +1,4 @@
-"""A recorded feed in place of a server: its messages at the times they had, from any time on, at any speed."""
+"""Plays a feed file in place of a server: sends its messages at their times, from any time on, at any speed."""
 
 from __future__ import annotations
 
@@ -42,8 +42,9 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
 
-EVERY = 1.0 / 30.0  # [s] between two looks
-JUMP = 1.0  # [s] over which the charts are filled anew
+EVERY = 1.0 / 30.0  # interval between updates [s]
+JUMP = 1.0  # minimum jump after which the charts are refilled [s]
+# Kinds that a newer message of another kind makes obsolete.
 AGAINST = {
     "array": ("lost",),
     "lost": ("array", "histogram", "frame", "state"),
@@ -52,7 +53,7 @@ AGAINST = {
 
 
 class FeedPlayer:
-    """Plays to the pages of a hub; from the begin, at once."""
+    """Plays to the pages of a hub; starts at once, from the beginning."""
 
     def __init__(
         self, hub: Hub, recorded: FeedFile, clock: Callable[[], float] = time.perf_counter
@@ -60,18 +61,18 @@ class FeedPlayer:
         self.time, self.speed, self.playing = 0.0, 1.0, True
         self._hub, self._recorded, self._clock = hub, recorded, clock
         self._times = [entry.at for entry in recorded.entries]
-        self._place = 0  # entries before it have been shown
+        self._place = 0  # index of the first entry that has not been shown
         self._scenery = SceneMirror()
         self._model: Model | None = None
         self._recent = RecentFrames()
         self._regions: Regions | None = None
-        self._time = 0.0  # of the newest state or frame [s], by the server's clock
-        self._past = -math.inf  # time that was shown last [s]
+        self._time = 0.0  # of the newest state or frame, by the server's clock [s]
+        self._past = -math.inf  # time shown last [s]
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
     def ask(self, page: int, asked: AnyAsked) -> None:
-        """Go to a time, play, pause, faster, slower."""
+        """Carry out a page's `replay`; refuse all other requests."""
         if not isinstance(asked, Replay):
             self._not_here(page, str(asked.__struct_config__.tag))
             return
@@ -82,14 +83,14 @@ class FeedPlayer:
         if asked.playing is not None:
             self.playing = asked.playing
             if self.playing and self.time >= self._recorded.duration:
-                self.time = 0.0  # once more
+                self.time = 0.0  # play again
         self._turn.set()
 
     def _not_here(self, page: int, action: str) -> None:
         self._hub.refuse(page, action, "is for a server: this is a recording")
 
     async def run(self) -> None:
-        """Until cancelled."""
+        """Play until cancelled."""
         while True:
             begin = self._clock()
             self.show()
@@ -101,13 +102,13 @@ class FeedPlayer:
                 await self._turn.wait()
 
     def advance(self, seconds: float) -> None:
-        """Time has passed [s]."""
+        """Advance the playback by `seconds` at its speed."""
         if self.playing:
             self.time = min(self.time + self.speed * seconds, self._recorded.duration)
             self.playing = self.time < self._recorded.duration
 
     def show(self) -> None:
-        """Tell the pages how it is at this time."""
+        """Send the pages what is new at the current time."""
         place = bisect_right(self._times, self.time)
         if place < self._place:
             self._place, self._scenery = 0, SceneMirror()
@@ -141,7 +142,7 @@ class FeedPlayer:
         self._hub.put("replay", stands)
 
     def _tell(self, entry: Entry) -> None:
-        """A message, encoded anew; one that is damaged is left out."""
+        """Decode a message, and pass it to the hub in a new encoding. Skip a damaged one."""
         hub = self._hub
         with suppress(*WRONG):
             data = self._recorded.data(entry)
@@ -177,7 +178,7 @@ class FeedPlayer:
                     elif self._model is not None:
                         self._recent.add(said.time, self._model.gains(said))
                 case _:
-                    pass  # of a later version
+                    pass  # a kind of a later version
 
 
 def _decode(data: bytes, kind: type[T]) -> T:

@@ -1,4 +1,4 @@
-"""Drive and error of a recorded feed before a time, so that its charts are full at once."""
+"""Drive and error of a feed file before a time, so that the charts are filled at once."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from pacinian.viewing.feed_file import Entry, FeedFile
     from pacinian.viewing.model import Model
 
-SPAN = 30.0  # [s] that the charts show
-MAX_MESSAGES = 240  # of each kind that are looked at
+SPAN = 30.0  # time that the charts show [s]
+MAX_MESSAGES = 240  # maximum number of messages that are read, per kind
 
 
 def collect_history(recorded: FeedFile, before: Sequence[Entry], model: Model) -> History:
-    """Of the last `SPAN` seconds of the entries `before` a time; messages that are damaged are left out."""
+    """Collect the last `SPAN` seconds of the entries `before` a time. Damaged messages are skipped."""
     begin = before[-1].at - SPAN if before else 0.0
     late = [entry for entry in before if entry.at >= begin]
     rows: dict[float, list[float]] = {}

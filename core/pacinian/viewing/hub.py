@@ -1,4 +1,4 @@
-"""The newest of everything, for all pages: nothing waits here for one that is slow. Belongs to the event loop."""
+"""The newest values, for all pages. A slow page skips values, so none are queued. Belongs to the event loop."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from pacinian.viewing.model import Model
     from pacinian.viewing.region_error import Regions
 
-BASIS = "hello", "array", "lost"  # what all else is of
+BASIS = "hello", "array", "lost"  # values that all others depend on, so they are sent first
 ORDER = "record", "replay", "history", "histogram", "frame", "state"
-NOW = "histogram", "frame", "state"  # are soon too old to be told
-GONE = "array", *NOW  # with the server
-EVENTS = 64  # that wait for one page
+NOW = "histogram", "frame", "state"  # values that expire soon
+GONE = "array", *NOW  # values removed when the server is lost
+EVENTS = 64  # maximum number of refusals that wait for one page
 
 
 class Drive(NamedTuple):
-    """What the field is computed from. gains: of the frames whose mean is felt, (K, N) complex64; empty for silence.
+    """The input of the field computation. gains: gains of the frames that are averaged, (K, N) complex64.
 
-    The newest frame is the last of them. time: of it [s]. regions: None where none are known. shares: of the time that
-    each frame has, (K,); empty where all have the same.
+    The newest frame comes last; `gains` is empty in silence. time: time of the newest frame [s]. regions: None if no
+    regions are known. shares: share of the time of each frame, (K,); empty if all shares are equal.
     """
 
     model: Model
@@ -40,14 +40,14 @@ class Drive(NamedTuple):
     shares: tuple[float, ...] = ()
 
     def frames(self, asked: Slice | Volume) -> int:
-        """How many frames count for what is asked."""
+        """Return the number of frames that count for the request."""
         one = 8 * len(self.model.array)
         return 1 if asked.over == "instant" else max(len(self.gains) // one, 1)
 
     def chosen(self, asked: Slice | Volume) -> Drive:
-        """With the frames that count for what is asked, so strong that all have the same share.
+        """Return the drive with the frames that count for the request, scaled so that all have equal shares.
 
-        An error is always that of the mean. The peak needs no shares.
+        An error always uses the mean. The peak needs no shares.
         """
         over = "mean" if isinstance(asked, Slice) and asked.of == "error" else asked.over
         if over == "instant":
@@ -61,10 +61,10 @@ class Drive(NamedTuple):
 
 
 class Hub:
-    """Newest values, and who is to be told of them.
+    """The newest values, and the views that receive them.
 
-    drive: None where the field cannot be computed. ask: takes what page so-and-so asks of the source, which is a
-    server or a recording. record: begins to record, or ends it, for a page.
+    drive: None if the field cannot be computed. ask: passes the request of a page (its number first) to the source,
+    which is a server or a recording. record: starts or ends a recording for a page.
     """
 
     def __init__(self) -> None:
@@ -78,7 +78,7 @@ class Hub:
         self._numbers = itertools.count(1)
 
     def put(self, kind: str, message: ServerMessage | bytes) -> None:
-        """A new value in place of the last of its kind."""
+        """Replace the value of that kind."""
         if kind == "array":
             self.values.pop("lost", None)
         data = message if isinstance(message, bytes) else encode_message(message)
@@ -86,34 +86,34 @@ class Hub:
         self.fresh()
 
     def fresh(self) -> None:
-        """Something is new for all."""
+        """Wake all views."""
         for view in list(self.views.values()):
             view.wake()
 
     def drive_by(self, drive: Drive | None) -> None:
-        """What is emitted has changed."""
+        """Set the drive, after the emission changed."""
         self.drive = drive
         self.fresh()
 
     def show(self, scenery: SceneMirror) -> None:
-        """What is in the scene has changed."""
+        """Set the scene, after it changed."""
         self.scenery = scenery
         self.fresh()
 
     def set_session(self, session: Session, owner: int) -> None:
-        """How the viewer's session with the server stands, and which page armed."""
+        """Set the state of the viewer's session with the server. owner: the page that armed."""
         self.session = session, owner
         self._let_go()
         self.fresh()
 
     def set_idle(self) -> None:
-        """Nobody looks: who comes later is told what is then."""
+        """Clear values that expire, because no page is open."""
         for kind in NOW:
             self.values.pop(kind, None)
         self.drive = None
 
     def disconnect(self, reason: str) -> None:
-        """There is no server, or none any more."""
+        """Clear the values of the server, and report why it is gone."""
         for kind in GONE:
             self.values.pop(kind, None)
         self.drive = self.session = None
@@ -121,7 +121,7 @@ class Hub:
         self.put("lost", Lost(reason=reason))
 
     def refuse(self, page: int, action: str, message: str, advice: str = "") -> None:
-        """Tell one page, or with 0 all, what was not done."""
+        """Report a refused request to one page, or to all pages if `page` is 0."""
         data = encode_message(Refused(action=action, message=message, advice=advice))
         for number, view in list(self.views.items()):
             if page in (0, number):
@@ -129,18 +129,18 @@ class Hub:
                 view.wake()
 
     def join(self, wake: Callable[[], object]) -> View:
-        """A new view, which is woken when there is something for it."""
+        """Return a new view; `wake` is called when there is something new for it."""
         view = View(self, next(self._numbers), wake)
         self.views[view.number] = view
         return view
 
     def leave(self, view: View) -> None:
-        """It looks no more."""
+        """Remove a view."""
         self.views.pop(view.number, None)
         self._let_go()
 
     def _let_go(self) -> None:
-        """Disarm, if the page that armed looks no more."""
+        """Disarm if the page that armed has gone."""
         if self.session is None:
             return
         session, owner = self.session
@@ -149,7 +149,7 @@ class Hub:
 
 
 class View:
-    """What one page, or one recording, has been told. number: of its own. events: that wait for it."""
+    """What one page or recorder has received. number: its unique number. events: refusals that wait for it."""
 
     def __init__(self, hub: Hub, number: int, wake: Callable[[], object]) -> None:
         self.number, self.wake = number, wake
@@ -160,7 +160,7 @@ class View:
         self._session: tuple[Session, int] | None = None
 
     def take(self) -> Iterator[tuple[str, bytes]]:
-        """All that is new for it, by kind, the newest of each, as it is when its turn comes."""
+        """Yield the newest value of each kind that is new for this view, read at the moment it is sent."""
         hub = self._hub
         for kind in ORDER:
             yield from self._basis()
@@ -178,7 +178,7 @@ class View:
             yield "refused", self.events.popleft()
 
     def _basis(self) -> Iterator[tuple[str, bytes]]:
-        """Until there is nothing newer: that may come while another is sent."""
+        """Yield new basis values until there are none; more may arrive while one is sent."""
         while found := next((new for kind in BASIS for new in self._new(kind)), None):
             yield found
 

@@ -1,6 +1,6 @@
-"""What pages and the viewer's server say to each other: MessagePack maps with a key `type`, both ways.
+"""Messages between pages and the viewer's server: MessagePack maps with a key `type`, in both directions.
 
-`State` and `FrameState` of `pacinian.wire` go to the pages as they are; docs/viewer.md says what the rest is.
+`State` and `FrameState` of `pacinian.wire` are passed on to the pages unchanged. docs/viewer.md describes all messages.
 """
 
 from __future__ import annotations
@@ -18,28 +18,28 @@ from pacinian.wire.replies import Plugin, Sound
 from pacinian.wire.time import Technique
 
 VERSION = 1
-MAX_BYTES = 1 << 16  # [bytes] of what a page says
-MAX_POINTS = 1 << 18  # of a slice or volume
-WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # what a damaged message raises
-PERPENDICULAR = 1e-3  # of u and v, and how far their lengths are from 1
+MAX_BYTES = 1 << 16  # maximum size of a message from a page [bytes]
+MAX_POINTS = 1 << 18  # maximum number of points of a slice or volume
+WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # from a damaged message
+PERPENDICULAR = 1e-3  # tolerance of the dot product u v, and of the lengths of u and v
 
-Over = Literal["mean", "peak", "instant"]  # of the field, over the frames of the last moments
+Over = Literal["mean", "peak", "instant"]  # how the recent frames are combined
 Id = Annotated[int, Meta(ge=1, le=2**53)]
 Side = Annotated[int, Meta(ge=2, le=1024)]
 Direction = tuple[Part, Part, Part]
 
 
 class PageMessage(Struct, frozen=True, kw_only=True, tag_field="type", forbid_unknown_fields=False):
-    """What a page says."""
+    """Base of the messages from a page."""
 
 
 class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
-    """The field in a plane is wanted, again whenever what is emitted has changed, until `hide`.
+    """Request the field in a plane, now and whenever the emission changes, until `hide`.
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
     u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols. of: radiation pressure, or its error on
-    regions: made minus asked. over: mean or largest pressure over the frames of the last moments, or that of the newest
-    frame; an error is always that of the mean.
+    regions (delivered minus target). over: mean or maximum over the recent frames, or the newest frame alone; the error
+    is always that of the mean.
     """
 
     id: Id
@@ -60,11 +60,11 @@ class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
 
 
 class Skin(Slice, frozen=True, kw_only=True, tag="skin"):
-    """What is felt on regions, and what is asked there, as seen from a plane before them; as a slice else."""
+    """Request the radiation pressure on regions and its target, seen from a plane before them; otherwise as `Slice`."""
 
 
 class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
-    """The field in a box is wanted, as a slice is. The point (i, j, k) is origin + spacing (i, j, k), k the fastest."""
+    """Request the field in a box, as `Slice`. The point (i, j, k) is origin + spacing (i, j, k), with k fastest."""
 
     id: Id
     origin: Position
@@ -77,19 +77,19 @@ class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
 
 
 class Hide(PageMessage, frozen=True, kw_only=True, tag="hide"):
-    """No slice, or no volume, any more."""
+    """End the updates of a slice, volume or skin."""
 
     what: Literal["slice", "volume", "skin"]
 
 
 class Seen(PageMessage, frozen=True, kw_only=True, tag="seen"):
-    """The page has the slice or volume of that id: the next may come."""
+    """Acknowledge the slice or volume with that id, so that the next one is sent."""
 
     id: Id
 
 
 class Select(PageMessage, frozen=True, kw_only=True, tag="select"):
-    """As the wire's `select`, with the server's rules."""
+    """Select as with the wire's `select`; the server's rules apply."""
 
     solver: Choice | None = None
     backend: Choice | None = None
@@ -98,42 +98,42 @@ class Select(PageMessage, frozen=True, kw_only=True, tag="select"):
 
 
 class Arm(PageMessage, frozen=True, kw_only=True, tag="arm"):
-    """The user has clicked: that scene is to be felt, for as long as this page says `alive`. scene: by name, or own."""
+    """Arm, after a click, for as long as this page sends `alive`. scene: its name; empty for the viewer's own scene."""
 
     scene: Annotated[str, Meta(max_length=64)] = ""
     take: bool = False
 
 
 class Alive(PageMessage, frozen=True, kw_only=True, tag="alive"):
-    """The page that armed is still looked at: the lease goes on."""
+    """Say that the page is still visible, which keeps the lease or the demonstration alive."""
 
 
 class Disarm(PageMessage, frozen=True, kw_only=True, tag="disarm"):
-    """Silence, softly."""
+    """Fade to silence and disarm."""
 
 
 class Stop(PageMessage, frozen=True, kw_only=True, tag="stop"):
-    """Emergency stop."""
+    """Stop the output at once: an emergency stop."""
 
 
 class Reset(PageMessage, frozen=True, kw_only=True, tag="reset"):
-    """After an emergency stop or a fault."""
+    """Allow arming again after an emergency stop or a fault."""
 
 
 class Demonstrate(PageMessage, frozen=True, kw_only=True, tag="demonstrate"):
-    """Play a demonstration on the server, or end it: only while nobody owns the output, and this page says `alive`."""
+    """Start or end the demonstration. It plays only while nobody else owns the output and this page sends `alive`."""
 
     on: bool
 
 
 class Record(PageMessage, frozen=True, kw_only=True, tag="record"):
-    """Begin to record, or end it."""
+    """Start or end the recording of the feed."""
 
     on: bool
 
 
 class Replay(PageMessage, frozen=True, kw_only=True, tag="replay"):
-    """Of a recording: go to a time [s], play or pause, faster or slower."""
+    """Control the playback of a recording. time: jump to this time [s]. playing: play or pause. speed: factor."""
 
     time: Annotated[float, Meta(ge=0.0, le=1e9)] | None = None
     playing: bool | None = None
@@ -159,11 +159,11 @@ AnyAsked = (
 
 
 class ServerMessage(Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What a page is told."""
+    """Base of the messages to a page."""
 
 
 class Hello(ServerMessage, frozen=True, kw_only=True, tag="hello"):
-    """The first message. recording: of a file that is replayed, its name; empty where a server is watched."""
+    """The first message. recording: name of the file that is played; empty if a server is watched."""
 
     version: int = VERSION
     viewer: str
@@ -171,9 +171,9 @@ class Hello(ServerMessage, frozen=True, kw_only=True, tag="hello"):
 
 
 class ArrayMessage(ServerMessage, frozen=True, kw_only=True, tag="array"):
-    """There is a server (again), or what it has is new: as the wire's `abilities`.
+    """The server's properties, as in the wire's `abilities`: sent when it connects, and when they change.
 
-    fields: whether slices and volumes can be had. sound: what they are computed from.
+    fields: whether slices and volumes are available. sound: data that they are computed from.
     """
 
     server: str
@@ -195,9 +195,10 @@ class ArrayMessage(ServerMessage, frozen=True, kw_only=True, tag="array"):
 
 
 class Session(ServerMessage, frozen=True, kw_only=True, tag="session"):
-    """The viewer as the server's client. name: by which it is the owner in `state`. armed: by a page of this viewer.
+    """The viewer's session with the server. name: the owner's name in `state` while the viewer owns the output.
 
-    mine: by this one, which must say `alive` oftener than `lease` [s].
+    armed: whether a page of this viewer armed the output. mine: whether the receiving page did; then it must send
+    `alive` several times per `lease` [s].
     """
 
     name: str
@@ -208,9 +209,10 @@ class Session(ServerMessage, frozen=True, kw_only=True, tag="session"):
 
 
 class SceneryMessage(ServerMessage, frozen=True, kw_only=True, tag="scenery"):
-    """Objects of the scene that is felt. objects: those that are new since the last scenery, as wire objects.
+    """The objects of the rendered scene. objects: objects that are new since the last scenery, as wire objects.
 
-    poses: of all that are there, x, y, z [m], quaternion x, y, z, w, (7,) float32 each; others are gone.
+    poses: poses of all objects that exist, x, y, z [m], quaternion x, y, z, w, (7,) float32 each. Objects without a
+    pose are gone.
     """
 
     version: int
@@ -220,9 +222,9 @@ class SceneryMessage(ServerMessage, frozen=True, kw_only=True, tag="scenery"):
 
 
 class SliceMessage(ServerMessage, frozen=True, kw_only=True, tag="slice"):
-    """As asked; pressure: radiation pressure, or its error, (rows, cols) float32 [Pa].
+    """The reply to `Slice`. pressure: radiation pressure, or its error, (rows, cols) float32 [Pa].
 
-    time: of the newest frame [s]. frames: how many frames count; 1 where all of the last moments are the same.
+    time: time of the newest frame [s]. frames: number of frames that count; 1 if all recent frames are equal.
     """
 
     id: int
@@ -239,9 +241,9 @@ class SliceMessage(ServerMessage, frozen=True, kw_only=True, tag="slice"):
 
 
 class SkinMessage(ServerMessage, frozen=True, kw_only=True, tag="skin"):
-    """As asked. felt: radiation pressure on the skin, mean over the last frames; asked: (rows, cols) float32 [Pa] each.
+    """The reply to `Skin`. felt: radiation pressure on the skin, mean over the recent frames. asked: its target.
 
-    Not numbers where nothing is felt. time: of the newest frame [s].
+    Both are (rows, cols) float32 [Pa], NaN where nothing is felt. time: time of the newest frame [s].
     """
 
     id: int
@@ -256,7 +258,7 @@ class SkinMessage(ServerMessage, frozen=True, kw_only=True, tag="skin"):
 
 
 class VolumeMessage(ServerMessage, frozen=True, kw_only=True, tag="volume"):
-    """As asked; pressure: radiation pressure (nx, ny, nz) float32 [Pa]. time: of the frame [s]."""
+    """The reply to `Volume`. pressure: radiation pressure (nx, ny, nz) float32 [Pa]. time: time of the frame [s]."""
 
     id: int
     origin: Position
@@ -267,7 +269,7 @@ class VolumeMessage(ServerMessage, frozen=True, kw_only=True, tag="volume"):
 
 
 class Histogram(ServerMessage, frozen=True, kw_only=True, tag="histogram"):
-    """Times of the ticks of the last second. edges_ms: B + 1. counts: B; of the first and last also what is beyond."""
+    """Tick times of the last second. edges_ms: (B + 1) [ms]. counts: (B); the outer bins include all values beyond."""
 
     edges_ms: tuple[float, ...]
     counts: tuple[int, ...]
@@ -275,10 +277,10 @@ class Histogram(ServerMessage, frozen=True, kw_only=True, tag="histogram"):
 
 
 class History(ServerMessage, frozen=True, kw_only=True, tag="history"):
-    """Of a recording: what was before the time that is shown, for charts. Not numbers where there is none.
+    """Values of a recording before the time shown, for the charts. NaN where there is no value.
 
-    times: by the server's clock, (K,) float64 [s]. drive_mean, drive_max: of the amplitudes, 0..1; error: of the sound
-    pressures at the samples, (K,) float32.
+    times: times by the server's clock, (K,) float64 [s]. drive_mean, drive_max: mean and maximum of the amplitudes,
+    0..1. error: error of the sound pressures at the samples. (K,) float32 each.
     """
 
     times: bytes
@@ -288,13 +290,13 @@ class History(ServerMessage, frozen=True, kw_only=True, tag="history"):
 
 
 class Lost(ServerMessage, frozen=True, kw_only=True, tag="lost"):
-    """There is no server, or none any more; an `array` tells that it is back."""
+    """There is no server, or the connection was lost. An `array` follows when the server is back."""
 
     reason: str
 
 
 class Refused(ServerMessage, frozen=True, kw_only=True, tag="refused"):
-    """What was asked is not done. action: `type` of what was asked."""
+    """A request was refused. action: `type` of the request."""
 
     action: str
     message: str
@@ -302,14 +304,14 @@ class Refused(ServerMessage, frozen=True, kw_only=True, tag="refused"):
 
 
 class Recording(ServerMessage, frozen=True, kw_only=True, tag="record"):
-    """Whether the feed is being recorded, and to which file."""
+    """State of the recording. on: whether the feed is being recorded. file: path of the file."""
 
     on: bool
     file: str = ""
 
 
 class Replayed(ServerMessage, frozen=True, kw_only=True, tag="replay"):
-    """How a replay stands [s]."""
+    """State of the playback. time, duration: [s]."""
 
     time: float
     duration: float
@@ -322,7 +324,7 @@ _encoder = msgspec.msgpack.Encoder()
 
 
 def decode_message(data: bytes) -> AnyAsked:
-    """What a page says. Raises WireError."""
+    """Decode a message from a page. Raises WireError."""
     try:
         return _asked.decode(data)
     except (msgspec.MsgspecError, ValueError, RecursionError, MemoryError) as error:
@@ -330,7 +332,7 @@ def decode_message(data: bytes) -> AnyAsked:
 
 
 def encode_message(message: ServerMessage) -> bytes:
-    """As bytes."""
+    """Encode a message to a page."""
     return _encoder.encode(message)
 
 

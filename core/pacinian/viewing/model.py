@@ -1,4 +1,4 @@
-"""What the field is computed from, as a server tells it; and its ticks' times as a histogram."""
+"""The array and medium of the field computation, as a server describes them; the histogram of tick times."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ EDGES = tuple(float(f"{edge:.4g}") for edge in 10.0 ** (np.arange(65) / 16.0 - 2
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """An array in a medium, with a device's levels of amplitude (empty: evenly spaced)."""
+    """An array in a medium. sizes: amplitudes of the device's levels; empty if they are evenly spaced."""
 
     array: Array
     medium: Air
@@ -34,7 +34,7 @@ class Model:
 
     @classmethod
     def of(cls, told: Abilities | ArrayMessage) -> Self | None:
-        """As a server tells; None where it does not, or tells of what this version does not know."""
+        """Read a server's description; return None if it is missing or has an unknown directivity."""
         sound = told.sound
         if sound is None or sound.directivity not in DIRECTIVITIES:
             return None
@@ -55,11 +55,11 @@ class Model:
 
     @functools.cached_property
     def packed(self) -> bytes:
-        """Array and medium, for another process."""
+        """Array and medium as bytes, for another process."""
         return pickle.dumps((self.array, self.medium))
 
     def gains(self, frame: FrameState) -> bytes:
-        """What a frame's levels stand for, (1, N) complex64; empty in silence. Raises ValueError, IndexError."""
+        """Convert a frame's levels to gains, (1, N) complex64; empty in silence. Raises ValueError, IndexError."""
         if not frame.phase:
             return b""
         phase, amplitude = (
@@ -73,6 +73,6 @@ class Model:
 
 
 def make_histogram(counts: bytes, rate: float) -> Histogram:
-    """Of `State.tick_counts`. rate: ticks per second [Hz]."""
+    """Make the histogram of `State.tick_counts`. rate: ticks per second [Hz]."""
     bins = tuple(np.frombuffer(counts, "<u4").tolist())
     return Histogram(edges_ms=EDGES[: len(bins) + 1], counts=bins, deadline_ms=1e3 / rate)

@@ -1,6 +1,6 @@
-"""A recording of `pacinian render --record` as a recorded feed: 30 of its ticks a second, and what they hold.
+"""Converts a recording of `pacinian render --record` to a feed: the contents of 30 ticks per second.
 
-Samples are not among that: they are made by rendering all ticks again.
+The recording contains no samples. They are computed by rendering all ticks again.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.scene import Scene
 
-EVERY = 1.0 / 30.0  # [s] between two ticks that are shown
+EVERY = 1.0 / 30.0  # interval between two converted ticks [s]
 
 
 def convert_recording(
     recording: Recording, *, samples: bool = False
 ) -> Iterator[tuple[float, str, bytes]]:
-    """Time [s], kind and message. samples: with these, which takes as long as to render. Raises RecordingError."""
+    """Yield time [s], kind and message. samples: include them, by rendering again. Raises RecordingError."""
     yield 0.0, "array", encode_message(_array(recording))
     stage, begin, due, past = Stage(), None, 0.0, TickStats(1.0 / recording.settings["rate"])
     numbers = itertools.count()
@@ -63,14 +63,14 @@ def convert_recording(
 
 
 class Stage:
-    """Objects of the scenes, each told once, or again when its shape is another."""
+    """Tracks the objects of the scenes. Each object is sent once, and again when its shape changes."""
 
     def __init__(self) -> None:
         self._scenery = SceneMirror()
         self._shapes: dict[str, tuple[type, object]] = {}
 
     def show(self, tick: Tick) -> tuple[str, bytes] | None:
-        """What is new in a tick's scene."""
+        """Return what is new in a tick's scene, as kind and message; None if nothing is."""
         if tick.asked is None:
             return None
         new: dict[str, Raw] = {}
@@ -82,7 +82,7 @@ class Stage:
                 self._shapes[name] = type(item), now
                 with suppress(
                     PacinianError
-                ):  # what no message can hold, a function say, has no shape
+                ):  # a shape that no message can hold, such as a function, is left out
                     new[name] = Raw(msgspec.msgpack.encode(to_wire(item)))
             pose = item.pose if item.motion is None else item.motion.pose(item.pose, tick.time)
             poses[name] = pack([*pose.position, *pose.rotation])
@@ -103,7 +103,7 @@ def _array(recording: Recording) -> ArrayMessage:
     kind: dict[str, Any] = settings["transducer"]
     medium, directivity = Air(**settings["medium"]), kind["directivity"]
     sound = None
-    if isinstance(directivity, str):  # else it is one that the wire has no name for
+    if isinstance(directivity, str):  # others have no name on the wire
         response = settings.get("response") or b""
         sound = Sound(
             pressure=kind["pressure"],
@@ -137,7 +137,7 @@ def _array(recording: Recording) -> ArrayMessage:
 
 
 def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
-    """Of one row after the other, as a server publishes them."""
+    """Return one row of the tick's frame; `number` selects the rows in turn, as a server does."""
     frame, can = tick.frame, recording.capability
     row = number % len(frame.phase)
     phase, amplitude = frame.phase[row], frame.amplitude[row]
@@ -153,7 +153,7 @@ def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
 
 
 def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer | None) -> State:
-    """What a recording knows of it, and what a renderer does."""
+    """Return the state, from the recording and, if there is one, from the renderer."""
     asked = tick.asked
     hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]
     told: dict[str, Any] = {
@@ -165,7 +165,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
     if renderer is not None:
         told |= status.make_status(renderer, tick.time) | {"tick_counts": b""}
     if past.different:
-        told["faults"] = (f"{past.different} frames, rendered again, are not what was sent",)
+        told["faults"] = (f"{past.different} frames, rendered again, differ from what was sent",)
     told |= {"ticks": past.ticks, "frames": past.ticks, "late": past.late, "tick_ms": past.tick_ms}
     return State(
         sequence=past.ticks,
@@ -182,7 +182,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
 
 
 def _joints(hand: Hand) -> bytes:
-    """Where a hand's joints are, (26, 3) float32; empty where it is lost, or has none."""
+    """Return a hand's joints, (26, 3) float32; empty if the hand is lost or has no joints."""
     if hand.lost or hand.joints is None:
         return b""
     return pack(hand.joints)

@@ -1,4 +1,4 @@
-"""The error of what is felt on regions, for a slice: radiation pressure made minus asked, also between the samples."""
+"""The error of the radiation pressure on regions, for a slice: delivered minus target, also between the samples."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Gains, Indices
     from pacinian.wire.state import State
 
-NEAR = 0.005  # [m] from a point of the slice to a sample of a region, at most
-BESIDE = 0.003  # [m] from the samples, at least: at a rim pressure has to fall
-CLOSE = 1.7  # times the distance of neighbours: as far are samples that surround a place
-NEIGHBOURS = 4  # samples whose height a point is moved to
-AROUND = 12  # samples that are looked at around each place
-SAME = 1e-4  # [m]: no farther apart is in one place
-STRAIGHT = np.pi + 1e-3  # [rad]: a larger angle without a neighbour is of a place outside
-PAIRS = 1 << 21  # of places and transducers at a time
-JOINTS = 26  # of a hand
+NEAR = 0.005  # maximum distance of a point of the slice from a sample of a region [m]
+BESIDE = 0.003  # minimum distance of outside places from samples [m]; closer, pressure still falls
+CLOSE = 1.7  # radius of the samples that can surround a place, over the spacing of samples
+NEIGHBOURS = 4  # number of samples that set the height of a point
+AROUND = 12  # number of nearest samples examined for each place
+SAME = 1e-4  # distance below which two places are the same [m]
+STRAIGHT = np.pi + 1e-3  # maximum angle between neighbours of an inside place [rad]
+PAIRS = 1 << 21  # maximum number of place-transducer pairs per batch
+JOINTS = 26  # joints of a hand
 
 
 class Regions(NamedTuple):
-    """Samples as a state has them, (M, ...) each: bytes, so that they can be compared.
+    """The samples of a state, (M, ...) each, as bytes so that they can be compared.
 
-    points, normals: (M, 3) float32 [m]. asked: radiation pressure, float32 [Pa]. objects: which, int32; -1 of
-    samples that are isolated. hands: joints, (hands, 26, 3) float32 [m]; with any, sound counts along the normals.
+    points: (M, 3) float32 [m]. normals: (M, 3) float32. asked: target radiation pressure, (M,) float32 [Pa]. objects:
+    index of each sample's object, (M,) int32; -1 if it has no region. hands: joints, (hands, 26, 3) float32
+    [m]; if there are hands, only sound along the normals counts.
     """
 
     points: bytes
@@ -40,7 +41,7 @@ class Regions(NamedTuple):
 
     @classmethod
     def of(cls, state: State) -> Self | None:
-        """None where nothing is known to be a region. Raises ValueError, IndexError of a damaged state."""
+        """Read the samples; return None if no object has a region. Raises ValueError or IndexError if damaged."""
         known = np.isfinite(np.frombuffer(state.felt, "<f4").reshape(-1, 4)[:, 0])
         if not known.any():
             return None
@@ -58,7 +59,7 @@ class Regions(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Places on regions, or beside them. rows: of which points. points, normals: (K, 3). asked: (K,) [Pa], 0 beside."""
+    """Places on or beside regions. rows: indices of the points, (K,). points, normals: (K, 3). asked: targets [Pa]."""
 
     rows: Indices
     points: Floats
@@ -69,13 +70,12 @@ class Places(NamedTuple):
 def compute_error(
     array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
 ) -> Floats:
-    """Radiation pressure made minus asked, at the place of a region that is nearest to each point, (P,) [Pa].
+    """Return the radiation pressure minus its target, at the place of a region nearest to each point, (P,) [Pa].
 
-    gains: of the frames whose mean is felt, (K, N). at: points, (P, 3) [m]. across: direction that surfaces face
-    whose samples have no normal, (3,). NaN of a point that is more than 5 mm from the samples of any region, and of one
-    beside a region and less than 3 mm from its samples: `Solution.felt` counts no such places either. Also NaN near
-    transducers. With hands, sound counts along the normals and is hidden by hands of an adult's size: the state does
-    not tell how large they are.
+    gains: gains of the frames that are averaged, (K, N). at: points, (P, 3) [m]. across: normal of samples that have
+    none, (3,). The result is NaN for points more than 5 mm from the samples of all regions, for points beside a region
+    but less than 3 mm from its samples (`Solution.felt` ignores these, too), and near transducers. With hands, only
+    sound along the normals counts, and adult-sized hands occlude it, because the state does not contain their size.
     """
     places = nearest_places(at, across, regions)
     found = np.full(len(at), np.nan)
@@ -89,7 +89,7 @@ def felt_and_asked(
     """Return the radiation pressure on the skin, or on a surface in the air, and the target there, (P,) [Pa] each.
 
     As `compute_error`, but each point first moves along `across` to the height of its nearest samples, so that a plane
-    before a curved contact shows all of the contact.
+    before a curved contact shows the whole contact.
     """
     places = nearest_places(lift_off(at, across, regions), across, regions, beside=0.0)
     felt, asked = np.full(len(at), np.nan), np.full(len(at), np.nan)
@@ -99,7 +99,7 @@ def felt_and_asked(
 
 
 def lift_off(at: Floats, across: Floats, regions: Regions) -> Floats:
-    """Points, (P, 3), at the height of the samples that are nearest to them beside a direction, (P, 3) [m]."""
+    """Move points along `across` to the height of the samples nearest to them in the plane across it, (P, 3) [m]."""
     from scipy.spatial import KDTree
 
     q = np.frombuffer(regions.points, "<f4").reshape(-1, 3).astype(np.float64)
@@ -119,7 +119,7 @@ def lift_off(at: Floats, across: Floats, regions: Regions) -> Floats:
 def compute_felt(
     array: Array, medium: Air, gains: Gains, places: Places, regions: Regions
 ) -> Floats:
-    """Radiation pressure at places, (K,) [Pa]; NaN near transducers. With hands as `compute_error` says."""
+    """Return the radiation pressure at places, (K,) [Pa]; NaN near transducers. Hands count as in `compute_error`."""
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.errors import PointOnTransducer
@@ -146,11 +146,11 @@ def compute_felt(
 
 
 def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float = BESIDE) -> Places:
-    """Of points `at`, (P, 3) [m], those with a region near, moved to the nearest place of its surface.
+    """Select the points `at`, (P, 3) [m], that are near a region, and move each to the region's surface.
 
-    The surface is the plane through the nearest sample. A place is inside where samples surround it, and is then
-    asked for their mean, weighted by the inverse square of the distance. beside: [m] from the samples, at least, of a
-    place that is not inside.
+    The surface is the plane through the nearest sample. A place is inside the region if samples surround it. Its target
+    is then their mean, weighted by the inverse square of the distance; the target of an outside place is 0. beside:
+    minimum distance of outside places from the samples [m].
     """
     from scipy.spatial import KDTree
 
@@ -177,24 +177,24 @@ def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float =
 
 
 def _spacing(tree: KDTree, index: Indices) -> Floats:
-    """How far from each sample its neighbours are from theirs, in the median, (M,) [m]; 0 of one without any."""
+    """Return the local spacing: the median nearest-neighbour distance around each sample, (M,) [m]; 0 if alone."""
     away, around = _nearest(tree, np.asarray(tree.data), AROUND)
     own = (index[around] == index[:, None]) & np.isfinite(away)
     nearest = np.where(own & (away > SAME), away, np.inf).min(axis=1)
-    every = np.sort(np.where(own, nearest[around], np.inf), axis=1)  # of others nothing counts
+    every = np.sort(np.where(own, nearest[around], np.inf), axis=1)  # own samples only
     middle = (np.maximum(own.sum(axis=1), 1) - 1) // 2
     found = np.take_along_axis(every, middle[:, None], axis=1)[:, 0]
     return np.where(np.isfinite(found), found, 0.0)
 
 
 def _nearest(tree: KDTree, x: Floats, count: int) -> tuple[Floats, Indices]:
-    """How far the nearest samples are from each place, (K, count) [m], and which; infinite where there are fewer."""
+    """Return distances to the nearest samples, (K, count) [m], inf if there are fewer, and the samples' indices."""
     away, which = tree.query(x, np.arange(1, count + 1))
     return np.asarray(away), np.minimum(which, tree.n - 1)
 
 
 def _surrounded(x: Floats, n: Floats, q: Floats, own: Flags) -> Flags:
-    """Whether those of the samples q, (K, A, 3), that are the place's `own`, (K, A), lie on all sides of x, (K, 3)."""
+    """Whether the samples q, (K, A, 3), selected by `own`, (K, A), lie on all sides of each place x, (K, 3)."""
     other = np.where(np.abs(n[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[0.0, 1.0, 0.0]])
     u = np.cross(other, n)
     v = np.cross(n, u)

@@ -1,4 +1,4 @@
-"""The viewer from its start to its end."""
+"""Runs the viewer, from start to end."""
 
 from __future__ import annotations
 
@@ -46,9 +46,10 @@ async def view(
 ) -> None:
     """Serve the page until `ended`, or Ctrl-C.
 
-    connection: of the server that is watched. recording: of a viewer or a renderer, to be replayed instead; samples:
-    of a renderer's, too, which takes as long as to render it. folder: for recordings, the current one unless given.
-    ready: is told the address. Raises ArgumentError, ServerError, RecordingError.
+    connection: connection file of the server to watch. recording: recording of a viewer or a renderer to play instead.
+    samples: also show the samples of a renderer's recording, which takes as long as rendering it. folder: folder for
+    new recordings; by default the current one. ready: called with the page's address. Raises ArgumentError,
+    ServerError, RecordingError.
     """
     token, hub, fields = secrets.token_urlsafe(32), Hub(), FieldWorker()
     with contextlib.ExitStack() as stack:
@@ -76,7 +77,7 @@ async def view(
 async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event | None) -> None:
     config = uvicorn.Config(
         made,
-        log_level="warning",  # the address, which has the token in it, would be logged
+        log_level="warning",  # `info` would log the address with the token
         access_log=False,
         ws="websockets-sansio",
         ws_max_size=MAX_BYTES,
@@ -101,7 +102,7 @@ async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event |
 
 @contextlib.contextmanager
 def open_view(path: Path, *, samples: bool = False) -> Generator[FeedFile]:
-    """A recording of a viewer, or of a renderer. samples: of the latter. Raises RecordingError."""
+    """Open a recording of a viewer or a renderer. samples: include the renderer's. Raises RecordingError."""
     from pacinian.rendering.recording import Recording
 
     with contextlib.ExitStack() as stack:
@@ -122,7 +123,7 @@ def open_view(path: Path, *, samples: bool = False) -> Generator[FeedFile]:
 
 
 def bind(host: str, port: int) -> socket.socket:
-    """A socket that listens on this machine only. Raises ArgumentError, ServerError."""
+    """Return a socket that listens on loopback only. Raises ArgumentError, ServerError."""
     address = "127.0.0.1" if host == "localhost" else host
     try:
         if not ipaddress.ip_address(address).is_loopback:

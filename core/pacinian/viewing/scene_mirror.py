@@ -1,4 +1,4 @@
-"""The objects of the scene that is felt, as they come from the server: each is told to a page once."""
+"""A copy of the server's rendered scene. Each object is sent to a page once."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ if TYPE_CHECKING:
     from msgspec import Raw
 
 _versions = itertools.count(1)
-POSE = 28  # [bytes] of seven float32
+POSE = 28  # size of a pose, seven float32 [bytes]
 
 
 class SceneMirror(NamedTuple):
-    """What is there. version: counts all changes. objects: by name, since which version, encoded. poses: by name."""
+    """A version of the scene. version: counts all changes. poses: by name.
+
+    objects: by name, the version in which the object was new, and its encoding.
+    """
 
     version: int = 0
     scene: str = ""
@@ -27,7 +30,10 @@ class SceneMirror(NamedTuple):
     def with_(
         self, scene: str, objects: Mapping[str, Raw], poses: Mapping[str, bytes]
     ) -> SceneMirror:
-        """With what is new, in these poses; objects that have none are gone. The same if nothing has changed."""
+        """Return the scene with new objects and these poses, or `self` if nothing changed.
+
+        Objects without a pose are removed.
+        """
         if not objects and poses == self.poses and scene == self.scene:
             return self
         version = next(_versions)
@@ -38,7 +44,7 @@ class SceneMirror(NamedTuple):
         return SceneMirror(version, scene, kept, poses)
 
     def told(self, since: int) -> tuple[str, bytes]:
-        """For one who was told `since`: "scenery", or "poses" where no object is new; and the message."""
+        """Return kind and message for a page that has version `since`: "scenery", or "poses" if no object is new."""
         new = {name: data for name, (version, data) in self.objects.items() if version > since}
         scene, poses = self.scene, dict(self.poses)
         message = SceneryMessage(version=self.version, scene=scene, objects=new, poses=poses)

@@ -1,4 +1,4 @@
-"""The field in planes and boxes, in a process of its own that gives way to all others."""
+"""Computes the field in planes and boxes, in a separate process of the lowest priority."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Drive
     from pacinian.viewing.region_error import Regions
 
-PAIRS = 5e7  # of points and transducers, worked off in one go: 0.1 s of a processor
-CALM = 19  # nice
-MAX_FIELDS = 16  # that are computed for one slice
-NEGLIGIBLE = 1e-5  # of the power of all frames
+PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
+CALM = 19  # niceness of the process
+MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
+NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
 
 
 def make_grid(asked: Slice | Volume) -> InterpolatedField:
-    """Where the field is asked for, in the order of the answer."""
+    """Return the grid of the requested points, in the order of the reply."""
     if isinstance(asked, Volume):
         steps = tuple(tuple(row) for row in (asked.spacing * np.eye(3)).tolist())
         return InterpolatedField(asked.origin, steps, asked.shape)
@@ -59,21 +59,21 @@ def make_grid(asked: Slice | Volume) -> InterpolatedField:
 
 
 class FieldWorker:
-    """Computes for all pages, a part of each in turn."""
+    """Computes fields for all pages, in batches, so that the pages take turns."""
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
         self._closed = False
-        self._rough: deque[InterpolatedField] = deque(maxlen=16)  # where interpolation would not do
+        self._rough: deque[InterpolatedField] = deque(maxlen=16)  # grids too inexact to interpolate
 
     async def pressure(
         self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
     ) -> bytes | None:
-        """Radiation pressure, or its error, float32 [Pa], in the order of the answer; None once it is not `wanted`.
+        """Return the radiation pressure or its error, float32 [Pa], in the order of the reply.
 
-        Of the frames of `drive` their mean, largest or last, as asked.
-
-        Pressure is NaN on a transducer, an error away from regions. Raises ArgumentError.
+        The request says whether the mean, the maximum or the last of the frames of `drive` counts. For a `Skin` the
+        reply is the pressure on regions, then its target. Pressures are NaN on a transducer, errors away from regions.
+        Returns None as soon as the result is no longer `wanted`. Raises ArgumentError.
         """
         where, drive, peak = make_grid(asked), drive.chosen(asked), asked.over == "peak"
         count = math.prod(where.shape)
@@ -102,7 +102,7 @@ class FieldWorker:
         return b"".join(made)
 
     async def _done(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
-        """In the other process; a new one, if it was killed."""
+        """Run `work` in the other process, which is restarted once if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
             if self._closed:
@@ -121,7 +121,7 @@ class FieldWorker:
         raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
 
     def close(self) -> None:
-        """End the process, whatever it does, and start no other: the interpreter's end would wait for its work."""
+        """Kill the process, for otherwise the interpreter would wait for its work at exit. Start no other."""
         self._closed = True
         self._kill()
 
@@ -129,7 +129,7 @@ class FieldWorker:
         pool, self._pool = self._pool, None
         if pool is not None:
             workers: dict[int, BaseProcess] = getattr(pool, "_processes", None) or {}
-            running = list(workers.values())  # what `kill_workers` does, since Python 3.14
+            running = list(workers.values())  # as `kill_workers` does since Python 3.14
             pool.shutdown(wait=False, cancel_futures=True)
             for worker in running:
                 worker.kill()
@@ -138,9 +138,9 @@ class FieldWorker:
 def interpolate_pressure(
     model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False
 ) -> bytes:
-    """Radiation pressure at all points of a grid, float32 [Pa], interpolated; empty if that is too inexact.
+    """Interpolate the radiation pressure at all points of a grid, float32 [Pa]; empty if that is too inexact.
 
-    peak: the largest of all frames, not their mean.
+    peak: return the maximum over the frames instead of their mean.
     """
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.solving.blas import one_thread
@@ -164,7 +164,10 @@ def interpolate_pressure(
 def compute_pressure(
     model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int, peak: bool = False
 ) -> bytes:
-    """Radiation pressure at some points of a grid, float32 [Pa]; NaN on a transducer. Raises ArgumentError."""
+    """Return the radiation pressure at points `begin` to `end` of a grid, float32 [Pa]. Raises ArgumentError.
+
+    NaN on a transducer. peak: return the maximum over the frames instead of their mean.
+    """
     from pacinian.acoustics.pressure import radiation_pressure
     from pacinian.acoustics.propagation import field
     from pacinian.errors import PointOnTransducer
@@ -194,7 +197,7 @@ def compute_region_errors(
     across: tuple[float, ...],
     regions: Regions,
 ) -> bytes:
-    """The error of radiation pressure on regions near all points of a grid, float32 [Pa]: see `region_error.error`."""
+    """Return the error of the pressure on regions near the points of a grid, float32 [Pa]: `compute_error`."""
     from pacinian.viewing.region_error import compute_error
 
     array, medium = _unpacked(model)
@@ -211,7 +214,7 @@ def compute_skin(
     across: tuple[float, ...],
     regions: Regions,
 ) -> bytes:
-    """What is felt on regions before the points of a grid, then what is asked, float32 [Pa]: `felt_and_asked`."""
+    """Return the pressure on regions near the points of a grid, then its target, float32 [Pa]: `felt_and_asked`."""
     from pacinian.viewing.region_error import felt_and_asked
 
     array, medium = _unpacked(model)
@@ -221,11 +224,11 @@ def compute_skin(
 
 
 def compress_gains(frames: Gains) -> tuple[Gains, Gains]:
-    """Few gains of which all frames, (K, N), are made: `basis`, (R, N), and `shares`, (K, R); frames = shares @ basis.
+    """Factor the frames, (K, N), into `basis`, (R, N), and `shares`, (K, R), so that frames = shares @ basis.
 
-    Columns of `shares` are orthonormal. So the mean of |p|^2 over the frames is the sum over the basis, divided by K.
-    What has less than `NEGLIGIBLE` of all power is left out. Of frames that need more than `MAX_FIELDS`, as of a focus
-    that runs about, only so many count, the last ones.
+    The columns of `shares` are orthonormal. Therefore the mean of |p|^2 over the frames is its sum over the basis,
+    divided by K. Components with less than `NEGLIGIBLE` of the total power are left out. If more than `MAX_FIELDS`
+    components are needed, for example by a moving focus, only the last `MAX_FIELDS` frames count.
     """
     if len(frames) == 1:
         return frames, np.ones((1, 1), np.complex64)
@@ -243,7 +246,7 @@ def _frames(gains: bytes, array: Array) -> Gains:
 
 @functools.lru_cache(maxsize=2)
 def _unpacked(model: bytes) -> tuple[Array, Air]:
-    made: tuple[Array, Air] = pickle.loads(model)  # of our own
+    made: tuple[Array, Air] = pickle.loads(model)  # from our own process
     return made
 
 
@@ -253,8 +256,8 @@ def _points(where: InterpolatedField) -> Floats:
 
 
 def lower_own_priority(nice: int) -> None:
-    """Give way to all others, and end with the parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
+    """Lower the priority of this process, and end it with its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C
     if sys.platform != "win32":
         with suppress(OSError):
             os.setsid()

@@ -1,4 +1,4 @@
-"""What a server publishes, and what it is asked for as often: brought to the pages, the newest of each."""
+"""Passes the newest published states and frames of a server to the pages, and polls its scene and properties."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Hub
     from pacinian.wire.connection import Connection
 
-SILENT = 2.0  # [s] without a state, after which the server is lost
-WAITING = 16  # messages
-RARELY = 0.2  # [s] between two histograms, or looks at a scene without objects, or at what there is
-ARRAY = set(ArrayMessage.__struct_fields__) - {"server", "fields"}  # of the wire's `abilities`, too
+SILENT = 2.0  # time without a state after which the server is lost [s]
+WAITING = 16  # maximum number of messages that wait in the socket
+RARELY = 0.2  # interval of histograms, and of polls of an empty scene and of the properties [s]
+ARRAY = set(ArrayMessage.__struct_fields__) - {"server", "fields"}  # as in the wire's `abilities`
 
 
 class StateReader:
-    """A context manager, of one session. post: calls a function in the event loop."""
+    """Reads the states in one session. A context manager. post: calls a function in the event loop."""
 
     def __init__(
         self, client: Client, connection: Connection, hub: Hub, post: Callable[..., None]
@@ -48,7 +48,7 @@ class StateReader:
         self._regions: Regions | None = None
         self._sent: ArrayMessage | None = None
         self._stale = False
-        self._frame_time = 0.0  # of the newest [s]; 0 before the first
+        self._frame_time = 0.0  # time of the newest frame [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
         self._shows = True
 
@@ -62,7 +62,7 @@ class StateReader:
         self._context.term()
 
     def look(self, now: float, *, watched: bool) -> None:
-        """Bring what is new at `now` [s]; nothing is asked for while nobody watches. Raises ServerError."""
+        """Pass on what is new at `now` [s]; request nothing while no page is open. Raises ServerError."""
         if not watched:
             if self._socket is not None:
                 self._unsubscribe()
@@ -76,7 +76,7 @@ class StateReader:
         news, frames = self._newest()
         if STATE in news:
             self._came = now
-            with suppress(*WRONG):  # the next one may be whole
+            with suppress(*WRONG):  # skip a damaged one
                 self._state(news[STATE], now)
         elif now - self._came > SILENT:
             raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
@@ -105,7 +105,7 @@ class StateReader:
             self._socket = None
 
     def _newest(self) -> tuple[dict[bytes, bytes], list[bytes]]:
-        """The newest of each topic, and all frames."""
+        """Return the newest message of each topic, and all frames."""
         news: dict[bytes, bytes] = {}
         frames: list[bytes] = []
         while self._socket is not None:
@@ -119,10 +119,10 @@ class StateReader:
         return news, frames
 
     def _array(self, now: float) -> None:
-        backend = self._client.status().backend  # first: what is told then is of this one, or newer
+        backend = self._client.status().backend  # first, so that the reply is not older
         told = self._client.capabilities()
         self._told, self._asked, self._backend, self._model = told, now, backend, Model.of(told)
-        self._changed = not (told.solvers and told.backends)  # it may still be listing them
+        self._changed = not (told.solvers and told.backends)  # the server may still be listing them
         fields = {name: getattr(told, name) for name in ARRAY}
         server = self._client.server
         array = ArrayMessage(server=server, fields=self._model is not None, **fields)
@@ -155,11 +155,11 @@ class StateReader:
             return
         self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
         self._frame_time = frame.time
-        if self._model is not None and (frame.phase or not self._stale):  # a gap is no modulation
+        if self._model is not None and (frame.phase or not self._stale):  # a gap is not modulation
             self._recent.add(frame.time, self._model.gains(frame))
 
     def _emit(self) -> None:
-        """Tell what the field is computed from, if that is another."""
+        """Pass on the input of the field computation, if it has changed."""
         if self._model is not None and self._frame_time:
             (gains, shares), last = self._recent.gains(), self._drive
             new = Drive(self._model, gains, self._frame_time, self._regions, shares)
@@ -171,14 +171,14 @@ class StateReader:
         self._emitted = self._drive
 
     def _show(self) -> None:
-        """Ask for what is new in the scene."""
+        """Request what is new in the scene."""
         try:
             told = self._client.show(*self._known)
         except Refused as error:
-            self._shows = error.code != "malformed"  # as a server of protocol 1.0 says
+            self._shows = error.code != "malformed"  # a server of protocol 1.0 has no `show`
             return
         before = self._scenery
-        if told.scene != self._known[0]:  # whose names may be the same, of other objects
+        if told.scene != self._known[0]:  # names may denote other objects there
             self._scenery = before.with_(told.scene, {}, {})
         self._known = told.scene, told.version
         objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}

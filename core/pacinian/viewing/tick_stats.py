@@ -1,4 +1,4 @@
-"""What the ticks of a renderer's recording were like, as far as it has been read."""
+"""Statistics of the ticks of a renderer's recording, as far as it has been read."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 class TickStats:
-    """ticks: how many. late: that ended after the next one was due. different: frames that, rendered again, are.
+    """Counts ticks. ticks: all. late: ticks that ended after the next one was due. different: frames that changed.
 
-    period: of a tick [s].
+    A frame has changed if rendering it again gives another result. period: period of a tick [s].
     """
 
     def __init__(self, period: float) -> None:
@@ -29,7 +29,7 @@ class TickStats:
         self._took = deque[float](maxlen=max(1, round(1.0 / period)))  # of the last second [s]
 
     def add(self, tick: Tick, renderer: Renderer | None) -> None:
-        """One more. renderer: that has just rendered it again."""
+        """Add a tick. renderer: the renderer that has just rendered it again."""
         self.ticks += 1
         if tick.clock:
             self.late += tick.clock[-1] > tick.frame.time + self._period
@@ -38,7 +38,7 @@ class TickStats:
 
     @property
     def tick_ms(self) -> tuple[float, float, float]:
-        """Median, 99 % and maximum of the last second [ms]; zeros where that was not noted."""
+        """Median, 99th percentile and maximum of the tick times of the last second [ms]; zeros if unknown."""
         if not self._took:
             return 0.0, 0.0, 0.0
         half, most, worst = np.percentile(self._milliseconds, (50, 99, 100)).tolist()
@@ -46,7 +46,7 @@ class TickStats:
 
     @property
     def histogram(self) -> Histogram:
-        """Of the last second."""
+        """Histogram of the tick times of the last second."""
         within = np.clip(self._milliseconds, EDGES[0], EDGES[-1])
         counts = tuple(np.histogram(within, EDGES)[0].tolist())
         return Histogram(edges_ms=EDGES, counts=counts, deadline_ms=1e3 * self._period)
