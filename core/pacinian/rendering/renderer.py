@@ -59,8 +59,8 @@ class Renderer:
     Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet zones, exact samples) and
     objects have different envelopes, each envelope is replaced by its mean over the tick.
 
-    Every tick sends a frame. governed: if ticks would be late, sampling and solving alternate from tick to tick. If that
-    does not suffice, samples of the lowest priority are dropped until there is time again.
+    Every tick sends a frame. governed: if ticks would be late, sampling and solving alternate from tick to tick. If
+    that does not suffice, samples of the lowest priority are dropped until there is time again.
 
     cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
     each of them 500 times a second. The frames are bands of a region that has more samples than the budget, or waves
