@@ -97,9 +97,9 @@ from .scene.shapes.curves import Circle as Circle
 from .scene.shapes.curves import Line as Line
 from .scene.shapes.curves import Lissajous as Lissajous
 from .scene.shapes.curves import Polyline as Polyline
+from .scene.shapes.function_solid import SDF as SDF
 from .scene.shapes.height_map import HeightMap as HeightMap
 from .scene.shapes.mesh import Mesh as Mesh
-from .scene.shapes.sdf import SDF as SDF
 from .scene.shapes.texture import Texture as Texture
 from .scene.shapes.texture import grating as grating
 from .scene.shapes.voxels import Voxels as Voxels

@@ -116,4 +116,4 @@ def seen(
             shown.until(lambda: shown.get("link") == "live" and shown.get("output"))
         yield shown
         assert shown.asked == {urlsplit(url).netloc}
-        assert not shown.said
+        assert not shown.said, shown.said

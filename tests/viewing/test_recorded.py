@@ -23,9 +23,9 @@ from pacinian.viewing.feed_file import FeedFile, FeedRecorder, FeedWriter
 from pacinian.viewing.feed_player import FeedPlayer
 from pacinian.viewing.hub import Hub
 from pacinian.viewing.messages import Lost, Replay, encode_message
+from pacinian.viewing.recording_tick_stats import TickStats
 from pacinian.viewing.run import open_view
 from pacinian.viewing.scene_mirror import SceneMirror
-from pacinian.viewing.tick_stats import TickStats
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,7 @@ slices.py    computes the field, in its own process           model.py         t
 browser.py   opens the page                                   messages.py      messages between pages and viewer
 page/        the page's files, built from viewer/             scene_mirror.py  the objects of the rendered scene
 history.py   past values for the charts of a recording        feed_file.py     writes and reads feed files
-tick_stats.py         tick times of a renderer's recording    feed_player.py   plays a feed file in place of a server
+recording_tick_stats.py  tick times of a renderer's recording    feed_player.py   plays a feed file in place of a server
 recent_frames.py      the last frames, for their mean         recording_to_feed.py  converts a renderer's recording
 region_error.py       pressure on skin minus its target       demonstration.py      a hand on a ball, for an empty page
 """

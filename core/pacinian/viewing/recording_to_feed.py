@@ -18,8 +18,8 @@ from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
 from pacinian.serving.render import status
 from pacinian.viewing.messages import ArrayMessage, encode_message
+from pacinian.viewing.recording_tick_stats import TickStats
 from pacinian.viewing.scene_mirror import SceneMirror
-from pacinian.viewing.tick_stats import TickStats
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.convert import to_wire
 from pacinian.wire.replies import Plugin, Sound

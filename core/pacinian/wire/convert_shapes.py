@@ -9,7 +9,7 @@ from msgspec.structs import astuple
 
 from pacinian.acoustics import pose as scene_pose
 from pacinian.errors import WireError
-from pacinian.scene.shapes import csg, curves, mesh, planar, texture, voxels
+from pacinian.scene.shapes import box_disc_rectangle, csg, curves, mesh, texture, voxels
 from pacinian.scene.shapes import height_map as maps
 from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.arrays import decode_array
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from pacinian.types import Singles
 
 ALIKE: dict[type, type] = {  # classes with the same fields in the same order
-    shapes.Rectangle: planar.Rectangle,
-    shapes.Disc: planar.Disc,
-    shapes.Box: planar.Box,
+    shapes.Rectangle: box_disc_rectangle.Rectangle,
+    shapes.Disc: box_disc_rectangle.Disc,
+    shapes.Box: box_disc_rectangle.Box,
     shapes.Sphere: rounds.Sphere,
     shapes.Capsule: rounds.Capsule,
     shapes.Line: curves.Line,

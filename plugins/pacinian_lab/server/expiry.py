@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from msgspec.structs import replace
 
 from pacinian.plugins import registry
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.process import ROUND
-from pacinian.serving.guard.watchdog import OutputGate
 from pacinian.serving.ipc import scheduling
 from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian.serving.settings import Settings

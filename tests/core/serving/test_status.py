@@ -16,7 +16,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 import pacinian as pc
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.guard.device_switcher import DeviceSwitcher
-from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import (
     BusStatus,
     FrameHead,

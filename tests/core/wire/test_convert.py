@@ -25,7 +25,7 @@ from pacinian.scene.modulation.envelope import (
 from pacinian.scene.modulation.technique import AM, LM, SIMULTANEOUS, STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import SPOT, WAVELENGTH, Particles, Path, Point, Surface, Volume
-from pacinian.scene.shapes import planar
+from pacinian.scene.shapes import box_disc_rectangle
 from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
@@ -81,7 +81,7 @@ curves: st.SearchStrategy[Any] = st.one_of(
 meshes = st.builds(lambda scale: Mesh(scale=scale, vertices=CORNERS, faces=SIDES), length)
 primitives: st.SearchStrategy[Any] = st.one_of(
     st.builds(rounds.Sphere, length),
-    st.builds(planar.Box, st.tuples(length, length, length)),
+    st.builds(box_disc_rectangle.Box, st.tuples(length, length, length)),
     st.builds(rounds.Capsule, length, length),
     meshes,
     st.builds(
@@ -99,8 +99,8 @@ solids = st.one_of(
     st.builds(Difference, parts, several),
 )
 shells: st.SearchStrategy[Any] = st.one_of(
-    st.builds(planar.Rectangle, length, length),
-    st.builds(planar.Disc, length),
+    st.builds(box_disc_rectangle.Rectangle, length, length),
+    st.builds(box_disc_rectangle.Disc, length),
     st.builds(rounds.Sphere, length),
     meshes,
     st.builds(HeightMap, heights=grids(3, 2), width=length, height=length, depth=length),
@@ -171,7 +171,7 @@ def test_an_object_is_the_same_after_the_wire(kind: str, data: st.DataObject) ->
 
 
 def test_forces_come_over_too() -> None:
-    item = Surface(shape=planar.Disc(0.02), force=0.01, name="a")
+    item = Surface(shape=box_disc_rectangle.Disc(0.02), force=0.01, name="a")
     assert to_scene("a", to_wire(item)) == item
 
 

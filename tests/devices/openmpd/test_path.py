@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian_plugins.backends.openmpd.protocol import SIZES
 from pacinian_plugins.backends.simulated import Simulated

@@ -19,6 +19,7 @@ from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
 from pacinian.scene.sampling.broad_phase import cull
 from pacinian.scene.sampling.budget import allot_budget
 from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import HandTrack, PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
@@ -36,7 +37,6 @@ from pacinian.scene.sampling.sources import (
     measure_spacing,
 )
 from pacinian.scene.sampling.surround import add_surround
-from pacinian.scene.sampling.thresholds import lowest_threshold
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,9 +15,9 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Vector
 from pacinian.checks import check_count, check_length, check_numbers
 from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.function_solid import scale_shell, share_area
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.poisson_disk import APART, thin_out
-from pacinian.scene.shapes.sdf import scale_shell, share_area
 from pacinian.scene.shapes.triangles import Triangles, read_mesh
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Backend, Capability
     from pacinian.rendering.clock import Clock
-    from pacinian.serving.guard.watchdog import OutputGate
+    from pacinian.serving.guard.output_gate import OutputGate
     from pacinian.serving.ipc.messages import RequestedSettings
     from pacinian.wire.control import Choice
 

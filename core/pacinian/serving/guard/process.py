@@ -1,6 +1,6 @@
 """The guard process: the only process that holds the device, and the one that must fail last.
 
-It has no socket and solves nothing. It polls the permit and the newest frame; watchdog.py makes the decisions. However
+It has no socket and solves nothing. It polls the permit and the newest frame; output_gate.py makes the decisions. However
 it ends, it silences the device last. If the guard cannot end by itself, the operating system kills it, which closes the
 device.
 """
@@ -20,8 +20,8 @@ from msgspec.msgpack import Decoder
 
 from pacinian.scene.file import Choice
 from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backend
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
-from pacinian.serving.guard.watchdog import OutputGate
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.messages import DeviceStatus, Permit, RequestedSettings, pack
 from pacinian.serving.ipc.plugin_list import list_offers

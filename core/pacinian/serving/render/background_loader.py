@@ -15,7 +15,7 @@ from msgspec.msgpack import Decoder
 from pacinian.errors import describe_error
 from pacinian.scene.modulation.envelope import Envelope, Noise, Timed, Wave, resolve
 from pacinian.scene.objects import Body, Object, Particles, Path, Point
-from pacinian.scene.shapes.planar import Disc, Rectangle
+from pacinian.scene.shapes.box_disc_rectangle import Disc, Rectangle
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.serving.ipc.scheduling import start_background_thread
 

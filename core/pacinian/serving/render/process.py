@@ -20,7 +20,7 @@ from pacinian.serving.ipc.messages import DeviceStatus
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.loop import FILES, ServerLoop
+from pacinian.serving.render.between_ticks import FILES, BetweenTicks
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.render.warmup import warm_up
 
@@ -52,7 +52,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         while (newest := files["device"].read()) is None:
             time.sleep(LOOK)
         device = Decoder(DeviceStatus).decode(newest[1])
-        loop = ServerLoop(
+        loop = BetweenTicks(
             files,
             settings,
             array,
@@ -69,7 +69,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         loop.renderer.run(on_tick=loop.between, behind=0.0)
 
 
-def _list(loop: ServerLoop) -> None:
+def _list(loop: BetweenTicks) -> None:
     loop.solvers = list_offers("solver")
 
 

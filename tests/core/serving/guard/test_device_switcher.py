@@ -16,7 +16,7 @@ from pacinian.serving.guard.device_switcher import (
     SUPERSEDED,
     DeviceSwitcher,
 )
-from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import FrameHead, Permit, RequestedSettings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice

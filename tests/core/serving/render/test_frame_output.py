@@ -10,7 +10,7 @@ import pytest
 from msgspec.msgpack import Decoder
 
 import pacinian as pc
-from pacinian.serving.guard.watchdog import OutputGate
+from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc import messages
 from pacinian.serving.ipc.messages import DeviceStatus, FrameHead, Permit
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister

@@ -32,7 +32,7 @@ from pacinian.serving.ipc.messages import (
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.loop import FILES, ServerLoop
+from pacinian.serving.render.between_ticks import FILES, BetweenTicks
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
@@ -75,7 +75,7 @@ class Server:
         self.threads: list[Callable[[], None]] = []
         solvers = SolverSwitcher(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
         self.loader = BackgroundLoader(lambda _: None)
-        self.loop = ServerLoop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
+        self.loop = BetweenTicks(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
         self.number = 0
         self.run = 11
 
@@ -240,7 +240,7 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
 ) -> None:
     server = make()
     server.put(name="old")
-    again = ServerLoop(
+    again = BetweenTicks(
         server.files, Settings(), ARRAY, AIR, SolverSwitcher(make_solver("auto"), ARRAY, AIR),
         server.loader, server.clock,
     )  # fmt: skip
@@ -494,14 +494,14 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
 def test_it_begins_whatever_the_orders_are(
     make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
 ) -> None:
-    before = ServerLoop.open
+    before = BetweenTicks.open
 
-    def opened(loop: ServerLoop) -> None:
+    def opened(loop: BetweenTicks) -> None:
         data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
         loop._files["orders"].write(data)
         before(loop)
 
-    monkeypatch.setattr(ServerLoop, "open", opened)
+    monkeypatch.setattr(BetweenTicks, "open", opened)
     server = make()
     server.put()
     server.arm()

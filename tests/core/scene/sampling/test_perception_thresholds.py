@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.thresholds import (
+from pacinian.scene.sampling.perception_thresholds import (
     MARGIN,
     MIN_THRESHOLD,
     TABLE,

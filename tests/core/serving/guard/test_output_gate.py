@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.file import Choice
+from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
 from pacinian.serving.guard.process import GuardLoop
-from pacinian.serving.guard.watchdog import MAX_INPUTS, OutputGate
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     MAX_ROWS,

@@ -45,8 +45,8 @@ MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
-class ServerLoop:
-    """Renders the bus's changes for the guard, while control permits it.
+class BetweenTicks:
+    """Does the server's work between ticks of the renderer: takes changes and orders, reports, dims and silences.
 
     files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
     then `renderer.run(on_tick=loop.between)` or single ticks, then `close`. Raises ArgumentError.
