@@ -1,13 +1,11 @@
 """The server of the live viewer: a page in the browser that shows what a running server emits, or a recording.
 
-run.py       all of it, until Ctrl-C                          app.py           HTTP: the page, its token, the websocket
-hub.py       the newest values, for all pages                 feed.py          one page: messages to it and from it
-bridge.py    a client of the running server, in a thread      states.py        reads the states and frames it publishes
-slices.py    computes the field, in its own process           model.py         the array and medium of the field
-browser.py   opens the page                                   messages.py      messages between pages and viewer
-page/        the page's files, built from viewer/             scene_mirror.py  the objects of the rendered scene
-history.py   past values for the charts of a recording        feed_file.py     writes and reads feed files
-recording_tick_stats.py  tick times of a renderer's recording    feed_player.py   plays a feed file in place of a server
-recent_frames.py      the last frames, for their mean         recording_to_feed.py  converts a renderer's recording
-region_error.py       pressure on skin minus its target       demonstration.py      a hand on a ball, for an empty page
+run                                  all of it, until Ctrl-C
+app, feed, messages                  HTTP and the token; one page; messages between pages and viewer
+hub, bridge, states                  newest values for all pages; a client of the server; its states and frames
+scene_mirror, recent_frames          the objects of the rendered scene; the last frames, for their mean
+slices, region_error, model          the field, in its own process; pressure on skin minus its target
+feed_file, feed_player, history      recordings of the viewer: written and read, played, their charts
+recording_to_feed, recording_tick_stats   recordings of a renderer: converted to a feed; their tick times
+demonstration, browser, page/        a hand on a ball for an empty page; opens the page; its files, built from viewer/
 """

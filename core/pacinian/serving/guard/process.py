@@ -1,8 +1,8 @@
 """The guard process: the only process that holds the device, and the one that must fail last.
 
-It has no socket and solves nothing. It polls the permit and the newest frame; output_gate.py makes the decisions. However
-it ends, it silences the device last. If the guard cannot end by itself, the operating system kills it, which closes the
-device.
+It has no socket and solves nothing. It polls the permit and the newest frame; output_gate.py makes the decisions.
+However it ends, it silences the device last. If the guard cannot end by itself, the operating system kills it, which
+closes the device.
 """
 
 from __future__ import annotations
