@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 MAX_SAMPLES = 20e6  # samples of one object
-FAR = 10.0  # largest plausible length, and distance from the array [m]
+MAX_LENGTH = 10.0  # largest plausible length, and distance from the array [m]
 
 
 def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
@@ -64,10 +64,10 @@ def check_near(name: str, points: Floats, origin: Floats) -> None:
         return
     away = np.minimum(np.abs(points - origin), 1e150)  # [m]
     distance = float(np.sqrt((away * away).sum(axis=1).max()))  # [m]
-    if distance > FAR:
+    if distance > MAX_LENGTH:
         raise ArgumentError(
             name,
-            f"reach {distance:.4g} m from the array's centre, more than {FAR:g} m: "
+            f"reach {distance:.4g} m from the array's centre, more than {MAX_LENGTH:g} m: "
             "lengths are in metres (were millimetres given?)",
         )
 
@@ -75,7 +75,7 @@ def check_near(name: str, points: Floats, origin: Floats) -> None:
 def check_length(name: str, value: float) -> float:
     """Return a positive length [m], unless it is so large that millimetres were meant. Raises ArgumentError."""
     result = check_number(name, value, low=0.0, above=True)
-    if result > FAR:
+    if result > MAX_LENGTH:
         raise ArgumentError(name, f"is {result:g} m: lengths are in metres (millimetres given?)")
     return result
 

@@ -13,7 +13,7 @@ from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.checks import FAR, check_kind, check_near, check_numbers
+from pacinian.checks import MAX_LENGTH, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry
@@ -267,7 +267,7 @@ class Session:
                 and q.shape == (len(t), 3)
                 and q.flags.c_contiguous
                 and t.flags.c_contiguous
-                and kernels.furthest(q, self.propagator.origin, t) <= FAR * FAR
+                and kernels.furthest(q, self.propagator.origin, t) <= MAX_LENGTH * MAX_LENGTH
             ):
                 return q, Targets.unchecked(t, number_regions(len(t), regions))
         q = check_numbers("points", points, (None, 3))

@@ -192,7 +192,7 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
             """Let the bridge see to its lease, and look at the server after that."""
             for _ in range(2):
                 before = len(fake.of(commands.Show))
-                clock.advance(bridge.EVERY)
+                clock.advance(bridge.POLL_INTERVAL)
                 fake.until(lambda before=before: len(fake.of(commands.Show)) > before)
 
         clock.advance(0.01)
@@ -204,7 +204,7 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         other.catch_up()
         look()
         fake.answers[commands.Show] = held_up
-        clock.advance(bridge.EVERY)
+        clock.advance(bridge.POLL_INTERVAL)
         assert held.wait(LIMIT)
         page.say("alive")
         page.catch_up()
@@ -382,7 +382,7 @@ def test_who_comes_later_is_not_told_what_was(
 def test_nobody_is_asked_for_anything_while_no_page_is_open(
     fake: Fake, connection: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bridge, "IDLE", 0.0)
+    monkeypatch.setattr(bridge, "UNARMED_RENEWAL", 0.0)
     with viewer(connection) as url:
         fake.until(lambda: len(fake.of(control.Renew)) >= 3)  # between them it might look
         assert not fake.of(commands.Show)

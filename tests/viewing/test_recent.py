@@ -9,7 +9,7 @@ from pacinian.wire.objects import Point
 from pacinian.wire.time import AM
 
 EVERY = 1.0 / 60.0
-MANY = min(MAX_FRAMES, int(MODULATED_SPAN / EVERY) + 1)
+FRAME_COUNT = min(MAX_FRAMES, int(MODULATED_SPAN / EVERY) + 1)
 STEADY_POINT = Point(position=(0.0, 0.0, 0.1), radiation_pressure=1.0)
 MODULATED_POINT = Point(
     position=(0.0, 0.0, 0.1), radiation_pressure=1.0, technique=AM(frequency=200.0)
@@ -79,9 +79,9 @@ def test_the_mean_of_what_moves_is_short() -> None:
         now = 119 * EVERY
         recent.see_scene(0.0, {"spot": item}, {"spot": bytes(28)})
         recent.see_state(0.0, technique, hands.tobytes())
-        assert abs(len(values(recent)) - MANY) <= 1
+        assert abs(len(values(recent)) - FRAME_COUNT) <= 1
         recent.see_state(now, technique, (hands + np.float32(1e-4)).tobytes())  # a tracker's noise
-        assert abs(len(values(recent)) - MANY) <= 1
+        assert abs(len(values(recent)) - FRAME_COUNT) <= 1
         recent.see_state(now, technique, (hands + np.float32(0.01)).tobytes())
         assert len(values(recent)) == counts
 

@@ -57,10 +57,10 @@ def feed(tmp_path: Path) -> Path:
         at = 0.1 * i
         if i == 20:
             before, scenery = scenery, scenery.with_("hall", {"ball": BALL}, {"ball": POSE})
-            writer.write(at, *scenery.told(before.version))
+            writer.write(at, *scenery.encode(before.version))
         if i == 50:
             before, scenery = scenery, scenery.with_("hall", {}, {})
-            writer.write(at, *scenery.told(before.version))
+            writer.write(at, *scenery.encode(before.version))
         if i == 90:
             writer.write(at, "lost", encode_message(Lost(reason="gone")))
             break

@@ -13,7 +13,7 @@ GAS = 8.314462618  # [J/(mol K)]
 DRY_AIR = 0.0289647  # [kg/mol]
 WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
-ROOM = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
+ROOM_TEMPERATURE = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
 HUMIDITY = 0.5  # default relative humidity, of such a room
 POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 
@@ -53,7 +53,7 @@ class Air:
                 "temperature", check_number("temperature", self.temperature, low=-80.0, high=100.0)
             )
         elif not self.speed_of_sound:
-            set_("temperature", ROOM)
+            set_("temperature", ROOM_TEMPERATURE)
         c, rho = _ideal_gas(self._celsius, self.humidity, self.ambient_pressure)
         if self.speed_of_sound:
             c = check_number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
@@ -91,7 +91,7 @@ class Air:
 
     @property
     def _celsius(self) -> float:
-        return ROOM if self.temperature is None else self.temperature
+        return ROOM_TEMPERATURE if self.temperature is None else self.temperature
 
     @property
     def singular(self) -> bool:

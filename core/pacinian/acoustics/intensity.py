@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 CHUNK = 1 << 16  # elements of B in one chunk
 STEP = 1e-6  # step of cos(theta) for the slope of a directivity
-TINY = 1e-30  # smallest divisor
+MIN_DIVISOR = 1e-30  # smallest divisor
 
 
 def intensity(
@@ -101,7 +101,7 @@ def _with_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes, C
     """Return B, (M, N) [Pa], and its gradient with respect to the points, (M, 3, N) [Pa/m]."""
     kind = array.transducer
     d = (points[:, None, :] - array.positions).transpose(0, 2, 1)  # (M, 3, N) [m]
-    r = np.maximum(np.sqrt((d * d).sum(axis=1)), TINY)  # (M, N) [m]
+    r = np.maximum(np.sqrt((d * d).sum(axis=1)), MIN_DIVISOR)  # (M, N) [m]
     u = d / r[:, None]
     fading = medium.beta(kind.frequency) + 1j * medium.wavenumber(kind.frequency)  # [1/m]
     B: Complexes = kind.pressure * r**-medium.power * np.exp(-fading * r)
@@ -109,7 +109,7 @@ def _with_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes, C
     if kind.directivity is not omni:
         n = array.normals.T
         cosine = (u * n).sum(axis=1)  # (M, N)
-        above, below = np.minimum(cosine + STEP, 1.0), np.maximum(cosine - STEP, TINY)
+        above, below = np.minimum(cosine + STEP, 1.0), np.maximum(cosine - STEP, MIN_DIVISOR)
         D = np.where(cosine > 0.0, kind.directivity(cosine), 0.0)
         rise = (kind.directivity(above) - kind.directivity(below)) / (above - below)
         rise = np.where(cosine > STEP, rise, 0.0)

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats, Singles
 
-MORE = 20  # nodes along an axis, in addition to two per wavelength
+EXTRA_NODES = 20  # nodes along an axis, in addition to two per wavelength
 EVEN = 1e-5  # error accepted in return for almost even nodes
 LAST = 3  # highest coefficients along an axis that are checked
-SMALL = 1e-4  # largest size of these, relative to the largest pressure
+MAX_REMAINDER = 1e-4  # largest size of these, relative to the largest pressure
 PROBES = 9  # check points along an axis, including corners, where the field is computed directly
 WRONG = 4e-4  # largest error at these, relative to the largest pressure
 PAYS = 0.7  # largest ratio of nodes to grid points at which interpolation saves time
@@ -67,7 +67,7 @@ class InterpolatedField:
         """
         turns = medium.wavenumber(array.transducer.frequency) / (2.0 * math.pi)
         lengths = np.linalg.norm(self.steps, axis=1) * (np.array(self.shape) - 1)
-        counts = [math.ceil(2.0 * turns * length) + MORE for length in lengths]
+        counts = [math.ceil(2.0 * turns * length) + EXTRA_NODES for length in lengths]
         if math.prod(counts) > PAYS * math.prod(self.shape):
             return None
         axes = [_axis(*each) for each in zip(self.shape, counts, strict=True)]
@@ -82,7 +82,7 @@ class InterpolatedField:
         p, exact = np.split(found, [math.prod(counts)])
         p, most = p.reshape(counts), np.abs(found).max()
         last = [np.tensordot(axis.last, p, (1, number)) for number, axis in enumerate(axes)]
-        if not most or max(np.abs(c).max() for c in last) > SMALL * most:
+        if not most or max(np.abs(c).max() for c in last) > MAX_REMAINDER * most:
             return None
         for number, axis in enumerate(axes):
             p = np.moveaxis(np.tensordot(axis.values, p, (1, number)), 0, number)

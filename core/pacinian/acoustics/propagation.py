@@ -18,7 +18,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.checks import FAR, check_numbers
+from pacinian.checks import MAX_LENGTH, check_numbers
 from pacinian.errors import ArgumentError, PointOnTransducer
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ def field(
         raise ArgumentError("points", f"must have shape (..., 3), not {shape}")
     q = check_numbers("points", given.reshape(-1, 3), (None, 3))
     wave = KernelData.prepare(array, medium)
-    far = len(q) and np.abs(q - wave.origin).max() > FAR
+    far = len(q) and np.abs(q - wave.origin).max() > MAX_LENGTH
     evaluate = _double if precision == "double" or far else _single
     return evaluate(wave, g, q).reshape(shape[:-1])
 

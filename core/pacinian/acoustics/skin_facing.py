@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import FAR, check_length, check_numbers
+from pacinian.checks import MAX_LENGTH, check_length, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ NO_HAND = np.empty((0, 8))
 QUARTER = 2.125e-3  # a quarter of the wavelength at 40 kHz and 340 m/s [m]
 FAINT = 1e-3  # smallest ||w_m||; smaller weights of a sample are set to 0
 TILE = 256  # transducers per tile, so that the kernel's data fit the first-level cache
-TINY = 1e-30  # smallest divisor
+MIN_DIVISOR = 1e-30  # smallest divisor
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,8 @@ class SkinFacing:
         c = check_numbers("capsules", capsules, (None, 8)).copy()
         longest = np.abs(c[:, 3:6] - c[:, :3]).max(initial=0.0)
         if not (
-            longest <= FAR and 0.0 <= c[:, 6:].min(initial=0.0) <= c[:, 6:].max(initial=0.0) <= FAR
+            longest <= MAX_LENGTH
+            and 0.0 <= c[:, 6:].min(initial=0.0) <= c[:, 6:].max(initial=0.0) <= MAX_LENGTH
         ):
             raise ArgumentError(
                 "capsules", "must be lengths [m] of a hand, and the radii 0 or more"
@@ -131,7 +132,7 @@ class SkinFacing:
         """Return max(0, cos(theta)), (M, N); 1 for samples without a normal."""
         d = positions - points[:, None]  # (M, N, 3) [m]
         along = np.einsum("mnk,mk->mn", d, self.normals)
-        cosine = along / np.maximum(np.sqrt((d * d).sum(axis=2)), TINY)
+        cosine = along / np.maximum(np.sqrt((d * d).sum(axis=2)), MIN_DIVISOR)
         return np.where(self.normals.any(axis=1, keepdims=True), np.maximum(cosine, 0.0), 1.0)
 
     def _passing(self, points: Floats, positions: Floats) -> Floats:
@@ -173,7 +174,7 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
     """
     ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e
     dw, we = (d * w).sum(axis=2), w @ e
-    inverse = 1.0 / np.maximum(dd, TINY)
+    inverse = 1.0 / np.maximum(dd, MIN_DIVISOR)
 
     def along(t: Floats) -> Floats:
         """Return the parameter s at which the path, extended to a line, is nearest to t e."""
@@ -186,13 +187,13 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
 
     def deepest(t: Floats, s: Floats, across: Floats) -> Floats:
         """Return the deepest t, if t e is nearest to w + s d. across: |e|^2 minus the part along the path."""
-        room = np.maximum(across * (across - grows * grows), TINY)
+        room = np.maximum(across * (across - grows * grows), MIN_DIVISOR)
         return np.clip(t + grows * away(t, s) / np.sqrt(room), 0.0, 1.0)
 
-    across = np.maximum(ee - de * de * inverse, TINY)
+    across = np.maximum(ee - de * de * inverse, MIN_DIVISOR)
     t = (we - de * dw * inverse) / across
     t = deepest(t, along(t), across)
     s = np.clip(along(t), 0.0, 1.0)  # for an end, a point, all of e is across
-    at_end = deepest((we + s * de) / max(ee, TINY), s, np.full_like(t, ee))
+    at_end = deepest((we + s * de) / max(ee, MIN_DIVISOR), s, np.full_like(t, ee))
     t = np.where(along(t) == s, t, at_end)
     return np.asarray(r + t * grows - away(t, np.clip(along(t), 0.0, 1.0)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
 VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
-SHOWN = 8  # items listed in one finding
+MAX_LISTED = 8  # items listed in one finding
 
 
 @click.command()
@@ -144,8 +144,8 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
         ("unseen", fit.unseen, names, "left out: scan closer to them, or at more positions"),
     ):
         chosen = [items[i] for i in np.flatnonzero(which)]
-        more = f" and {len(chosen) - SHOWN} more" if len(chosen) > SHOWN else ""
+        more = f" and {len(chosen) - MAX_LISTED} more" if len(chosen) > MAX_LISTED else ""
         if chosen:
-            text = f"{len(chosen)}: {', '.join(chosen[:SHOWN])}{more}"
+            text = f"{len(chosen)}: {', '.join(chosen[:MAX_LISTED])}{more}"
             found.append(Finding(name, "warning", text, fix))
     return found

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from pacinian.devices.description import Board, DeviceDescription
     from pacinian.plugins.backend import Capability, Found
 
-APART = 0.008  # least plausible distance of transducers [m]
+MIN_SPACING = 0.008  # least plausible distance of transducers [m]
 UNLIKE = 2.0  # largest plausible ratio of a channel's strength to that of its kind, or inverse
 BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
-SHOWN = 8  # items listed in one finding
+MAX_LISTED = 8  # items listed in one finding
 
 
 def described(device: DeviceDescription) -> list[Finding]:
@@ -54,9 +54,9 @@ def _places(device: DeviceDescription) -> Finding:
     for board in device.boards:
         owners += [_name(board)] * board.layout.count
     r = np.concatenate(places)
-    pairs = KDTree(r).query_pairs(APART)
+    pairs = KDTree(r).query_pairs(MIN_SPACING)
     if not pairs:
-        return Finding("places", "ok", f"none are nearer than {1e3 * APART:g} mm")
+        return Finding("places", "ok", f"none are nearer than {1e3 * MIN_SPACING:g} mm")
     wrong = sorted({" and ".join(sorted({owners[i], owners[j]})) for i, j in pairs})
     nearest = min(float(np.linalg.norm(r[i] - r[j])) for i, j in pairs)
     told = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"
@@ -128,5 +128,5 @@ def _name(board: Board) -> str:
 
 
 def _some(items: Sequence[object], gap: str = ", ") -> str:
-    shown = gap.join(map(str, items[:SHOWN]))
-    return shown + (f" and {len(items) - SHOWN} more" if len(items) > SHOWN else "")
+    shown = gap.join(map(str, items[:MAX_LISTED]))
+    return shown + (f" and {len(items) - MAX_LISTED} more" if len(items) > MAX_LISTED else "")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Report
 
 
-SHOWN = 8  # objects whose felt quality is shown
+MAX_LISTED = 8  # objects whose felt quality is shown
 
 
 def progress(
@@ -102,7 +102,7 @@ def _table(told: dict[str, Any]) -> None:
         "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the target sound pressures",
         **{
             f"felt of {name}": str(FeltRegion(**felt))
-            for name, felt in list(told["felt"].items())[:SHOWN]
+            for name, felt in list(told["felt"].items())[:MAX_LISTED]
         },
         "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
         "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)

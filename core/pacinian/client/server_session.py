@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 R = TypeVar("R", bound="AnyReply | State")
 
-SHARE = 0.25  # interval between renewals, as a fraction of the lease
+RENEWAL_SHARE = 0.25  # interval between renewals, as a fraction of the lease
 FAREWELL = 0.2  # time limit for a bye [s]
 MAX_ERRORS = 100  # number of errors kept of commands that did not wait
 # Codes of unsolicited errors that end an owner's sound.
@@ -104,7 +104,7 @@ class ServerSession:
     @property
     def every(self) -> float:
         """Interval between two renewals [s]."""
-        return SHARE * self.welcome.lease
+        return RENEWAL_SHARE * self.welcome.lease
 
     def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
         """Send a request to the control socket; return the reply."""

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats
 
 MIN_POSITIONS, MAX_POSITIONS = 6, 1000
-SLOWEST, FASTEST = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
+MIN_SPEED, MAX_SPEED = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
 TRIAL_STEP = 0.5  # step of the first grid search over the speed of sound [m/s]
 SPEED, SPEED_ERROR = 343.0, 10.0  # prior of the speed of sound: a room, give or take 17 K [m/s]
 POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
@@ -149,7 +149,7 @@ class _Fit:
             self.cov = np.linalg.inv(H / self.noise**2 + np.diag(prior))
             step = self.cov @ (slope / self.noise**2 - prior * away)
             self.q += step[:-1].reshape(M, 3)
-            self.c = float(np.clip(self.c + step[-1], SLOWEST, FASTEST))
+            self.c = float(np.clip(self.c + step[-1], MIN_SPEED, MAX_SPEED))
             if np.abs(step[:-1]).max() < SETTLED:
                 break
         self._weigh()
@@ -169,7 +169,7 @@ class _Fit:
             heard = (B.conj() * np.exp(1j * turn * r) * self.X).sum(axis=0)
             return float((np.abs(heard) ** 2 / S).sum())
 
-        return float(max(np.arange(SLOWEST, FASTEST, TRIAL_STEP), key=explain))
+        return float(max(np.arange(MIN_SPEED, MAX_SPEED, TRIAL_STEP), key=explain))
 
     def _distances(self) -> tuple[Floats, Floats]:
         d = self.q[:, None, :] - self.array.positions  # (M, N, 3) [m]

@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 MAX_ROWS = 20  # rows of a table
 WIDTH, HEIGHT, DPI = 2.6, 1.9, 160  # size of the picture [inch] and its resolution [1/inch]
-SHOWN = 100  # resolution at which a notebook shows the picture [1/inch]
+SHOWN_DPI = 100  # resolution at which a notebook shows the picture [1/inch]
 LEFT = 'style="text-align:left"'
 
 
@@ -89,5 +89,5 @@ def _picture(draw: Callable[[Any], object]) -> str:
     buffer = BytesIO()
     page.savefig(buffer, format="png", dpi=DPI)
     data = b64encode(buffer.getvalue()).decode()
-    size = f'width="{WIDTH * SHOWN:.0f}" height="{HEIGHT * SHOWN:.0f}"'
+    size = f'width="{WIDTH * SHOWN_DPI:.0f}" height="{HEIGHT * SHOWN_DPI:.0f}"'
     return f'<img alt="" {size} src="data:image/png;base64,{data}">'

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Part = Literal["phase", "amplitude"]
 
 BESIDE, BELOW = 1.1, 0.4  # [inch] for labels and colour bar; for labels
-SHORTEST, TALLEST = 1.3, 4.0  # [inch]
+MIN_HEIGHT, MAX_HEIGHT = 1.3, 4.0  # [inch]
 WIDE = 0.01  # diameter of a transducer [m]; the pitch if that is less
 OFF = "0.85"  # colour of silent transducers
 LABELS = {"phase": "phase [rad]", "amplitude": "amplitude |g| (1: full drive)"}
@@ -51,7 +51,7 @@ def drive(
     r = array.positions[:, [i, j]]
     low, high = r.min(axis=0) - WIDE, r.max(axis=0) + WIDE
     tall = float((high - low)[1] / (high - low)[0])
-    height = float(np.clip(BELOW + (COLUMN - BESIDE) * tall, SHORTEST, TALLEST))
+    height = float(np.clip(BELOW + (COLUMN - BESIDE) * tall, MIN_HEIGHT, MAX_HEIGHT))
     page, axes, ours = panels(ax, [height] * len(parts))
     for panel, part in zip(axes, parts, strict=True):
         marks = _marks(panel, array, g, part, (i, j))

@@ -33,7 +33,7 @@ STYLES = {
 }
 WEAK = 0.9  # scale s below which a mark is pale and not on the front
 FLOOR, TOP = 1e-5, 200.0  # least error drawn [%]; end of the axis [%]
-SHOWN = ("cold", "warm", REFERENCE)
+SHOWN_MODES = ("cold", "warm", REFERENCE)
 MAX_PANELS = 4  # panels along a side
 TALL = 2.8  # [inch]
 
@@ -110,7 +110,7 @@ def shown(cells: Iterable[Timed]) -> list[Timed]:
     return [
         c
         for c in cells
-        if c.mode in SHOWN and c.solver != "gemm" and not c.note and c.p50 > 0.0
+        if c.mode in SHOWN_MODES and c.solver != "gemm" and not c.note and c.p50 > 0.0
         if c.mode == REFERENCE or c.error <= 1.0
     ]
 

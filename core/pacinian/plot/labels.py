@@ -18,7 +18,7 @@ Text = tuple[str, float, float, str]  # text, x, y, colour
 HALO = {"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 0.2}
 PLAIN = str.maketrans("", "", "${}^")
 # Possible places of a label: lines up, right or left, and distance [lines], nearest first.
-NEAR = sorted(
+LABEL_PLACES = sorted(
     (
         (1.3 * up, right, away)
         for up in range(-7, 8)
@@ -49,7 +49,7 @@ def label(
     for index in np.argsort([v for _, v in spots[: len(texts)]]):
         (text, x, y, colour), (u, v) = texts[index], spots[index]
         wide = 0.58 * size * len(text.translate(PLAIN))
-        for lines, right, away in NEAR:
+        for lines, right, away in LABEL_PLACES:
             if not (right or both):
                 continue
             left = u + (0.8 + away) * size if right else u - (0.8 + away) * size - wide

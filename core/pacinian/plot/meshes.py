@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 SIDES = 12  # corners of a transducer's disc
 DOT, WIDE = 0.003, 0.0045  # radius of a sample, and of a transducer [m]
 CELLS, THINNEST = 48, 12  # cells along the longest edge of a solid's box; least along any
-ROUND = 48  # corners of a disc
+DISC_CORNERS = 48  # corners of a disc
 MAX_HEIGHTS = 200  # maximum number of heights along an edge
 SKIN = 0.003  # distance between the grid points around a hand [m]
 ALONG = 0.004  # distance between the balls of a line [m]
@@ -89,8 +89,8 @@ def thing(item: Object) -> Triangles:
         x, y = (j / (C - 1) - 0.5) * shape.width, (i / (R - 1) - 0.5) * shape.height
         return _sheet(x, y, shape.z[np.ix_(i, j)])
     if isinstance(shape, Disc):
-        rim = spun(ROUND) * shape.radius
-        fan = np.array([(0, 1 + k, 1 + (k + 1) % ROUND) for k in range(ROUND)])
+        rim = spun(DISC_CORNERS) * shape.radius
+        fan = np.array([(0, 1 + k, 1 + (k + 1) % DISC_CORNERS) for k in range(DISC_CORNERS)])
         return _whole(np.pad(rim, ((1, 0), (0, 1))), fan)
     half = np.array(shape.extent)
     cells = np.clip(np.ceil(CELLS * half / half.max()), THINNEST, CELLS)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
-NEAR = 0.13  # margin around the samples in the view from below [m]
+SAMPLE_MARGIN = 0.13  # margin around the samples in the view from below [m]
 DOT = 0.006  # diameter of a sample [m]
 ZOOMS = 1.3, 1.45
 NARROWEST = 9.0  # [inch]
@@ -82,7 +82,7 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     q, middle = samples.positions, middle_of(array, samples.positions)
     low, high = array.positions.min(axis=0) - 0.02, array.positions.max(axis=0) + 0.02
     high[2] = max(high[2], middle[2] + 0.08)
-    boxes = np.array([low, high]), np.array([middle - NEAR, middle + NEAR])
+    boxes = np.array([low, high]), np.array([middle - SAMPLE_MARGIN, middle + SAMPLE_MARGIN])
     P = samples.radiation_pressure
     scale = ScalarMappable(Normalize(0.0, float(P.max(initial=1e-9))), MAP)
     felt = Discs(q, np.asarray(scale.to_rgba(P)).reshape(-1, 4), np.full(len(q), DOT))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pacinian.plot.style import CURVES
 
 SHARP = 200.0  # resolution of the image for notebooks [1/inch]
-SHOWN = 110.0  # resolution at which a notebook displays it [1/inch]
+SHOWN_DPI = 110.0  # resolution at which a notebook displays it [1/inch]
 
 
 class Shown(Figure):
@@ -25,5 +25,5 @@ class Shown(Figure):
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         buffer = BytesIO()
         self.savefig(buffer, format="png", dpi=SHARP)
-        width, height = (round(SHOWN * side) for side in self.get_size_inches())
+        width, height = (round(SHOWN_DPI * side) for side in self.get_size_inches())
         return buffer.getvalue(), {"width": width, "height": height}

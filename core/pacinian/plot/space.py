@@ -26,7 +26,10 @@ Colour = tuple[float, float, float]
 
 LIGHT = np.array([0.3, -0.4, 0.9])
 DARKEST = 0.5  # brightness of a side facing away from the light
-FINE, MANY = 0.002, 4000  # distance between discs on an object [m]; their maximum number
+DISC_SPACING, MAX_DISCS = (
+    0.002,
+    4000,
+)  # distance between discs on an object [m]; their maximum number
 DISCS = 3.5e-3  # distance between discs on a skin [m]
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 
@@ -82,7 +85,9 @@ def skin(hand: Hand, eye: Floats) -> Discs:
 
 def thing(item: Object, pose: Pose, eye: Floats) -> Discs:
     """An object: its cover, and its texture."""
-    spacing = FINE * max(1.0, float(np.sqrt(estimate_samples(item, FINE) / MANY)))
+    spacing = DISC_SPACING * max(
+        1.0, float(np.sqrt(estimate_samples(item, DISC_SPACING) / MAX_DISCS))
+    )
     local = item.sample_surface(spacing)
     points = pose.points(local.points)
     if not isinstance(item, Body):

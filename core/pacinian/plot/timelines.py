@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
     from pacinian.types import Flags, Floats
 
-MANY, BINS = 2000, 300  # values up to which each is drawn; bins if there are more
+MAX_VALUES, BINS = 2000, 300  # values up to which each is drawn; bins if there are more
 TALL = 1.6  # height of a panel [inch]
 EACH = 20  # least number of ticks per share
 GAP = 1.5  # interval between two frames from which ticks count as missed [periods]
@@ -217,7 +217,7 @@ def _line(panel: Panel, x: Floats, y: Floats, colour: str, name: str = "") -> No
     """Draw a curve with gaps for missing values; many values become a min-max band with the median."""
     given = {"color": colour, "linewidth": LINE, "label": name or None}
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
-    if len(x) <= MANY:
+    if len(x) <= MAX_VALUES:
         steps = np.diff(x)
         usual = np.median(steps) if len(steps) else 0.0
         after = 1 + np.flatnonzero(steps > GAP * usual)

@@ -30,7 +30,7 @@ FLOOR = 1e-6  # least relative error drawn, about single precision
 SETTINGS = "steps", "passes"  # names of settings that limit the iterations
 MAX_LOOKS = 100_000  # maximum number of clock readings
 TALL = 2.6  # [inch]
-ROOM = 6.0  # width of the axis over the most iterations, for names on the right
+NAME_WIDTH = 6.0  # width of the axis over the most iterations, for names on the right
 
 
 def convergence(
@@ -79,7 +79,7 @@ def convergence(
             panel.plot(x, y, mark, linestyle="-", color=colour, ms=3, linewidth=LINE)
             texts.append((name, float(x[-1]), y[-1], colour))
             others += zip(map(float, x[:-1]), y[:-1], strict=True)
-    panel.set_xlim(0.8, ROOM * max((x for _, x, _, _ in texts), default=10.0))
+    panel.set_xlim(0.8, NAME_WIDTH * max((x for _, x, _, _ in texts), default=10.0))
     panel.xaxis.set_major_formatter(plainly)
     panel.yaxis.set_major_formatter(plainly)
     panel.grid(color="0.94", linewidth=0.5)

@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats, Longs
 
-FINE = 4.0  # grid points per wavelength
-USUAL, MOST = 1_000_000, 10_000_000  # maximum number of grid points: by default; at all
+POINTS_PER_WAVELENGTH = 4.0  # grid points per wavelength
+DEFAULT_MAX_POINTS, MAX_POINTS = (
+    1_000_000,
+    10_000_000,
+)  # maximum number of grid points: by default; at all
 
 Box = tuple["ArrayLike", "ArrayLike"]
 
@@ -55,11 +58,13 @@ def volume(
     size = high - low
     if spacing is None:
         wavelength = medium.wavelength(array.transducer.frequency)
-        step = max(wavelength / FINE, float(np.cbrt(size.prod() / USUAL)))
+        step = max(
+            wavelength / POINTS_PER_WAVELENGTH, float(np.cbrt(size.prod() / DEFAULT_MAX_POINTS))
+        )
     else:
         step = check_length("spacing", spacing)
     counts = np.maximum(np.round(size / step), 1.0) + 1.0
-    if counts.prod() > MOST:
+    if counts.prod() > MAX_POINTS:
         raise ArgumentError(
             "spacing", f"of {step:g} m makes {counts.prod():.3g} points: choose a larger one"
         )

@@ -25,7 +25,9 @@ MAX_LEVELS = 1 << 16  # levels of phase or amplitude
 MIN_STEP = (
     2.0**-24
 )  # precision of amplitudes, relative to full drive; levels of a table are at least this far apart
-SLACK = 1e-3  # tolerance for rounding, in steps: a limit this far below a level still allows it
+LEVEL_TOLERANCE = (
+    1e-3  # tolerance for rounding, in steps: a limit this far below a level still allows it
+)
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Capability:
     def _allowed(self) -> list[float]:
         """Lowest gain limit that allows each level; level 0 is left out."""
         sizes = self.sizes.astype(np.float64)
-        allowed: list[float] = (sizes[1:] - SLACK * np.diff(sizes) - MIN_STEP).tolist()
+        allowed: list[float] = (sizes[1:] - LEVEL_TOLERANCE * np.diff(sizes) - MIN_STEP).tolist()
         return allowed
 
 

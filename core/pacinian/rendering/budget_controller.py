@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 HIGH, LOW = 0.75, 0.5  # the budget shrinks above HIGH periods per tick, and may grow below LOW
 RUN = 8  # successive long ticks before it shrinks; a few may be due to the machine
-FAR, SOON = 3.0, 2  # two ticks over three periods suffice
+FAR_TOO_LATE, SOON_TICKS = 3.0, 2  # two ticks over three periods suffice
 WAIT = 50  # short ticks before it grows
 MAX_WAIT = (
     800  # largest wait; doubled after each relapse, reset after as many short ticks at full budget
@@ -41,9 +41,11 @@ class BudgetController:
         """
         self._last.append(seconds)
         last = list(self._last)
-        soon = min(last[-SOON:])
+        soon = min(last[-SOON_TICKS:])
         slow = len(last) == RUN and min(last) > HIGH * self.period
-        if samples > MIN_BUDGET and (slow or (len(last) >= SOON and soon > FAR * self.period)):
+        if samples > MIN_BUDGET and (
+            slow or (len(last) >= SOON_TICKS and soon > FAR_TOO_LATE * self.period)
+        ):
             share = (AIM * self.period / (min(last) if slow else soon)) ** 0.5
             fewer = max(MIN_BUDGET, int(samples * min(share, 0.9)))
             self.allowed = min(self.allowed, fewer)

@@ -35,7 +35,7 @@ FREE = 0.01  # fraction below which one frame is used again
 HURRIED = 0.5  # fraction of late solves above which only one frame is used
 CALM = 0.1  # fraction below which several frames are allowed again
 SEEN = 64  # time constant of this fraction, in solves
-LEAST, HIGHEST = 0.15, 2.5  # range of a frame's target, relative to its nominal share
+MIN_SHARE, MAX_SHARE = 0.15, 2.5  # range of a frame's target, relative to its nominal share
 ROUNDS = 3  # most complete solves of each frame after the samples have changed
 TRIES = 12  # most solves of each frame, with those that ran out of time
 
@@ -172,7 +172,7 @@ class Cycle:
                 p = part.session.propagator.apply(solved.gains)
                 others += radiation_pressure(p, part.session.medium)
         nominal = K * self._shares[own, self.parts.index(part)] * P
-        wanted = np.clip(K * P - others, LEAST * nominal, HIGHEST * nominal)
+        wanted = np.clip(K * P - others, MIN_SHARE * nominal, MAX_SHARE * nominal)
         return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution) -> None:

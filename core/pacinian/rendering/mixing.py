@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
-ALIKE = 1e-6  # regularisation, relative to total power; parts that differ by less are not separated
+MIN_DIFFERENCE = (
+    1e-6  # regularisation, relative to total power; parts that differ by less are not separated
+)
 MAX_SHARE = 4.0  # largest coefficient of a part while it fades; more is rounding
 
 
@@ -52,7 +54,7 @@ def split_by_voice(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains,
         parts, a = solved.parts, np.vstack([a, mean_amplitude(solved, a)])
     power = parts.conj() @ parts.T
     power += np.eye(len(parts), dtype=np.complex64) * np.float32(
-        ALIKE * power.trace().real + MIN_POWER
+        MIN_DIFFERENCE * power.trace().real + MIN_POWER
     )
     c = np.linalg.solve(power, parts.conj() @ s.T)  # (V, K)
     c = (c / np.maximum(np.abs(c) / MAX_SHARE, 1.0)).astype(np.complex64)

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Complexes, Floats, Gains
 
-SHARE = 0.7  # deadline of a solve, relative to a tick
+DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick
 MAX_ROWS = 1000  # most frames per tick
-LOOK = 64  # ticks between measurements of the emitted field
+TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 
 
 class Pipeline:
@@ -68,7 +68,7 @@ class Pipeline:
         self.governor = BudgetController(period, sampler.budget) if governed else None
         self.limits = Limits()  # of this tick
         self.probe = Probe(session)
-        self._unlooked = LOOK  # ticks since the last measurement
+        self._unlooked = TICKS_PER_LOOK  # ticks since the last measurement
         self._begin()
 
     def _begin(self) -> None:
@@ -138,7 +138,7 @@ class Pipeline:
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("solve")
         before = skipped[kept]
-        self.player.solve(samples, t, limits, SHARE * self.period, self.turns.solves)
+        self.player.solve(samples, t, limits, DEADLINE_SHARE * self.period, self.turns.solves)
         if not self.turns.solves:  # not known whether anything moved
             skipped[kept] = before
         self._look()
@@ -192,7 +192,9 @@ class Pipeline:
         self._unlooked += 1
         cycle = self.player.cycle
         several = cycle.count > 1 and len(cycle.sounding) == cycle.count
-        if self._unlooked < LOOK or not (several or (placed is not None and len(placed.samples))):
+        if self._unlooked < TICKS_PER_LOOK or not (
+            several or (placed is not None and len(placed.samples))
+        ):
             return
         if several:
             samples, targets, facing = cycle.samples, cycle.targets, cycle.facing

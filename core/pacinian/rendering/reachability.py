@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import FAR
+from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 from pacinian.scene.sampling.array_resolution import WELL, grazing
 
@@ -45,8 +45,8 @@ class ReachabilityFilter:
         if not len(q):
             return kept
         d = np.abs(q - self._propagator.origin)
-        if d.max() > FAR / 2.0:
-            kept = np.asarray((d * d).sum(axis=1) <= FAR * FAR)
+        if d.max() > MAX_LENGTH / 2.0:
+            kept = np.asarray((d * d).sum(axis=1) <= MAX_LENGTH * MAX_LENGTH)
             skipped["samples out of reach"] += len(q) - int(kept.sum())
         inside = (d <= self._extent).all(axis=1)
         if self._medium.singular and inside.any():

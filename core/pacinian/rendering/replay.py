@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 GAP = 0.1  # gap between frames above which the device is silenced [s]
-PAUSE = 3600.0  # gap between frames above which a recording is taken to be damaged [s]
+MAX_GAP = 3600.0  # gap between frames above which a recording is taken to be damaged [s]
 
 
 def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | None = None) -> int:
@@ -40,7 +40,7 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
             frame = tick.frame
             if not count:
                 offset = clock.now() - frame.time
-            elif frame.time - end > PAUSE:
+            elif frame.time - end > MAX_GAP:
                 raise RecordingError(recording.path, f"pauses for {frame.time - end:.0f} s")
             elif tick.begins or frame.time - end > GAP:
                 clock.wait_until(min(end, frame.time) + offset)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Status
     from pacinian.types import Floats
 
-SHOWN = 4  # most objects in a notebook's card
+MAX_LISTED = 4  # most objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
 LOOKS = 1000  # measurements between the samples that are kept
@@ -166,7 +166,10 @@ class Report:
             "late": f"{self.late_ticks} ({self.late_share:.1%})",
             "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
             "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
-            **{f"felt of {name}": str(felt) for name, felt in list(self.felt().items())[:SHOWN]},
+            **{
+                f"felt of {name}": str(felt)
+                for name, felt in list(self.felt().items())[:MAX_LISTED]
+            },
             "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
             "skipped": ", ".join(f"{n} {name}" for name, n in self.skipped.items() if n)
             or "nothing",

@@ -6,9 +6,15 @@ from collections import deque
 from dataclasses import dataclass, field
 
 LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
-SEEN, MANY = 64, 12  # alternation begins once 12 of the last 64 ticks with a solve were long
+TICKS_SEEN, MIN_LONG_TICKS = (
+    64,
+    12,
+)  # alternation begins once 12 of the last 64 ticks with a solve were long
 SHORT = 0.75  # duration within which both must fit to end alternation, relative to the period
-WAIT, LONGEST = 256, 4096  # pairs of ticks that must fit; doubled after each relapse, up to LONGEST
+MIN_FITTING, MAX_FITTING = (
+    256,
+    4096,
+)  # pairs of ticks that must fit; doubled after each relapse, up to LONGEST
 BACK = 8  # pairs deducted for one that does not fit; a few may be due to the machine
 
 
@@ -23,10 +29,10 @@ class TickAlternation:
     taking: bool = False
     samples: bool = True
     solves: bool = True
-    _long: deque[bool] = field(default_factory=lambda: deque(maxlen=SEEN), init=False)
+    _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _before: float = field(default=0.0, init=False)  # duration of the tick that sampled [s]
     _fits: int = field(default=0, init=False)
-    _wait: int = field(default=WAIT, init=False)
+    _wait: int = field(default=MIN_FITTING, init=False)
 
     def tick(self, seconds: float, solved: bool) -> bool:
         """Take account of a tick that took `seconds` [s]; return whether alternation begins.
@@ -36,7 +42,7 @@ class TickAlternation:
         if not self.taking:
             if solved:
                 self._long.append(seconds > LONG_SHARE * self.period)
-            if sum(self._long) < MANY:
+            if sum(self._long) < MIN_LONG_TICKS:
                 return False
             self._long.clear()
             self.taking, self.samples, self.solves = True, True, False
@@ -49,5 +55,5 @@ class TickAlternation:
         self.samples, self.solves = self.solves, self.samples
         if self._fits >= self._wait:
             self.taking, self.samples, self.solves = False, True, True
-            self._fits, self._wait = 0, min(2 * self._wait, LONGEST)
+            self._fits, self._wait = 0, min(2 * self._wait, MAX_FITTING)
         return False

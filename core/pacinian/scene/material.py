@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import FAR, check_number
+from pacinian.checks import MAX_LENGTH, check_number
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -30,7 +30,7 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
         if self.stiffness is not None:
             stiffness = check_number("stiffness", self.stiffness, low=0.0, above=True)
             force_setattr(self, "stiffness", stiffness)
-        force_setattr(self, "reach", check_number("reach", self.reach, low=0.0, high=FAR))
+        force_setattr(self, "reach", check_number("reach", self.reach, low=0.0, high=MAX_LENGTH))
 
     def per_metre(self, most: float) -> float:
         """Return the stiffness [Pa/m] for an object whose full pressure is `most` [Pa]."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
 NEIGHBOURS = 1.5  # largest distance of neighbours, in distances to the nearest other sample
-SAME = 1e-4  # samples up to this far apart count as one place [m]
+MERGE_DISTANCE = 1e-4  # samples up to this far apart count as one place [m]
 CELLS = 28  # nearest samples to query: itself, 26 that may be within SAME, and one that is not
 ON = 1e-5  # places up to this far from a transducer count as on it [m]
 BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region [m]
@@ -156,7 +156,7 @@ class FeltPlaces:
         square = np.einsum("mok,mok->mo", d, d)
         apart = targets.regions[sounding[first]][:, None] != targets.regions[sounding]
         apart[np.arange(2 * count), first] = True
-        apart |= square <= SAME * SAME
+        apart |= square <= MERGE_DISTANCE * MERGE_DISTANCE
         within = np.where(apart, np.inf, square)
         near = within <= NEIGHBOURS**2 * within.min(axis=1, keepdims=True)
         near &= np.isfinite(within)
@@ -262,10 +262,10 @@ def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
     """
     from scipy.spatial import KDTree
 
-    kept = np.unique(np.round(points / SAME), axis=0, return_index=True)[1]
+    kept = np.unique(np.round(points / MERGE_DISTANCE), axis=0, return_index=True)[1]
     tree = KDTree(points[kept])
     away = np.asarray(tree.query(points[kept], CELLS)[0])
-    nearest = np.where((away > SAME) & np.isfinite(away), away, np.inf).min(axis=1)
+    nearest = np.where((away > MERGE_DISTANCE) & np.isfinite(away), away, np.inf).min(axis=1)
     others = np.flatnonzero(np.isfinite(nearest))
     if not len(others):
         return kept[:1], kept[:1], 0.0

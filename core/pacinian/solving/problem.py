@@ -32,7 +32,10 @@ def _anything(count: int) -> Floats:
 
 ISOLATED = -1  # region number of a point that belongs to no region
 BESIDE = -2  # region number of a point beside the regions, with target 0
-QUIETEST, LOUDEST = 1e-30, 1e30  # range of amplitudes that single precision can handle [Pa]
+MIN_AMPLITUDE, MAX_AMPLITUDE = (
+    1e-30,
+    1e30,
+)  # range of amplitudes that single precision can handle [Pa]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +71,9 @@ class Targets:
             raise ArgumentError(
                 "amplitudes", f"must be 0 or more: [{where}] is {low:g}; give a sign as a phase"
             )
-        if count and t.max() > LOUDEST:
-            raise ArgumentError("amplitudes", f"must be at most {LOUDEST:g} Pa")
-        t[t < QUIETEST] = 0.0
+        if count and t.max() > MAX_AMPLITUDE:
+            raise ArgumentError("amplitudes", f"must be at most {MAX_AMPLITUDE:g} Pa")
+        t[t < MIN_AMPLITUDE] = 0.0
         if str(scale) not in ("exact", "max"):
             raise ArgumentError("scale", f'must be "exact" or "max", not {scale!r}')
         phi = _anything(count)

@@ -34,7 +34,9 @@ BLOCK = 64  # most rows added to V at a time
 LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
 WATCHED = 256  # places of a zone at which each solution is checked
 SPARE = 1.25  # safety factor for the places of a zone that are not checked
-ENOUGH = 0.5  # V is enlarged down to this fraction of the limit, so that new places keep the limit
+LIMIT_SHARE = (
+    0.5  # V is enlarged down to this fraction of the limit, so that new places keep the limit
+)
 FAINT = 0.15  # V gets no rows for pressures below this fraction of the limit
 DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the next block
 ROUNDS = 16  # most rounds of new places
@@ -222,7 +224,7 @@ def _enlarged(V: Gains, rest: Gains, most: float) -> Gains:
     while True:
         size = _norms(rest)
         block = np.argsort(-size)[:BLOCK]
-        block = block[size[block] > max(ENOUGH * most, 0.1 * size[block[0]])]
+        block = block[size[block] > max(LIMIT_SHARE * most, 0.1 * size[block[0]])]
         if not len(block):
             return V
         X = rest[block].astype(np.complex128)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 STILL = 5e-4  # samples that moved by less than this keep their solution [m]
-NEAR = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
+CARRY_DISTANCE = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
 ON_SKIN = 0.4  # the same for samples on skin, which are less even
 MAX_SUBSET = 128  # most transducers used to compute the array's radius
@@ -201,7 +201,7 @@ def carry_phases(
         here, there = np.flatnonzero(kind_now), np.flatnonzero(kind_then)
         if len(here) and len(there):
             away, which = KDTree(before[there]).query(q[here])
-            known[here], nearest[here] = np.asarray(away) < NEAR, there[np.asarray(which)]
+            known[here], nearest[here] = np.asarray(away) < CARRY_DISTANCE, there[np.asarray(which)]
     p = propagator.apply(warm.gains)
     phases = np.where(known, asked[nearest], np.angle(p))
     return replace(warm, sound_pressure=p, asked_phases=phases, multipliers=None)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike
 
 LIMIT = 10.0  # duration of a call [s]
-LOOK = 0.01  # period of polling `heard` [s]
+POLL_INTERVAL = 0.01  # period of polling `heard` [s]
 QUIET = 0.1  # drive of the trials, relative to full drive
 OFF = 0.02  # deviation of the emitted gains, relative to full drive
 
@@ -138,7 +138,7 @@ class _Kit:
             if time.monotonic() > due:
                 what = "silence" if asked is None else "what was sent"
                 raise Broken(f"{when}, {what} is not what is heard: {off:.3g} of full drive off")
-            time.sleep(LOOK)
+            time.sleep(POLL_INTERVAL)
 
     # ------------------------------------------------------------------ the rules
 

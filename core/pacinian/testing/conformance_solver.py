@@ -29,10 +29,12 @@ if TYPE_CHECKING:
 
 LIMIT = 120.0  # duration of a call [s]
 SINGLE = 1e-4  # error from single precision, relative to the strongest pressure
-KEPT = 2e-3  # relative violation of a limit
-ALIKE = 0.99  # least |sum p exp(-j phi)| / sum |p| of a region whose phases are those of one wave
+MAX_VIOLATION = 2e-3  # relative violation of a limit
+MIN_COHERENCE = (
+    0.99  # least |sum p exp(-j phi)| / sum |p| of a region whose phases are those of one wave
+)
 ASIDE = np.array([4e-4, 0.0, 0.0])  # motion of a hand in a tick [m]
-NEAR = 1e-3  # relative error of a bound
+MAX_BOUND_ERROR = 1e-3  # relative error of a bound
 
 
 def check_solver(
@@ -234,7 +236,7 @@ class _Kit:
             )
             met = float(np.linalg.norm(np.abs(p) - problem.t)) / float(np.linalg.norm(problem.t))
             require(
-                solution.status is not Status.ok or met <= KEPT,
+                solution.status is not Status.ok or met <= MAX_VIOLATION,
                 f"status ok, with an error of {met:.2%} for {name}",
             )
 
@@ -253,7 +255,7 @@ class _Kit:
             best = 0.5 * result.mu * float(np.vdot(p, np.linalg.solve(H, p)).real)  # without limits
             scale = 0.5 * float(np.vdot(p, p).real)
             require(
-                result.bound <= best * (1.0 + NEAR) + 1e-6 * scale,
+                result.bound <= best * (1.0 + MAX_BOUND_ERROR) + 1e-6 * scale,
                 f"the bound, {result.bound:.4g}, is above the optimum, {best:.4g}",
             )
 
@@ -283,7 +285,7 @@ class _Kit:
         solution = self.session(replace(problem, limits=Limits(quiet=(ears, loud))))
         heard = float(np.abs(E @ solution.gains.astype(np.complex128)).max())
         require(
-            heard <= loud * (1.0 + KEPT) + SINGLE * float(np.abs(E).sum()),
+            heard <= loud * (1.0 + MAX_VIOLATION) + SINGLE * float(np.abs(E).sum()),
             f"{heard:.3g} Pa at a quiet point of {loud:.3g} Pa (status {solution.status.name})",
         )
         require(bool(solution.gains.any()), "it keeps a point quiet by silence")
@@ -296,7 +298,10 @@ class _Kit:
         solution = self.session(problem)
         p = np.abs(self.reference(problem.q) @ solution.gains.astype(np.complex128))
         off = abs(float(p[1]) / float(problem.t[1]) - 1.0)
-        require(off <= KEPT, f"an exact sample is {off:.2%} off (status {solution.status.name})")
+        require(
+            off <= MAX_VIOLATION,
+            f"an exact sample is {off:.2%} off (status {solution.status.name})",
+        )
 
     def regions(self) -> None:
         """If a region has status `ok`, its samples meet their targets, in the phases of the one wave that was given.
@@ -323,6 +328,6 @@ class _Kit:
             wave = joint_phases(self.array, problem.q[own], radiation_pressure=t[own] ** 2)
             alike = abs(complex(np.vdot(np.exp(1j * wave), p[own]))) / float(np.abs(p[own]).sum())
             require(
-                alike > ALIKE,
+                alike > MIN_COHERENCE,
                 f"the phases of a region are only {alike:.0%} alike, with status ok, for {name}",
             )

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 START = 300.0  # time until all processes are ready, including compilation [s]
 END = 10.0  # time for the server to end after SIGTERM [s]
-LOOK = 0.02  # polling period [s]
+POLL_INTERVAL = 0.02  # polling period [s]
 TOLD = 2000  # length of the log excerpt in an error [characters]
 COMMAND = sys.executable, "-m", "pacinian", "serve"
 CONTROL = "control"
@@ -123,7 +123,7 @@ def _ready(running: Running, limit: float) -> None:
             raise ServerError(
                 f"the server is not ready after {limit:g} s: {running.said()[-TOLD:]}"
             )
-        time.sleep(LOOK)
+        time.sleep(POLL_INTERVAL)
 
 
 def _children(running: Running) -> set[psutil.Process]:

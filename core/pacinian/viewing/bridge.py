@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 NAME = "viewer"
-EVERY, NOBODY = 1.0 / 30.0, 0.1  # polling intervals with and without open pages [s]
-AGAIN = 0.5  # interval between attempts to connect [s]
-IDLE = 1.0  # interval between renewals while the viewer is not armed [s]
+POLL_INTERVAL, IDLE_INTERVAL = 1.0 / 30.0, 0.1  # polling intervals with and without open pages [s]
+RETRY_INTERVAL = 0.5  # interval between attempts to connect [s]
+UNARMED_RENEWAL = 1.0  # interval between renewals while the viewer is not armed [s]
 FRESH = 0.5  # maximum age of an `alive` that counts, as a share of the lease
 WAITING = 64  # maximum number of waiting requests, and of selections without a reply
 
@@ -145,7 +145,7 @@ class Bridge:
             if not isinstance(error, PacinianError):
                 log.error("the viewer cannot go on with this server", exc_info=error)
             self._post(self._hub.disconnect, self._lost)
-        self._ended.wait(AGAIN)
+        self._ended.wait(RETRY_INTERVAL)
 
     def _watch(self, client: Client, connection: Connection) -> None:
         """Run one session until it is lost, a page arms another scene, or the bridge ends."""
@@ -161,7 +161,7 @@ class Bridge:
                 if (now := time.perf_counter()) < due:
                     continue
                 watched = bool(self._hub.views)
-                due = max(due + (EVERY if watched else NOBODY), now)
+                due = max(due + (POLL_INTERVAL if watched else IDLE_INTERVAL), now)
                 if not client.connected:
                     raise ConnectionLost("the server has gone")
                 states.look(now, watched=watched)
@@ -216,7 +216,8 @@ class Bridge:
         if self._armed:
             due = self._alive > self._renewed and now - self._alive < FRESH * client.lease
         else:
-            due = was or now - self._renewed > IDLE  # if it just ended, the reply says why
+            # If it has just ended, the reply says why.
+            due = was or now - self._renewed > UNARMED_RENEWAL
         if due:
             self._renew(client)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 NAME = "demonstration"
-EVERY = 1.0 / 60.0  # interval between two hands [s]
+HAND_INTERVAL = 1.0 / 60.0  # interval between two hands [s]
 # Maximum time between two `alive` messages of an open page [s]. A page that is hidden ends the
 # demonstration at once.
 QUIET = 10.0
@@ -76,7 +76,7 @@ class Demonstration:
                 begin = time.perf_counter()
                 while self._goes_on():
                     client.hands(make_hand(time.perf_counter() - begin), wait=False)
-                    client.hold(EVERY)
+                    client.hold(HAND_INTERVAL)
         except ConnectionLost:
             pass  # the viewer's own session reports it to the pages
         except Refused as error:

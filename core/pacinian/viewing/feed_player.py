@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
 
-EVERY = 1.0 / 30.0  # interval between updates [s]
+UPDATE_INTERVAL = 1.0 / 30.0  # interval between updates [s]
 JUMP = 1.0  # minimum jump after which the charts are refilled [s]
 # Kinds that a newer message of another kind makes obsolete.
 AGAINST = {
@@ -95,7 +95,7 @@ class FeedPlayer:
             begin = self._clock()
             self.show()
             if self.playing:
-                await asyncio.sleep(EVERY)
+                await asyncio.sleep(UPDATE_INTERVAL)
                 self.advance(self._clock() - begin)
             else:
                 self._turn.clear()

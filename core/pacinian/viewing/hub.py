@@ -168,7 +168,7 @@ class View:
         yield from self._basis()
         if (now := hub.scenery) is not self._scenery:
             since, self._scenery = self._scenery.version, now
-            yield now.told(since)
+            yield now.encode(since)
         if hub.session is not self._session and hub.session is not None:
             self._session = hub.session
             session, owner = hub.session

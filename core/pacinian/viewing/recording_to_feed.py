@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.scene import Scene
 
-EVERY = 1.0 / 30.0  # interval between two converted ticks [s]
+TICK_INTERVAL = 1.0 / 30.0  # interval between two converted ticks [s]
 
 
 def convert_recording(
@@ -53,7 +53,7 @@ def convert_recording(
         at = tick.frame.time - begin
         if at < due:
             continue
-        due = at + EVERY
+        due = at + TICK_INTERVAL
         encode = msgspec.msgpack.encode
         yield at, "frame", encode(_frame(recording, tick, next(numbers)))
         yield at, "state", encode(_state(recording, tick, past, renderer))
@@ -90,7 +90,7 @@ class Stage:
         if scenery is self._scenery:
             return None
         self._scenery = scenery
-        return scenery.told(since)
+        return scenery.encode(since)
 
 
 def _named(scene: Scene) -> Iterator[tuple[str, Object]]:

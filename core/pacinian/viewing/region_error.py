@@ -14,12 +14,14 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Gains, Indices
     from pacinian.wire.state import State
 
-NEAR = 0.005  # maximum distance of a point of the slice from a sample of a region [m]
+MAX_SAMPLE_DISTANCE = (
+    0.005  # maximum distance of a point of the slice from a sample of a region [m]
+)
 BESIDE = 0.003  # minimum distance of outside places from samples [m]; closer, pressure still falls
 CLOSE = 1.7  # radius of the samples that can surround a place, over the spacing of samples
 NEIGHBOURS = 4  # number of samples that set the height of a point
 AROUND = 12  # number of nearest samples examined for each place
-SAME = 1e-4  # distance below which two places are the same [m]
+MERGE_DISTANCE = 1e-4  # distance below which two places are the same [m]
 STRAIGHT = np.pi + 1e-3  # maximum angle between neighbours of an inside place [rad]
 PAIRS = 1 << 21  # maximum number of place-transducer pairs per batch
 JOINTS = 26  # joints of a hand
@@ -111,7 +113,7 @@ def lift_off(at: Floats, across: Floats, regions: Regions) -> Floats:
 
     tree = KDTree(flat(q))
     away, which = _nearest(tree, flat(at), min(NEIGHBOURS, len(q)))
-    weight = 1.0 / (away * away + SAME * SAME)
+    weight = 1.0 / (away * away + MERGE_DISTANCE * MERGE_DISTANCE)
     height = (weight * (q @ up)[which]).sum(axis=1) / weight.sum(axis=1)
     return np.asarray(flat(at) + height[:, None] * up)
 
@@ -161,18 +163,18 @@ def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float =
     up = up / np.linalg.norm(up, axis=1, keepdims=True)
     tree = KDTree(q)
     away, around = _nearest(tree, at, 1)
-    rows = np.flatnonzero((away[:, 0] <= NEAR) & (index[around[:, 0]] >= 0))
+    rows = np.flatnonzero((away[:, 0] <= MAX_SAMPLE_DISTANCE) & (index[around[:, 0]] >= 0))
     m = around[rows, 0]
     x = at[rows] - np.einsum("pk,pk->p", at[rows] - q[m], up[m])[:, None] * up[m]
 
     away, around = _nearest(tree, x, AROUND)
     limit = CLOSE * _spacing(tree, index)[m]
     own = (index[around] == index[m][:, None]) & (away <= limit[:, None])
-    inside = _surrounded(x, up[m], q[around], own) | (own & (away <= SAME)).any(axis=1)
-    weight = own / (away * away + SAME * SAME)
+    inside = _surrounded(x, up[m], q[around], own) | (own & (away <= MERGE_DISTANCE)).any(axis=1)
+    weight = own / (away * away + MERGE_DISTANCE * MERGE_DISTANCE)
     asked = np.where(inside, (weight * P[around]).sum(axis=1), 0.0)
     asked /= np.where(inside, weight.sum(axis=1), 1.0)
-    kept = inside | ((away[:, 0] >= beside) & (away[:, 0] <= NEAR))
+    kept = inside | ((away[:, 0] >= beside) & (away[:, 0] <= MAX_SAMPLE_DISTANCE))
     return Places(rows[kept], x[kept], n[m][kept], asked[kept])
 
 
@@ -180,7 +182,7 @@ def _spacing(tree: KDTree, index: Indices) -> Floats:
     """Return the local spacing: the median nearest-neighbour distance around each sample, (M,) [m]; 0 if alone."""
     away, around = _nearest(tree, np.asarray(tree.data), AROUND)
     own = (index[around] == index[:, None]) & np.isfinite(away)
-    nearest = np.where(own & (away > SAME), away, np.inf).min(axis=1)
+    nearest = np.where(own & (away > MERGE_DISTANCE), away, np.inf).min(axis=1)
     every = np.sort(np.where(own, nearest[around], np.inf), axis=1)  # own samples only
     middle = (np.maximum(own.sum(axis=1), 1) - 1) // 2
     found = np.take_along_axis(every, middle[:, None], axis=1)[:, 0]

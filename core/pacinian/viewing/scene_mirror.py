@@ -43,7 +43,7 @@ class SceneMirror(NamedTuple):
             kept |= {name: (version, data) for name, data in objects.items()}
         return SceneMirror(version, scene, kept, poses)
 
-    def told(self, since: int) -> tuple[str, bytes]:
+    def encode(self, since: int) -> tuple[str, bytes]:
         """Return kind and message for a page that has version `since`: "scenery", or "poses" if no object is new."""
         new = {name: data for name, (version, data) in self.objects.items() if version > since}
         scene, poses = self.scene, dict(self.poses)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Singles
 
-ALIKE: dict[type, type] = {  # classes with the same fields in the same order
+SAME_FIELDS: dict[type, type] = {  # classes with the same fields in the same order
     shapes.Rectangle: box_disc_rectangle.Rectangle,
     shapes.Disc: box_disc_rectangle.Disc,
     shapes.Box: box_disc_rectangle.Box,
@@ -33,18 +33,18 @@ ALIKE: dict[type, type] = {  # classes with the same fields in the same order
     shapes.Circle: curves.Circle,
     shapes.Lissajous: curves.Lissajous,
 }
-ALIKE_BACK: dict[type, type] = {theirs: ours for ours, theirs in ALIKE.items()}
+SAME_FIELDS_BACK: dict[type, type] = {theirs: ours for ours, theirs in SAME_FIELDS.items()}
 
 
 def shape_to_scene(shape: Any) -> Any:
     """Convert a wire shape or curve to one of `pacinian.scene`. Raises ArgumentError, WireError."""
-    kind = ALIKE.get(type(shape))
+    kind = SAME_FIELDS.get(type(shape))
     return kind(*astuple(shape)) if kind else TO_SCENE[type(shape)](shape)
 
 
 def shape_to_wire(shape: Any) -> Any:
     """Convert a shape or curve of `pacinian.scene` to a wire one. Reads its file. Raises ArgumentError, WireError."""
-    kind = ALIKE_BACK.get(type(shape))
+    kind = SAME_FIELDS_BACK.get(type(shape))
     if kind:
         return kind(*astuple(shape))
     if (convert := TO_WIRE.get(type(shape))) is None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian_lab.stress.run import Row
 
 MOVES = (10_000, 100_000)  # moves of single points, in a quick and in a full run
-SHOWN = 10  # number of broken promises printed in full
+MAX_LISTED = 10  # number of broken promises printed in full
 COLUMNS = {"family": 10, "solver": 14, "promises": 14, "excess": 8, "residual": 8}
 NOTE = (
     "excess: the largest |g| minus the limit. residual: largest ratio to the best possible residual,"
@@ -93,13 +93,13 @@ def _print(table: Sequence[Row], broken: Sequence[Evidence]) -> None:
         family = row.family
     console.print(shown)
     console.print(NOTE, highlight=False, markup=False)
-    for e in broken[:SHOWN]:
+    for e in broken[:MAX_LISTED]:
         for promise, figure in e.broken.items():
             console.print(f"\n{e.solver} breaks {promise!r}: {figure}", style="red", markup=False)
             again = f'pacinian_lab.stress.cases.find("{e.case}").solve("{e.solver}")'
             console.print(again, highlight=False, markup=False, soft_wrap=True)
-    if len(broken) > SHOWN:
-        console.print(f"\nand {len(broken) - SHOWN} more: see --json")
+    if len(broken) > MAX_LISTED:
+        console.print(f"\nand {len(broken) - MAX_LISTED} more: see --json")
 
 
 def _figure(value: float) -> str:

@@ -68,7 +68,7 @@ def of_experiment(results: Experiment) -> Figure:
 
 def of_fourier(comparisons: dict[tuple[str, str], Comparison]) -> Figure:
     """Draw the Fourier baseline next to the pseudo-inverse: case 1a, 1a at a larger distance, and 2a."""
-    places = {"1a": "1a", "1a far": f"1a at {1e3 * fourier.FAR:.0f} mm", "2a": "2a"}
+    places = {"1a": "1a", "1a far": f"1a at {1e3 * fourier.FAR_HEIGHT:.0f} mm", "2a": "2a"}
     page = figure(13.2, 7.4)
     panels: Panel = page.subplots(len(experiment.PATTERNS), 1 + 2 * len(places))
     top = max(max(c.maximum, c.pseudo_inverse.maximum) for c in comparisons.values())

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_lab.paper.experiment import Case, Outcome
 
-FAR = 0.6  # [m]; at this height the image repeats every 510 mm, beyond the region's 400 mm
+FAR_HEIGHT = 0.6  # [m]; at this height the image repeats every 510 mm, beyond the region's 400 mm
 FAR_CUT = 1e-3  # B is nearly singular at FAR: smaller singular values only make the gains huge
 PLACES = {  # name: height [m], cut
     "1a": (experiment.DISTANCE, experiment.CUT),
-    "1a far": (FAR, FAR_CUT),
+    "1a far": (FAR_HEIGHT, FAR_CUT),
     "2a": (experiment.DISTANCE, experiment.CUT),
 }
 
@@ -38,9 +38,9 @@ PLACES = {  # name: height [m], cut
 class Comparison:
     """Both methods for one pattern in one place.
 
-    place: a case's name; "1a far" is case 1a with its region at `FAR`. amplitude: |p| [Pa] of the Fourier method,
-    shape (41, 41), scaled to be closest to the target. correlation: with the target. maximum: [Pa]. pseudo_inverse:
-    the outcome of the other method.
+    place: a case's name; "1a far" is case 1a with its region at `FAR_HEIGHT`. amplitude: |p| [Pa] of the Fourier
+    method, shape (41, 41), scaled to be closest to the target. correlation: with the target. maximum: [Pa].
+    pseudo_inverse: the outcome of the other method.
     """
 
     place: str

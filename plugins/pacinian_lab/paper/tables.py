@@ -49,7 +49,7 @@ def spectra(results: Experiment) -> Table:
 
 def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
     """Return a table of pattern by place: correlation and maximum of the Fourier method and of the pseudo-inverse."""
-    titles = {"1a far": f"{1e3 * fourier.FAR:.0f} mm"}
+    titles = {"1a far": f"{1e3 * fourier.FAR_HEIGHT:.0f} mm"}
     head = [
         f"{titles.get(place, place)}\n{method}"
         for place in fourier.PLACES

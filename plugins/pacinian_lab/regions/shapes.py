@@ -32,9 +32,12 @@ if TYPE_CHECKING:
 
 HEIGHT = 0.2  # [m] above the array
 STEP = 0.001  # [m] between the places where pressure is measured
-FINE = 0.00025  # [m] between the points of a picture
+PICTURE_SPACING = 0.00025  # [m] between the points of a picture
 SIDE = 0.05  # [m] of the square around a flat shape, which contains the shape and `beside`
-NEAR, FAR = 0.003, 0.010  # [m] distances from a shape between which `beside` is measured
+BESIDE_FROM, BESIDE_TO = (
+    0.003,
+    0.010,
+)  # [m] distances from a shape between which `beside` is measured
 BALL_PLACES = 4000  # random places on or in a ball
 MAX_SAMPLES = 100_000  # more than any shape has, so in effect no budget
 
@@ -92,12 +95,12 @@ def _lattice(inside: Inside) -> tuple[Floats, Floats]:
     X, Y = (each.ravel() for each in np.meshgrid(side, side))
     every, own = np.stack([X, Y, 0.0 * X], axis=-1), inside(X, Y)
     away = KDTree(every[own]).query(every)[0]
-    return every[own], every[(away > NEAR) & (away < FAR)]
+    return every[own], every[(away > BESIDE_FROM) & (away < BESIDE_TO)]
 
 
 def _view(inside: Inside, factor: Factor, pose: Pose, lift: Factor | None = None) -> View:
     """Return a view of the plane of a flat shape, or of the surface z = lift(x, y) of its frame."""
-    side = np.arange(-SIDE / 2.0, SIDE / 2.0, FINE) + FINE / 2.0
+    side = np.arange(-SIDE / 2.0, SIDE / 2.0, PICTURE_SPACING) + PICTURE_SPACING / 2.0
     X, Y = np.meshgrid(side, side)
     Z = 0.0 * X if lift is None else lift(X, Y)
     points = pose.points(np.stack([X, Y, Z], axis=-1).reshape(-1, 3)).reshape(*X.shape, 3)
@@ -245,8 +248,8 @@ def _make_ball(radius: float, felt: Literal["shell", "interior"]) -> Shape:
 def _unroll(radius: float) -> View:
     """Project a sphere onto a cylinder, which keeps areas equal. Right is along the equator, up is z."""
     half = math.pi * radius
-    u = np.arange(-half, half, FINE) + FINE / 2.0
-    v = np.arange(-radius, radius, FINE) + FINE / 2.0
+    u = np.arange(-half, half, PICTURE_SPACING) + PICTURE_SPACING / 2.0
+    v = np.arange(-radius, radius, PICTURE_SPACING) + PICTURE_SPACING / 2.0
     U, V = np.meshgrid(u, np.clip(v, -radius, radius))
     r = np.sqrt(radius**2 - V**2)
     points = np.stack([r * np.cos(U / radius), r * np.sin(U / radius), HEIGHT + V], axis=-1)
@@ -256,7 +259,7 @@ def _unroll(radius: float) -> View:
 
 def _cut(radius: float) -> View:
     """Return the vertical plane through a ball's centre."""
-    side = np.arange(-2.0 * radius, 2.0 * radius, FINE) + FINE / 2.0
+    side = np.arange(-2.0 * radius, 2.0 * radius, PICTURE_SPACING) + PICTURE_SPACING / 2.0
     X, Z = np.meshgrid(side, side)
     points = np.stack([X, 0.0 * X, HEIGHT + Z], axis=-1)
     asked = np.where(np.hypot(X, Z) < radius, 1.0, 0.0)

@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
 SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the evaluated skin
 BUDGET = 1_000_000  # samples; more than a hand has points
-NEAR, FAR = 3e-3, 10e-3  # [m] distances from touched skin between which skin is beside it
+BESIDE_FROM, BESIDE_TO = (
+    3e-3,
+    10e-3,
+)  # [m] distances from touched skin between which skin is beside it
 
 
 def felt_on_skin(
@@ -69,7 +72,7 @@ def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> fl
             continue
         placed = skin.place(hand)
         away = np.asarray(tree.query(placed.points)[0])
-        beside = np.flatnonzero((away > NEAR) & (away < FAR))
+        beside = np.flatnonzero((away > BESIDE_FROM) & (away < BESIDE_TO))
         beside = beside[skin.exposed(placed, beside)]
         if len(beside):
             facing = SkinFacing(placed.normals[beside], placed.capsules)

@@ -34,10 +34,12 @@ if TYPE_CHECKING:
 
 RATE = 1000.0  # [Hz] of the device, and of the ticks if the loop can hold it
 SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
-LATE = 0.005  # the rate counts as held up to this share of late ticks above the dummy loop's
+MAX_LATE_SHARE = (
+    0.005  # the rate counts as held up to this share of late ticks above the dummy loop's
+)
 SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
 LOOKS = 20  # ticks per run whose errors are evaluated
-ENOUGH = 100_000  # samples; in effect, no budget
+NO_BUDGET = 100_000  # samples; in effect, no budget
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class Look:
     @property
     def asked(self) -> float:
         """Force of all objects together on all skin that they touch, by their materials [N]."""
-        return Sampler(ENOUGH, perception=False).sample(self.scene, self.t).force
+        return Sampler(NO_BUDGET, perception=False).sample(self.scene, self.t).force
 
     def sounded(self, medium: Air) -> float:
         """Return the part of that force that was requested from the array [N]."""
@@ -144,7 +146,7 @@ class Run:
     def held(self) -> bool:
         """Whether the loop held the rate."""
         in_time = self.report.tick_ms(99) < 1e3 * self.renderer.period
-        return in_time and self.report.late_share <= self.dummy.late_share + LATE
+        return in_time and self.report.late_share <= self.dummy.late_share + MAX_LATE_SHARE
 
     def row(self, name: str) -> Row:
         """Return the results."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 STILL = {"static-focus": "one focus", "mesh": "a hand on a mesh", "palm": "a whole palm"}
 CROWD = 1000  # objects
-FAR = 1.0  # [m]; out of reach
+OUT_OF_REACH = 1.0  # [m]; out of reach
 ANYWHERE = np.empty((0, 3))
 
 
@@ -104,7 +104,7 @@ def _all_near() -> Scene:
 def _away(t: float) -> Scene:
     """The palm, out of reach."""
     scene = gallery.palm(t)
-    return scene.held(*(hand.moved(Pose((0.0, 0.0, FAR))) for hand in scene.hands))
+    return scene.held(*(hand.moved(Pose((0.0, 0.0, OUT_OF_REACH))) for hand in scene.hands))
 
 
 class ExactMesh(Mesh, frozen=True, tag="exact mesh", dict=True):

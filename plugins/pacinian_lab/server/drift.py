@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MEMORY = 4.0  # growth of each process after the first quarter [MB]
 FILES = 2  # more open files at the end
 TICK = 1.25  # ratio of the last median tick time to that of the second quarter
-LATE = 0.02  # increase of the share of late ticks
+MAX_LATE_INCREASE = 0.02  # increase of the share of late ticks
 AGE = 1.25, 0.5e-3  # ratio of the last median age to that of the second quarter, or increase [s]
 SHORT = 60.0  # [s]; shorter runs are still filling memory, and may grow by ten times as much
 
@@ -64,8 +64,8 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
             f"{tick[0]:.3f} ms, then {tick[1]:.3f} ms",
         ),
         Verdict(
-            f"late ticks at most {100 * LATE:g} points more",
-            late[1] <= late[0] + LATE,
+            f"late ticks at most {100 * MAX_LATE_INCREASE:g} points more",
+            late[1] <= late[0] + MAX_LATE_INCREASE,
             f"{late[0]:.2%}, then {late[1]:.2%}",
         ),
         Verdict(

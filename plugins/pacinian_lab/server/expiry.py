@@ -16,12 +16,12 @@ from msgspec.structs import replace
 
 from pacinian.plugins import registry
 from pacinian.serving.guard.output_gate import OutputGate
-from pacinian.serving.guard.process import ROUND
+from pacinian.serving.guard.process import POLL_INTERVAL
 from pacinian.serving.ipc import scheduling
 from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
-from pacinian_lab.server.guard_process import LONG, PROMPT, GuardProcess, levels
+from pacinian_lab.server.guard_process import MAX_WAIT, PROMPT, GuardProcess, levels
 from pacinian_lab.solvers.tables import plain_table
 from pacinian_lab.solvers.timing import quantile
 
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-BOUND = 2 * ROUND  # [s] one round: its pause, and as long again for its work
+BOUND = 2 * POLL_INTERVAL  # [s] one round: its pause, and as long again for its work
 TICK = 1e-3  # [s] between frames
-LONGEST = 1e-3  # [s] longest time left on a real permit at its last write
+MAX_TIME_LEFT = 1e-3  # [s] longest time left on a real permit at its last write
 
 
 class Sizes(NamedTuple):
@@ -76,7 +76,7 @@ def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1
     chance = random.Random(seed)
     stale = settings.safety.stale
     yield _row("expired, simulated clock [rounds]", 1.0, _told(settings, sizes.told, chance))
-    yield _row("a sleep of one round, alone", ROUND, _sleeps(sizes.sleeps))
+    yield _row("a sleep of one round, alone", POLL_INTERVAL, _sleeps(sizes.sleeps))
     with GuardProcess(settings) as real:
         yield _row("expired", BOUND, _expired(real, sizes.expired, chance))
         yield _row("emergency stop", BOUND, _stopped(real, sizes.stopped))
@@ -109,7 +109,7 @@ def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
         until, renewals = clock.time + lease, chance.randrange(4)
         due = clock.time + TICK * chance.random()  # time of the next frame
         while True:
-            pause = ROUND * chance.uniform(0.2, 4.0)
+            pause = POLL_INTERVAL * chance.uniform(0.2, 4.0)
             left = until - clock.time
             if left > 3 * TICK and not renewals:  # only frames follow: skip to the end
                 clock.advance(left - chance.uniform(1.0, 3.0) * TICK)
@@ -136,7 +136,7 @@ def _sleeps(count: int) -> list[float]:
     found: list[float] = []
     for _ in range(count):
         begin = time.perf_counter()
-        time.sleep(ROUND)
+        time.sleep(POLL_INTERVAL)
         found.append(time.perf_counter() - begin)
     return found
 
@@ -146,7 +146,7 @@ def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[floa
     found: list[float] = []
     while len(found) < count:
         before, _ = real.sound()
-        until = time.perf_counter() + LONGEST * chance.random()
+        until = time.perf_counter() + MAX_TIME_LEFT * chance.random()
         real.permit(until)
         late = time.perf_counter() > until  # the benchmark was late, not the guard
         silent = real.silent("expired", before)
@@ -161,7 +161,7 @@ def _stopped(real: GuardProcess, count: int) -> list[float]:
     while len(found) < count:
         before, _ = real.sound()
         now = time.perf_counter()
-        real.permit(now + LONG, stopped=1)
+        real.permit(now + MAX_WAIT, stopped=1)
         late = time.perf_counter() - now > PROMPT
         silent = real.silent("stopped", before)
         if silent is not None and not late:

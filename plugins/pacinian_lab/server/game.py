@@ -34,7 +34,7 @@ FRAME = 1.0 / 90.0  # [s]
 SCENE = "soak"
 SOLVERS = "auto", "gs-pat", "lagrange", "weighted-gs"
 BALL = Volume(shape=Sphere(0.01), radiation_pressure=8.0)
-MOST = 8  # maximum number of balls that come and go
+MAX_BALLS = 8  # maximum number of balls that come and go
 NONSENSE = 64  # malformed messages per event
 SWING = 0.02  # [m]
 NONE = np.empty((0, 4))
@@ -162,7 +162,7 @@ class Game:
 
     def come_and_go(self) -> None:
         """Add a ball, or remove some."""
-        if len(self.there) < MOST:
+        if len(self.there) < MAX_BALLS:
             name = f"ball {self.count}"
             self.client.put(_ball(name, _place(len(self.there), 0.0)))
             self.there.append(name)
@@ -229,7 +229,7 @@ def _ball(name: str, at: tuple[float, float, float]) -> Volume:
 
 def _place(k: int, t: float) -> tuple[float, float, float]:
     """Return the place of the k-th ball at time t [s], on a circle around the hand [m]."""
-    phi = 2.0 * np.pi * (0.3 * t + k / MOST)
+    phi = 2.0 * np.pi * (0.3 * t + k / MAX_BALLS)
     return 0.04 * float(np.cos(phi)), 0.04 * float(np.sin(phi)), gallery.HEIGHT
 
 

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.serving.settings import Settings
 
-LONG = 20.0  # [s] longest wait for an answer
+MAX_WAIT = 20.0  # [s] longest wait for an answer
 PROMPT = 100e-6  # [s] longest time to write a value; runs with a slower write do not count
-LOOK = 50e-6  # [s] between polls
+POLL_INTERVAL = 50e-6  # [s] between polls
 PARENT = """
 import sys, time
 import msgspec
@@ -70,14 +70,14 @@ class GuardProcess:
 
     def wait(self, so: Callable[[DeviceStatus], bool]) -> DeviceStatus:
         """Wait until `so` accepts the guard's status, and return the status. Raises ServerError after a timeout."""
-        due = time.perf_counter() + LONG
+        due = time.perf_counter() + MAX_WAIT
         while time.perf_counter() < due:
             if (read := self._memory["device"].read()) is not None:
                 device = msgspec.msgpack.decode(read[1], type=DeviceStatus)
                 if so(device):
                     return device
-            time.sleep(LOOK)
-        raise ServerError(f"the guard has not answered within {LONG:g} s")
+            time.sleep(POLL_INTERVAL)
+        raise ServerError(f"the guard has not answered within {MAX_WAIT:g} s")
 
     def permit(self, until: float, stopped: int = 0) -> None:
         """Write the permit of this epoch."""
@@ -90,7 +90,7 @@ class GuardProcess:
         """
         device = self.wait(lambda device: device.generation > 0 and not device.sounding)
         self._epoch += 1
-        self.permit(time.perf_counter() + LONG)
+        self.permit(time.perf_counter() + MAX_WAIT)
         while True:  # repeat if the machine was so late that the frame was stale
             self._sequence += 1
             now = time.perf_counter()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 RATES = 90.0, 1000.0  # [Hz]: frames of a headset; a tracker as fast as the loop
-SLACK = 120.0  # [s] to wait for the result beyond the measured time
+MAX_WAIT = 120.0  # [s] to wait for the result beyond the measured time
 
 
 def settings(side: int) -> Settings:
@@ -32,4 +32,4 @@ def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterat
             WorkerProcess("sender") as game,
         ):
             game.send(Task(str(server.connection), other.receive(Echo), rate, seconds))
-            yield game.receive(Times, limit=2.0 * seconds + SLACK)
+            yield game.receive(Times, limit=2.0 * seconds + MAX_WAIT)

@@ -36,8 +36,8 @@ CROWDS = 2  # number of sending processes
 SCENE = "load"
 LEAD = 0.5  # [s] from the order to the start
 SETTLE = 0.1  # fraction of a phase that passes before it is observed
-SLACK = 60.0  # [s] longest wait for an answer
-LONG = 600.0  # [s] longest wait for an answer when the server does not answer any client
+MAX_WAIT = 60.0  # [s] longest wait for an answer
+MAX_BUSY_WAIT = 600.0  # [s] longest wait for an answer when the server does not answer any client
 STEP = 0.25  # [s] between two memory readings
 MEGA = 1e6
 
@@ -119,13 +119,13 @@ def measure(
             now = time.perf_counter()
             for crowd in crowds:
                 crowd.send(Place(now, group))
-            done = [crowd.receive(Done, LONG) for crowd in crowds]
+            done = [crowd.receive(Done, MAX_BUSY_WAIT) for crowd in crowds]
             sent += sum(one.sent for one in done)
             for one in done:
                 refused.update(one.told)
             first = group * positions.CELLS
             watcher.send(Check(now, first, min(first + positions.CELLS, objects), sent))
-            checks.append(watcher.receive(Checked, SLACK))
+            checks.append(watcher.receive(Checked, MAX_WAIT))
         missing = tuple(i for one in checks for i in one.missing)
         last = checks[-1]
         yield Final(
@@ -161,8 +161,8 @@ def _phase(
         time.sleep(min(left, STEP))
         memory.append(_memory(server.usage()))
     after = server.usage()
-    done = [crowd.receive(Done, SLACK) for crowd in crowds]
-    seen = watcher.receive(Seen, SLACK)
+    done = [crowd.receive(Done, MAX_WAIT) for crowd in crowds]
+    seen = watcher.receive(Seen, MAX_WAIT)
     told = dict[str, int]()
     for one in done:
         for what, count in one.told.items():

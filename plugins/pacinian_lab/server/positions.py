@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.wire import binary_arrays, objects
 
 CELLS = 16  # 4 x 4
-APART = 0.03  # [m] between cells
+CELL_SPACING = 0.03  # [m] between cells
 HEIGHT = 0.2  # [m]
 AWAY = 0.6  # [m], outside of the workspace
 WAY, PERIOD = 0.004, 10.0  # [m] in [s]
@@ -27,7 +27,7 @@ def name(index: int) -> str:
 def cell(index: int) -> tuple[float, float]:
     """Return where the path of an object starts, x and y [m]."""
     row, column = divmod(index % CELLS, 4)
-    return APART * (column - 1.5), APART * (row - 1.5)
+    return CELL_SPACING * (column - 1.5), CELL_SPACING * (row - 1.5)
 
 
 def place(index: int, t: float, group: int = 0) -> tuple[float, float, float]:
@@ -51,8 +51,8 @@ def sent(points: bytes, now: float) -> dict[int, float]:
     """Return when each felt object was sent [s], by cell. now: a time less than 10 s later [s]."""
     found = dict[int, float]()
     for x, y, _ in binary_arrays.unpack(points, 3).astype(np.float64).tolist():
-        row = round(y / APART + 1.5)
-        column = round((x - WAY / 2.0) / APART + 1.5)
+        row = round(y / CELL_SPACING + 1.5)
+        column = round((x - WAY / 2.0) / CELL_SPACING + 1.5)
         number = 4 * row + column
         t = (x - cell(number)[0]) / WAY * PERIOD
         found[number] = now - (now - t) % PERIOD

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 LIMIT = 5.0  # [s] longest wait for a reply
 USER = b"pacinian"
-FEW = 100  # messages that may wait in a socket, as in `pacinian.Client`
+MAX_WAITING = 100  # messages that may wait in a socket, as in `pacinian.Client`
 
 
 def socket(
@@ -36,7 +36,7 @@ def socket(
     made.linger = 0
     made.plain_username, made.plain_password = USER, token.encode()
     made.immediate = 1
-    made.sndhwm = FEW
+    made.sndhwm = MAX_WAITING
     made.connect(address)
     return made
 

@@ -24,7 +24,9 @@ CONTROL = 0.05  # [s] within which control must answer, at any load
 HELD = 0.98  # fraction of the unloaded ticks per second that must remain
 GROWN = 1.25  # maximum ratio of the memory to that at the start of a phase
 FULL = 10_000.0  # [Hz] load at which the tick rate must hold
-LATE = 0.005  # maximum increase of the share of late ticks over that at a tenth of the load
+MAX_LATE_INCREASE = (
+    0.005  # maximum increase of the share of late ticks over that at a tenth of the load
+)
 
 
 def latency(found: Sequence[Times]) -> list[Verdict]:
@@ -83,7 +85,7 @@ def _held(who: str, rows: Sequence[Row]) -> Verdict:
     a, b = quiet[0].seen, loaded[0].seen
     return Verdict(
         f"{who}: ticks held at {loaded[0].rate:g}/s",
-        b.ticks >= HELD * a.ticks and b.late <= a.late + LATE,
+        b.ticks >= HELD * a.ticks and b.late <= a.late + MAX_LATE_INCREASE,
         f"{b.ticks:.0f} Hz, {b.late:.2%} late; at {quiet[0].rate:g}/s {a.ticks:.0f} Hz, {a.late:.2%}",
     )
 

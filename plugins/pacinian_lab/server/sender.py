@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-SIDE, APART = 4, 0.015  # 4 x 4 points below the palm, their spacing [m]
+SIDE, POINT_SPACING = 4, 0.015  # 4 x 4 points below the palm, their spacing [m]
 RADIUS = 0.006  # [m] distance within which skin feels a point
 ABOVE = 0.003  # [m] height of the points within the skin of the palm
 SWING = 0.005  # [m] to either side, once per second
@@ -90,7 +90,7 @@ def hands() -> list[HandFrame]:
 
 def points() -> objects.Particles:
     """Return the points that the palm touches: always 16 samples."""
-    along = APART * (np.arange(SIDE) - (SIDE - 1) / 2.0)
+    along = POINT_SPACING * (np.arange(SIDE) - (SIDE - 1) / 2.0)
     places = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
     return objects.Particles(
         positions=binary_arrays.pack(places),

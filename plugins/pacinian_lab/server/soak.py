@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 WINDOWS = 120  # windows of a run
-SHORTEST = 0.5  # [s] minimum length of a window
-SLACK = 60.0  # [s] longest wait for an answer
+MIN_WINDOW = 0.5  # [s] minimum length of a window
+MAX_WAIT = 60.0  # [s] longest wait for an answer
 VISITS = 4  # windows between the kills of two visitors
 
 
@@ -36,7 +36,7 @@ class Row(Struct, frozen=True):
 
 def measure(side: int, seconds: float) -> Iterator[Row]:
     """Yield the windows of a run of `seconds` [s], on `side` x `side` AUTD units."""
-    length = max(SHORTEST, seconds / WINDOWS)
+    length = max(MIN_WINDOW, seconds / WINDOWS)
     settings = Settings(array=Units(side, side), log=Log(level="error"))
     with ExitStack() as stack:
         server = stack.enter_context(serving(settings))
@@ -50,7 +50,7 @@ def measure(side: int, seconds: float) -> Iterator[Row]:
                     visitor = visit.enter_context(WorkerProcess("visitor"))
                     visitor.send(Visit(str(server.connection), SCENE))
                 game.send(Window(length))
-                heard = game.receive(Heard, length + SLACK)
+                heard = game.receive(Heard, length + MAX_WAIT)
             after, end = server.usage(), time.perf_counter()
             yield Row(
                 t=end - begin,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian_lab.server.quantiles import Quantiles
     from pacinian_lab.server.sender import Times
 
-SHOWN = 12  # rows shown of a soak
+MAX_ROWS = 12  # rows shown of a soak
 
 
 def _ms(found: Quantiles) -> list[str]:
@@ -92,7 +92,7 @@ def _ages(row: load.Row) -> list[str]:
 
 def windows(rows: Sequence[soak.Row]) -> Table:
     """Return a table of some windows of a soak."""
-    step = max(1, len(rows) // SHOWN)
+    step = max(1, len(rows) // MAX_ROWS)
     head = [
         "t [s]", "memory\n[MB]", "files", "tick p50\n[ms]", "p99\n[ms]", "late\n[%]",
         "age p50\n[ms]", "p99\n[ms]", "sounding\n[%]", "events",

@@ -29,7 +29,7 @@ SLICE = {
 }  # fmt: skip
 LIMIT = 60.0  # [s] for a page to show everything
 SHORT = 0.5  # [s] for the viewer to close a feed that nobody reads any more
-AGAIN = 0.2  # [s] between two polls of a page
+POLL_INTERVAL = 0.2  # [s] between two polls of a page
 # Like a Chromium without a graphics card: the CPU composes pages and renders WebGL.
 CHROMIUM = (
     "--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--window-size=1280,800",
@@ -115,7 +115,7 @@ class Chromium:
                 at, frames, slices, live = self._evaluate(COUNTS)
                 if live and slices:
                     return Counts(float(at), int(frames), int(slices))
-            time.sleep(AGAIN)
+            time.sleep(POLL_INTERVAL)
         raise ServerError(f"{self._name} has not shown the page and a slice within {LIMIT:g} s")
 
     def _evaluate(self, expression: str) -> list[float]:

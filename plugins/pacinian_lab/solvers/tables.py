@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from pacinian_lab.solvers.summary import Cell, Growth
     from pacinian_lab.solvers.targets import Verdict
 
-SHOWN = ("cold", "warm", REFERENCE)
+SHOWN_MODES = ("cold", "warm", REFERENCE)
 
 
 def results(cells: Sequence[Cell]) -> list[Table]:
     """Return a table for each level and N: solver by M, with error, scale, time and ratio to the roofline's time."""
-    cells = [c for c in cells if c.mode in SHOWN and c.solver != "gemm"]
+    cells = [c for c in cells if c.mode in SHOWN_MODES and c.solver != "gemm"]
     return [
         _results([c for c in cells if (c.level, c.N) == place], *place)
         for place in sorted({(c.level, c.N) for c in cells})
@@ -89,7 +89,7 @@ def resources(rows: Sequence[Row]) -> Table:
         "on the\nsmallest",
     ]
     table: list[list[str]] = []
-    shown = [(r.solver, r.mode) for r in rows if r.mode in SHOWN and r.solver != "gemm"]
+    shown = [(r.solver, r.mode) for r in rows if r.mode in SHOWN_MODES and r.solver != "gemm"]
     for solver, mode in dict.fromkeys(shown):
         own = [r for r in rows if (r.solver, r.mode, r.ok) == (solver, mode, True)]
         if not own:

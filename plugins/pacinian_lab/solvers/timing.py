@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MOST = 10_000  # maximum number of calls in one measurement
+MAX_CALLS = 10_000  # maximum number of calls in one measurement
 
 
 class Times(NamedTuple):
@@ -42,7 +42,7 @@ def measure(call: Callable[[], Any], seconds: float) -> tuple[Any, Times]:
         result = call()
         end = time.perf_counter()
         times.append(end - begin)
-        if len(times) == MOST:
+        if len(times) == MAX_CALLS:
             break
     times.sort()
     return result, Times(quantile(times, 0.5), quantile(times, 0.99), len(times))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Floats
 
-SMALL = lattice(0.05, 0.05)  # 36 ideal transducers
+SMALL_ARRAY = lattice(0.05, 0.05)  # 36 ideal transducers
 HEIGHT = shapes.HEIGHT  # [m]
 PHASES: dict[str, ArrayLike | None] = {"free": None, "fixed": 0.0}
 NO_LIMIT = Limits(gain=None)
@@ -55,6 +55,6 @@ def row(condition: float) -> Floats:
     low, high = 1e-7, 0.012  # [m]
     for _ in range(40):
         middle = float(np.sqrt(low * high))
-        s = np.linalg.svd(matrix(SMALL, points(middle)), compute_uv=False)
+        s = np.linalg.svd(matrix(SMALL_ARRAY, points(middle)), compute_uv=False)
         low, high = (middle, high) if s[0] > condition * s[-1] else (low, middle)
     return points(high)

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 
     Before = tuple[Floats, ArrayLike] | tuple[Floats, ArrayLike, ArrayLike]
 
-PATIENCE = 3.0  # [s] deadline of problems without their own, to detect a solver that does not end
+DEFAULT_DEADLINE = (
+    3.0  # [s] deadline of problems without their own, to detect a solver that does not end
+)
 TABLE = 2e-5  # error of the kernels' directivity table, relative to 1
 FAINT = math.exp(-32.0)  # the kernels treat what absorption leaves as zero below this
 
@@ -54,7 +56,7 @@ class Case:
     scale: str = "exact"
     medium: Air = field(default_factory=Air)
     precision: Precision = "single"
-    deadline: float = PATIENCE
+    deadline: float = DEFAULT_DEADLINE
     history: Sequence[Before] = ()
     refused: type[PacinianError] | None = None
     slow: bool = False

@@ -20,7 +20,7 @@ FAMILIES: dict[str, Callable[[], Iterable[Case]]] = {
         regions.regions,
     )
 }  # fmt: skip
-EVERY = 5  # a quick run takes every fifth problem of each family, without the slow ones
+QUICK_STRIDE = 5  # a quick run takes every fifth problem of each family, without the slow ones
 
 
 def cases(quick: bool = False) -> list[Case]:
@@ -28,7 +28,7 @@ def cases(quick: bool = False) -> list[Case]:
     found: list[Case] = []
     for make in FAMILIES.values():
         family = list(make())
-        found += [case for case in family if not case.slow][::EVERY] if quick else family
+        found += [case for case in family if not case.slow][::QUICK_STRIDE] if quick else family
     return found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from pacinian.errors import UnsupportedLimit
 from pacinian.solving.solution import Status
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.case import PATIENCE
+from pacinian_lab.stress.case import DEFAULT_DEADLINE
 from pacinian_lab.stress.every import breaches, excess
 from pacinian_lab.stress.reference import CLOSED, Reference
 
@@ -71,7 +71,7 @@ def check(case: Case, solver: Solver) -> Evidence:
 def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:
     if solution.status is Status.failed:
         return "failed"
-    if case.deadline >= PATIENCE and seconds >= case.deadline * (1 + len(case.history)):
+    if case.deadline >= DEFAULT_DEADLINE and seconds >= case.deadline * (1 + len(case.history)):
         return f"not done in {case.deadline:g} s"
     reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
     if solution.gains.any() or not reached.any():

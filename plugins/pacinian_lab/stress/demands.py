@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array, autd
 from pacinian.solving.problem import Limits
-from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL, asked, half, row, scattered
+from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL_ARRAY, asked, half, row, scattered
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -34,16 +34,16 @@ def extreme() -> Iterator[Case]:
     }
     for size, t in problems.items():
         for what, phases in PHASES.items():
-            case = Case(f"extreme: {size}, {what}", SMALL, q, t, phases)
+            case = Case(f"extreme: {size}, {what}", SMALL_ARRAY, q, t, phases)
             yield case
             yield replace(case, name=f"{case.name}, no limit", limits=NO_LIMIT)
             yield replace(case, name=f"{case.name}, max", scale="max")
     for size in (1e-30, 1.0, 1e30):
-        one = Case(f"extreme: {size:g} Pa at one point", SMALL, q[:1], np.full(1, size))
+        one = Case(f"extreme: {size:g} Pa at one point", SMALL_ARRAY, q[:1], np.full(1, size))
         yield replace(one, limits=NO_LIMIT)
         name, t, mixed = f"extreme: {size:g} Pa, condition 1e12", np.full(5, size), np.arange(5.0)
         yield replace(one, name=name, points=row(1e12), amplitudes=t, phases=mixed**2)
-    yield Case("extreme: phases of 1e300 rad", SMALL, q, np.full(6, 5.0), np.full(6, 1e300))
+    yield Case("extreme: phases of 1e300 rad", SMALL_ARRAY, q, np.full(6, 5.0), np.full(6, 1e300))
 
 
 def saturated() -> Iterator[Case]:
@@ -54,7 +54,7 @@ def saturated() -> Iterator[Case]:
             shares = np.random.default_rng(M).uniform(0.3, 1.0, M)
             for what, phases in {**PHASES, "half free": half(M)}.items():
                 name = f"saturated: level {level:g}, {M} points, {what}"
-                case = Case(name, SMALL, q, asked(SMALL, q, level, shares), phases)
+                case = Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level, shares), phases)
                 yield case
                 if level == 1.0:
                     double = replace(case, precision="double")
@@ -82,18 +82,18 @@ def limits() -> Iterator[Case]:
     for kind, given in kinds.items():
         for what, phases in PHASES.items():
             for level in (0.3, 3.0):
-                t = asked(SMALL, q, level, [1, 2, 3, 4, 5])
+                t = asked(SMALL_ARRAY, q, level, [1, 2, 3, 4, 5])
                 name = f"limits: {kind}, level {level:g}, {what}"
-                case = Case(name, SMALL, q, t, phases, Limits(**given))
+                case = Case(name, SMALL_ARRAY, q, t, phases, Limits(**given))
                 yield case
                 if not case.limits.solver_limits:
                     yield replace(case, name=f"{name}, max", scale="max")
-    few = Array(SMALL.positions[:9])
+    few = Array(SMALL_ARRAY.positions[:9])
     for what, phases in {**PHASES, "half free": half(8)}.items():
         q = scattered(8)
         name = f"limits: gain 1, max, 8 points, 9 transducers, {what}"
         yield Case(name, few, q, asked(few, q, 1.0, np.arange(1, 9)), phases, scale="max")
-    steep = np.r_[scattered(2, height=2.0), SMALL.positions[[3]] + np.array([0.0, 0.0, 1e-4])]
+    steep = np.r_[scattered(2, height=2.0), SMALL_ARRAY.positions[[3]] + np.array([0.0, 0.0, 1e-4])]
     name = "limits: power 1e-9, max, points near and far"
     yield Case(name, few, steep, np.full(3, 5.0), None, Limits(gain=None, power=1e-9), "max")
 
@@ -105,8 +105,8 @@ def size() -> Iterator[Case]:
             for deadline in (0.0, 0.05, 1.0):
                 q = scattered(M, seed=M, width=0.2)
                 name = f"size: {M} points, {what}, {deadline:g} s"
-                t = asked(SMALL, q, 0.6)
-                yield Case(name, SMALL, q, t, phases, deadline=deadline, slow=M > 100)
+                t = asked(SMALL_ARRAY, q, 0.6)
+                yield Case(name, SMALL_ARRAY, q, t, phases, deadline=deadline, slow=M > 100)
     array = autd()
     for M in (64, 249, 4096):
         q = scattered(M, seed=M, width=0.2, height=0.2)
@@ -125,19 +125,23 @@ def moves() -> Iterator[Case]:
                 for _ in range(40):
                     q = q.copy()
                     q[rng.integers(M)] = scattered(1, int(rng.integers(1 << 30)))
-                    history.append((q, asked(SMALL, q, level)))
+                    history.append((q, asked(SMALL_ARRAY, q, level)))
                 history[20:20] = [
                     (q[:0], []),
-                    (SMALL.positions[:2], [1.0, 1.0]),
+                    (SMALL_ARRAY.positions[:2], [1.0, 1.0]),
                     (np.resize(q, (M + 3, 3)), np.ones(M + 3)),
                     (q, np.zeros(M)),
                     (q, np.full(M, 1e30)),
                     (q, np.full(M, 1e-30)),
                 ]
                 name = f"moves: 40 of {M} points, level {level:g}, {what}"
-                yield Case(name, SMALL, q, asked(SMALL, q, level), phases, history=history)
+                yield Case(
+                    name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level), phases, history=history
+                )
         for start, end in ((1e-30, 1e30), (1e30, 1e-30), (1.0, 1e-30), (0.0, 1.0)):
             for limit in (NO_LIMIT, Limits()):
                 name = f"moves: none, {start:g} then {end:g} Pa, limit {limit.gain}, {what}"
                 q, before = row(1e6), np.full(5, start)
-                yield Case(name, SMALL, q, np.full(5, end), phases, limit, history=[(q, before)])
+                yield Case(
+                    name, SMALL_ARRAY, q, np.full(5, end), phases, limit, history=[(q, before)]
+                )

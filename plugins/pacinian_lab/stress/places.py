@@ -15,7 +15,7 @@ from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.transducer import T4010A1, Transducer
 from pacinian.errors import PointOnTransducer
 from pacinian.solving.problem import Limits
-from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL, asked, half, row, scattered
+from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL_ARRAY, asked, half, row, scattered
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -39,20 +39,22 @@ def coincident() -> Iterator[Case]:
         for what, (shares, phases) in asks.items():
             for level in (0.2, 3.0):
                 name = f"coincident: {spacing:g} m apart, {what}, level {level:g}"
-                yield Case(name, SMALL, q, asked(SMALL, q, level, shares), phases)
+                yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level, shares), phases)
             name = f"coincident: {spacing:g} m apart, {what}, no limit"
-            yield Case(name, SMALL, q, asked(SMALL, q, 0.2, shares), phases, NO_LIMIT)
+            yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.2, shares), phases, NO_LIMIT)
 
 
 def touching() -> Iterator[Case]:
     """Points on a transducer, just above one, in the array's plane, behind it."""
     even, unit = Air(attenuation="none"), autd()
     for what, phases in PHASES.items():
-        q = np.r_[scattered(3), SMALL.positions[[7]]]
-        on = Case(f"touching: on a transducer, {what}", SMALL, q, np.full(4, 5.0), phases)
+        q = np.r_[scattered(3), SMALL_ARRAY.positions[[7]]]
+        on = Case(f"touching: on a transducer, {what}", SMALL_ARRAY, q, np.full(4, 5.0), phases)
         yield replace(on, refused=PointOnTransducer)
         yield replace(on, name=f"{on.name}, no attenuation", medium=even)
-        every = replace(on, points=SMALL.positions.copy(), amplitudes=np.full(36, 5.0), medium=even)
+        every = replace(
+            on, points=SMALL_ARRAY.positions.copy(), amplitudes=np.full(36, 5.0), medium=even
+        )
         yield replace(every, name=f"touching: on every transducer, {what}")
         for above in (0.0, 1.1e-6, 1e-5, 1e-4, 1e-3):
             flat = q * [1.0, 1.0, 0.0] + [0.003, 0.004, above]
@@ -79,7 +81,7 @@ def touching() -> Iterator[Case]:
             yield replace(case, name=f"{case.name}, no limit", limits=NO_LIMIT)
             yield replace(case, name=f"{case.name}, max", scale="max")
         both = np.r_[scattered(3), scattered(3) * [1, 1, -1]]
-        yield Case(f"touching: both sides, {what}", SMALL, both, np.full(6, 5.0), phases)
+        yield Case(f"touching: both sides, {what}", SMALL_ARRAY, both, np.full(6, 5.0), phases)
 
 
 def mirror() -> Iterator[Case]:
@@ -88,10 +90,16 @@ def mirror() -> Iterator[Case]:
         for M in (4, 18, 40):
             rng = np.random.default_rng(M)
             q = np.c_[np.zeros(M), rng.uniform(-0.03, 0.03, M), rng.uniform(0.05, 0.15, M)]
-            yield Case(f"mirror: {M} in the plane, {what}", SMALL, q, asked(SMALL, q, 0.3), phases)
+            yield Case(
+                f"mirror: {M} in the plane, {what}",
+                SMALL_ARRAY,
+                q,
+                asked(SMALL_ARRAY, q, 0.3),
+                phases,
+            )
     q = np.r_[scattered(4), scattered(4) * [-1, 1, 1]]
     for what, phases in {**PHASES, "opposite": np.repeat([0.0, np.pi], 4)}.items():
-        yield Case(f"mirror: pairs, {what}", SMALL, q, asked(SMALL, q, 0.3), phases)
+        yield Case(f"mirror: pairs, {what}", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.3), phases)
     array, medium = lattice(0.2, 0.4), Air(attenuation="none")
     y, z = np.meshgrid(np.linspace(-0.2, 0.2, 21), np.linspace(0.01, 0.4, 21))
     q = np.stack([np.zeros_like(y), y, z], axis=-1).reshape(-1, 3)
@@ -112,7 +120,7 @@ def duplicate() -> Iterator[Case]:
 
 @functools.cache
 def _duplicated() -> dict[str, Array]:
-    r = SMALL.positions
+    r = SMALL_ARRAY.positions
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CoincidentTransducers)
         return {
@@ -126,7 +134,7 @@ def rank() -> Iterator[Case]:
     """B of rank 0 to full, wide and tall."""
     for what, phases in PHASES.items():
         for N in (1, 2, 6, 36):
-            array = Array(SMALL.positions[:N])
+            array = Array(SMALL_ARRAY.positions[:N])
             for M in (1, 2, 6, 36, 60):
                 q = scattered(M)
                 name = f"rank: {N} transducers, {M} points, {what}"
@@ -134,10 +142,10 @@ def rank() -> Iterator[Case]:
         for distinct in (1, 3, 9):
             q = np.resize(scattered(distinct), (12, 3))
             name = f"rank: {distinct} places, 12 points, {what}"
-            yield Case(name, SMALL, q, asked(SMALL, q, 0.5, np.arange(1, 13)), phases)
+            yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.5, np.arange(1, 13)), phases)
         away = np.where(np.arange(36) % 2, 1.0, -1.0)[:, None] * [0.0, 0.0, 1.0]
         for N in (3, 36):
-            turned = Array(SMALL.positions[:N], away[:N], T4010A1)
+            turned = Array(SMALL_ARRAY.positions[:N], away[:N], T4010A1)
             for M in (1, 5):
                 q = scattered(M)
                 for level in (3.0, 30.0):
@@ -146,7 +154,9 @@ def rank() -> Iterator[Case]:
                     )
                     yield Case(name, turned, q, asked(turned, q, level), phases)
         below = scattered(5) * [1, 1, -1]
-        yield Case(f"rank: 0, {what}", SMALL.driven_by(T4010A1), below, np.full(5, 1.0), phases)
+        yield Case(
+            f"rank: 0, {what}", SMALL_ARRAY.driven_by(T4010A1), below, np.full(5, 1.0), phases
+        )
 
 
 def condition() -> Iterator[Case]:
@@ -154,14 +164,14 @@ def condition() -> Iterator[Case]:
     mixed, one = np.arange(5.0) ** 2, Limits()
     for exponent in range(1, 17):
         q = row(10.0**exponent)
-        t = asked(SMALL, q, 0.3, [1, 2, 3, 2, 1])
+        t = asked(SMALL_ARRAY, q, 0.3, [1, 2, 3, 2, 1])
         for what, phases, limits in (
             ("equal phases", 0.0, NO_LIMIT),
             ("mixed phases", mixed, NO_LIMIT),
             ("mixed phases, |g| <= 1", mixed, one),
             ("free phases, |g| <= 1", None, one),
         ):
-            case = Case(f"condition: 1e{exponent}, {what}", SMALL, q, t, phases, limits)
+            case = Case(f"condition: 1e{exponent}, {what}", SMALL_ARRAY, q, t, phases, limits)
             yield case
             yield replace(case, name=f"{case.name}, double", precision="double")
 
@@ -170,14 +180,14 @@ def offset() -> Iterator[Case]:
     """The array and its points 1 km and 1000 km from the origin; points far from the array."""
     for where in ((1000.0, 0.0, 0.0), (-1000.0, 2000.0, 500.0), (1e6, 0.0, 0.0)):
         pose = Pose(where)
-        array = SMALL.moved(pose)
+        array = SMALL_ARRAY.moved(pose)
         for what, phases in PHASES.items():
             for M in (1, 6, 40):
                 q = np.asarray(pose.points(scattered(M)))
-                t = asked(SMALL, scattered(M), 0.4)
+                t = asked(SMALL_ARRAY, scattered(M), 0.4)
                 yield Case(f"offset: {where} m, {M} points, {what}", array, q, t, phases)
     q = scattered(3, height=9.6)
-    yield Case("offset: points 9.6 m away", SMALL, q, asked(SMALL, q, 0.4), 0.0)
+    yield Case("offset: points 9.6 m away", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.4), 0.0)
 
 
 def media() -> Iterator[Case]:
@@ -193,7 +203,7 @@ def media() -> Iterator[Case]:
         ("transducers of 1e-6 Pa", Air(), Transducer(pressure=1e-6)),
         ("transducers of 1e6 Pa", Air(), Transducer(pressure=1e6)),
     ):
-        array = SMALL.driven_by(kind)
+        array = SMALL_ARRAY.driven_by(kind)
         t = asked(array, q, 0.4, medium=air)
         for phase, phases in PHASES.items():
             yield Case(f"media: {what}, {phase}", array, q, t, phases, medium=air)

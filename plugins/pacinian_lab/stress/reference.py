@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 GAP = 0.01  # relative, between the value found and the proven bound
 CLOSED = 1e-14  # gap that double precision can resolve, relative to ||p||^2
-STEPS, LOOK = 20_000, 50  # maximum number of gradient steps; steps between two checks of the gap
+STEPS, STEPS_PER_CHECK = (
+    20_000,
+    50,
+)  # maximum number of gradient steps; steps between two checks of the gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,7 @@ class Reference:
         h = start / np.maximum(np.abs(start), 1.0)
         ahead, t, bound = h, 1.0, 0.0
         for step in range(STEPS):
-            if step % LOOK == 0:
+            if step % STEPS_PER_CHECK == 0:
                 y = c - B @ h
                 found = float(np.vdot(y, y).real + mu * np.vdot(h, h).real)
                 bound = max(bound, 2.0 * _dual(c, y, np.abs(Bh @ y), mu))

@@ -21,7 +21,7 @@ from pacinian.testing.shapes import (
     make_square,
     of,
 )
-from pacinian_lab.stress.asking import HEIGHT, NO_LIMIT, SMALL, asked, scattered
+from pacinian_lab.stress.asking import HEIGHT, NO_LIMIT, SMALL_ARRAY, asked, scattered
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -89,8 +89,8 @@ def shapes() -> dict[str, Shape]:
 
 def _case(what: str, shape: Shape, level: float = 0.3) -> Case:
     q, own = shape.points, shape.regions != BESIDE
-    t = asked(SMALL, q, level, own)
-    return Case(f"regions: {what}", SMALL, q, t, regions=shape.regions)
+    t = asked(SMALL_ARRAY, q, level, own)
+    return Case(f"regions: {what}", SMALL_ARRAY, q, t, regions=shape.regions)
 
 
 def _four(what: str, shape: Shape) -> Iterator[Case]:
@@ -117,7 +117,7 @@ def _awkward_places() -> Iterator[Case]:
         yield replace(case, name=f"{case.name}, no limit", limits=NO_LIMIT)
     both = np.concatenate([four, four * below])
     yield _case("before and behind", Shape(both, np.zeros(32, np.int64)))
-    over = SMALL.positions[14]  # a transducer half way between two of these samples
+    over = SMALL_ARRAY.positions[14]  # a transducer half way between two of these samples
     for above in (0.0, 1.1e-6, 1e-4, 1e-3):
         flat = over + make_square(4, z=above)
         case = _case(f"{above:g} m above the plane", of(flat))
@@ -217,7 +217,7 @@ def _sessions() -> Iterator[Case]:
     right = np.array([1.0, 0.0, 0.0])
 
     def t(q: Floats, level: float = 0.6) -> Floats:
-        return asked(SMALL, q, level)
+        return asked(SMALL_ARRAY, q, level)
 
     moved = [wide + 0.0004 * i * right for i in range(-12, 0)]
     inside = [wide[np.hypot(*(wide + 0.0004 * i * right).T[:2]) < 0.008] for i in range(-12, 1)]
@@ -234,7 +234,7 @@ def _sessions() -> Iterator[Case]:
         "1e30 Pa": [(wide, np.full(M, 1e30), whole)],
         "1e-30 Pa": [(wide, np.full(M, 1e-30), whole)],
         "no points": [(wide[:0], [], [])],
-        "a refusal": [(wide, t(wide), whole), (SMALL.positions[:2], [1.0, 1.0], [0, 0])],
+        "a refusal": [(wide, t(wide), whole), (SMALL_ARRAY.positions[:2], [1.0, 1.0], [0, 0])],
     }
     for what, history in ways.items():
         for after, numbers in (("one", whole), ("two", halves), ("none", None)):

@@ -13,7 +13,7 @@ from pacinian.acoustics.air import Air
 from pacinian.plugins import registry
 from pacinian.solving.propagator import Propagator
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, scattered
 from pacinian_lab.stress.check import Evidence, check
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def _most(values: Iterable[float]) -> float:
 def drift(updates: int, points: int = 8) -> Evidence:
     """Move one point after another, and compare with a new propagator at intervals."""
     rng, air = np.random.default_rng(0), Air()
-    array = SMALL.without(range(16, len(SMALL)))
+    array = SMALL_ARRAY.without(range(16, len(SMALL_ARRAY)))
     q = scattered(points)
     kept = Propagator(array, air)
     broken: dict[str, str] = {}

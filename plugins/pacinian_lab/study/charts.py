@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.plot.fronts import plainly
 from pacinian.plot.page import figure, save
 from pacinian.plot.style import CURVES, MARKS, SMALL, Panel
-from pacinian_lab.study.images import LAYOUTS, PLANES, TINY
+from pacinian_lab.study.images import LAYOUTS, PLANES, SMALL_FONT
 from pacinian_lab.study.measures import MEASURES
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from pacinian_lab.study.worker import Row
 
-SHOWN = (
+SHOWN_CHARTS = (
     "width_across_x",
     "width_along",
     "efficiency",
@@ -42,10 +42,10 @@ def measures(rows: Sequence[Row], path: Path) -> None:
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
     names.reverse()
     tall = 0.9 + 0.11 * len(names) * max(2, len(planes)) ** 0.5
-    down = -(-len(SHOWN) // ACROSS)
+    down = -(-len(SHOWN_CHARTS) // ACROSS)
     page = figure(2.2 + 2.0 * ACROSS, 0.4 + tall * down)
     grid = page.subplots(down, ACROSS, sharey=True, squeeze=False)
-    for panel, measure in zip(grid.ravel(), SHOWN, strict=True):
+    for panel, measure in zip(grid.ravel(), SHOWN_CHARTS, strict=True):
         for k, plane in enumerate(planes):
             colour = CURVES[k % len(CURVES)]
             for y, name in enumerate(names):
@@ -55,9 +55,9 @@ def measures(rows: Sequence[Row], path: Path) -> None:
                     panel.plot(median(found), height, "|", color=colour, ms=6, mew=1.6)
         _axis(panel, "x", measure)
         panel.grid(color="0.93", linewidth=0.5)
-        panel.tick_params(labelsize=TINY)
+        panel.tick_params(labelsize=SMALL_FONT)
     for panel in grid[:, 0]:
-        panel.set_yticks(range(len(names)), names, fontsize=TINY)
+        panel.set_yticks(range(len(names)), names, fontsize=SMALL_FONT)
     for k, plane in enumerate(planes):
         grid[0, 0].plot([], [], "|", color=CURVES[k % len(CURVES)], mew=2, label=plane)
     page.legend(loc="outside upper center", ncols=len(planes), fontsize=SMALL, frameon=False)
@@ -66,7 +66,7 @@ def measures(rows: Sequence[Row], path: Path) -> None:
 
 def trends(rows: Sequence[Row], path: Path) -> None:
     """Draw measures against layout dimensions: a mark for the median of each layout in each plane."""
-    at, shown = _grouped(rows), SHOWN[:4]
+    at, shown = _grouped(rows), SHOWN_CHARTS[:4]
     planes = list(dict.fromkeys(plane for _, plane in at))
     kinds = list(dict.fromkeys(found[0]["layout.type"] for found in at.values()))
     page = figure(2.0 + 2.2 * len(AGAINST), 0.6 + 1.5 * len(shown))
@@ -83,7 +83,7 @@ def trends(rows: Sequence[Row], path: Path) -> None:
         if i == len(shown) - 1:
             _axis(panel, "x", AGAINST[j])
         panel.grid(color="0.93", linewidth=0.5)
-        panel.tick_params(labelsize=TINY, which="both")
+        panel.tick_params(labelsize=SMALL_FONT, which="both")
     for k, plane in enumerate(planes):
         grid[0, 0].plot([], [], "o", color=CURVES[k % len(CURVES)], label=plane)
     for k, kind in enumerate(kinds):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pacinian_lab.study.tasks import Plan, Task
     from pacinian_lab.study.worker import Row
 
-PATIENCE = 30.0  # [s] longest wait for a scheduler to answer, and for a first worker
+MAX_WAIT = 30.0  # [s] longest wait for a scheduler to answer, and for a first worker
 GONE = "the connection to the Dask scheduler is lost; finished tasks are kept"
 AHEAD = 2  # batches per thread that are sent in advance
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -91,12 +91,12 @@ def local(workers: int, dashboard: Callable[[str], object] | None = None) -> Gen
 def remote(address: str) -> Generator[Client]:
     """Connect to the scheduler at an address, such as `tcp://host:8786`. Raises ServerError."""
     try:
-        client = Client(address, timeout=PATIENCE)
+        client = Client(address, timeout=MAX_WAIT)
     except (OSError, ValueError) as error:
         raise ServerError(f"no Dask scheduler answers at {address}: {error}") from error
     with client:
         try:
-            client.wait_for_workers(1, PATIENCE)
+            client.wait_for_workers(1, MAX_WAIT)
         except TimeoutError as error:
             advice = f"start one: dask worker {address}"
             raise ServerError(f"the scheduler at {address} has no workers; {advice}") from error

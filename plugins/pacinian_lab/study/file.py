@@ -24,7 +24,7 @@ from pacinian_lab.study.sweep import Entry, chosen, described
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
 
-LONGEST = 1000  # maximum number of pixels along a side of the picture
+MAX_PIXELS = 1000  # maximum number of pixels along a side of the picture
 
 Option = bool | int | float | str
 
@@ -75,8 +75,8 @@ class Picture(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         check_length("side", self.side)
         check_length("step", self.step)
-        if not 3 <= self.side / self.step <= LONGEST:
-            raise ArgumentError("step", f"must make 3 to {LONGEST} pixels along the side")
+        if not 3 <= self.side / self.step <= MAX_PIXELS:
+            raise ArgumentError("step", f"must make 3 to {MAX_PIXELS} pixels along the side")
 
 
 class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ACROSS = 6  # panels per row
 LAYOUTS, PLANES, PATTERNS = 48, 8, 4  # maximum numbers drawn
 MARKED = 64  # maximum number of marked points
-TINY = 6.5  # [pt]
+SMALL_FONT = 6.5  # [pt]
 
 
 def layouts(plan: Plan, path: Path) -> None:
@@ -44,7 +44,7 @@ def layouts(plan: Plan, path: Path) -> None:
         )
         panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         panel.set_title(f"{_wrapped(entry.label)}\nN = {len(array)}", fontsize=SMALL)
-        panel.tick_params(labelsize=TINY)
+        panel.tick_params(labelsize=SMALL_FONT)
         panel.locator_params(nbins=2)
     for panel in panels[len(arrays) :]:
         panel.set_axis_off()
@@ -88,13 +88,13 @@ def _images(
     for row, panels in zip(tasks, grid, strict=True):
         for task, panel in zip(row, panels, strict=True):
             panel.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
-            panel.tick_params(labelsize=TINY)
+            panel.tick_params(labelsize=SMALL_FONT)
             panel.locator_params(nbins=2)
             try:
                 field, points = _field(plan, task)
             except Exception as error:
                 text = _wrapped(str(error), 24)
-                panel.text(0.0, 0.0, text, ha="center", va="center", fontsize=TINY)
+                panel.text(0.0, 0.0, text, ha="center", va="center", fontsize=SMALL_FONT)
                 continue
             finally:
                 advance()
@@ -105,7 +105,7 @@ def _images(
             )  # fmt: skip
             if len(points) <= MARKED:
                 panel.plot(*(1e3 * points.T), "o", mfc="none", mec="white", ms=2.4, mew=0.3)
-            panel.set_title(f"maximum {1e-3 * most:.3g} kPa", fontsize=TINY, pad=2)
+            panel.set_title(f"maximum {1e-3 * most:.3g} kPa", fontsize=SMALL_FONT, pad=2)
         panels[0].set_ylabel(f"{_wrapped(row[0].place.pattern.label)}\nv [mm]", fontsize=SMALL)
     for task, panel in zip(tasks[0], grid[0], strict=True):
         panel.set_title(f"{_wrapped(task.place.layout.label)}\n{panel.get_title()}", fontsize=SMALL)
@@ -131,7 +131,7 @@ def _bar(page: Any, image: Any, panels: Sequence[Panel], label: str) -> None:
     """Draw one colour scale for all panels."""
     made = page.colorbar(image, ax=panels, shrink=0.7)
     made.set_label(label, fontsize=SMALL)
-    made.ax.tick_params(labelsize=TINY)
+    made.ax.tick_params(labelsize=SMALL_FONT)
 
 
 def _wrapped(label: str, width: int = 18) -> str:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-MOST = 20_000  # maximum number of transducers
+MAX_TRANSDUCERS = 20_000  # maximum number of transducers
 FLAT = 1e-9  # [m]
 
 
@@ -63,8 +63,10 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
     def make(self, kind: pc.Transducer, rng: np.random.Generator) -> pc.Array:
         """Return the array, with this kind of transducer. Raises ArgumentError."""
         array = self._flat(kind, rng)
-        if len(array) > MOST:
-            raise ArgumentError("layout", f"has {len(array)} transducers: more than {MOST}")
+        if len(array) > MAX_TRANSDUCERS:
+            raise ArgumentError(
+                "layout", f"has {len(array)} transducers: more than {MAX_TRANSDUCERS}"
+            )
         if bowl := one(self.bowl):
             array = bent(array, bowl)
         if fold := one(self.fold):
@@ -237,8 +239,8 @@ def _axis(name: str, value: str) -> None:
 
 
 def _some(name: str, value: float) -> None:
-    if check_integer(name, value, low=1) > MOST:
-        raise ArgumentError(name, f"must be at most {MOST}, not {value}")
+    if check_integer(name, value, low=1) > MAX_TRANSDUCERS:
+        raise ArgumentError(name, f"must be at most {MAX_TRANSDUCERS}, not {value}")
 
 
 def _pitch(name: str, value: float) -> None:

@@ -15,7 +15,7 @@ from pacinian_lab.study.sweep import Count, Number, Word, each, one
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-MOST = 10_000  # maximum number of points
+MAX_POINTS = 10_000  # maximum number of points
 FORMS = ("ring", "disc", "cross", "square")
 
 Made = tuple["Floats", "Floats"]
@@ -41,8 +41,8 @@ class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
         Raises ArgumentError.
         """
         uv, proportions = self._make(rng)
-        if len(uv) > MOST:
-            raise ArgumentError("pattern", f"has {len(uv)} points: more than {MOST}")
+        if len(uv) > MAX_POINTS:
+            raise ArgumentError("pattern", f"has {len(uv)} points: more than {MAX_POINTS}")
         if not proportions.any():
             raise ArgumentError("pattern", "is silent: none of its points has a target")
         return uv, proportions
@@ -174,8 +174,8 @@ class Points(Pattern, frozen=True, tag="points"):
     proportions: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.points) <= MOST:
-            raise ArgumentError("points", f"must be 1 to {MOST}, not {len(self.points)}")
+        if not 1 <= len(self.points) <= MAX_POINTS:
+            raise ArgumentError("points", f"must be 1 to {MAX_POINTS}, not {len(self.points)}")
         if self.proportions and len(self.proportions) != len(self.points):
             raise ArgumentError("proportions", f"must be {len(self.points)}, as many as points")
         self.make(np.random.default_rng(0))
@@ -222,5 +222,5 @@ def _form(name: str, form: str) -> None:
 
 
 def _some(name: str, value: float) -> None:
-    if check_integer(name, value, low=1) > MOST:
-        raise ArgumentError(name, f"must be at most {MOST}, not {value}")
+    if check_integer(name, value, low=1) > MAX_POINTS:
+        raise ArgumentError(name, f"must be at most {MAX_POINTS}, not {value}")

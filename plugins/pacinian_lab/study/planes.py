@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import FAR, check_number
+from pacinian.checks import MAX_LENGTH, check_number
 from pacinian_lab.study.sweep import Number, each, one
 
 if TYPE_CHECKING:
@@ -36,7 +36,11 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "z"):
-            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-FAR, high=FAR))
+            each(
+                name,
+                getattr(self, name),
+                lambda n, v: check_number(n, v, low=-MAX_LENGTH, high=MAX_LENGTH),
+            )
         for name in ("tilt", "azimuth"):
             each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-360.0, high=360.0))
 

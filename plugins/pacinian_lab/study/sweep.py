@@ -19,7 +19,7 @@ Number: TypeAlias = float | tuple[float, ...]
 Count: TypeAlias = int | tuple[int, ...]
 Word: TypeAlias = str | tuple[str, ...]
 
-MOST = 100_000  # maximum number of combinations
+MAX_COMBINATIONS = 100_000  # maximum number of combinations
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Struct)
@@ -59,9 +59,9 @@ def each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]
 def chosen(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """Yield all combinations of the swept values, with the last one varying fastest. Raises ArgumentError."""
     swept = {name: value for name, value in values.items() if isinstance(value, tuple)}
-    if (count := math.prod(map(len, swept.values()))) > MOST:
+    if (count := math.prod(map(len, swept.values()))) > MAX_COMBINATIONS:
         raise ArgumentError(
-            ", ".join(swept), f"are swept over {count} combinations: more than {MOST}"
+            ", ".join(swept), f"are swept over {count} combinations: more than {MAX_COMBINATIONS}"
         )
     for each_of in itertools.product(*swept.values()):
         yield dict(zip(swept, each_of, strict=True))

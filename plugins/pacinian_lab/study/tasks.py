@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from pacinian_lab.study.patterns import Made, Pattern
     from pacinian_lab.study.planes import Plane
 
-MOST = 100_000  # maximum number of tasks
-LARGEST = 10_000_000  # points times transducers; several copies of B are held, 16 bytes per element
+MAX_TASKS = 100_000  # maximum number of tasks
+MAX_ELEMENTS = (
+    10_000_000  # points times transducers; several copies of B are held, 16 bytes per element
+)
 BATCH = 8  # maximum number of tasks in a batch
 
 T = TypeVar("T")
@@ -72,15 +74,13 @@ class Plan:
         patterns = self._expanded("patterns", study.patterns, lambda p: entries(p, p.whole))
         methods = self._expanded("solvers", study.methods, lambda m: m.entries())
         parts = (layouts, planes, patterns, methods)
-        if (count := math.prod(map(len, (*parts, study.levels)))) > MOST:
-            raise SceneFileError(path, "$", f"makes {count} tasks: more than {MOST}")
+        if (count := math.prod(map(len, (*parts, study.levels)))) > MAX_TASKS:
+            raise SceneFileError(path, "$", f"makes {count} tasks: more than {MAX_TASKS}")
         self._checked(methods, lambda m: m.make())
         N = max(self._checked(layouts, lambda layout: len(self.array(layout))))
         M = max(self._checked(patterns, self._count))
-        if N * M > LARGEST:
-            problem = (
-                f"asks for {M} points of {N} transducers: more than {LARGEST} of both multiplied"
-            )
+        if N * M > MAX_ELEMENTS:
+            problem = f"asks for {M} points of {N} transducers: more than {MAX_ELEMENTS} of both multiplied"
             raise SceneFileError(path, "$", problem)
         hows = [
             (method, level, [msgspec.to_builtins(method.value), _source(method.value.name), level])

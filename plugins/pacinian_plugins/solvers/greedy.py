@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 BLOCK = 2_000_000  # pressures evaluated between two checks of the clock: some milliseconds
 AIM = 0.7  # targets relative to a focus at the common drive
 LOUD = 0.9  # the same for scale="max", at full drive
-FAR = 10.0  # largest value of that ratio, so that single precision resolves one transducer
+MAX_RATIO = 10.0  # largest value of that ratio, so that single precision resolves one transducer
 
 AT_LIMIT = 1.0 - 1e-6
 
@@ -112,7 +112,7 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
     if scale == "max":
         return t * (LOUD / need), limit or 1.0
     drive = need / AIM if limit is None else min(limit, need / AIM)
-    return t * (min(1.0, FAR * drive / need) / drive), drive
+    return t * (min(1.0, MAX_RATIO * drive / need) / drive), drive
 
 
 def _unit(g: pc.Gains) -> Complexes:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 FLAT = 1e-5  # relative decrease of f in one step below which it ends
 # largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
-ROOM, FAR = 10.0, 100.0
+MAX_DRIVE, MAX_TARGET = 10.0, 100.0
 # largest |h| at the start, because the sine is flat at 1; |h| that counts as at the limit
 OPEN, AT_LIMIT = 0.99, 0.999
 MAX_GRAM_POINTS = 256  # points above which the Gram matrix costs more than the steps that it saves
@@ -168,8 +168,8 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
         return t / need, limit or 1.0
-    unit = ROOM * need if limit is None else min(limit, ROOM * need)
-    return t * (min(1.0, FAR * unit / need) / unit), unit
+    unit = MAX_DRIVE * need if limit is None else min(limit, MAX_DRIVE * need)
+    return t * (min(1.0, MAX_TARGET * unit / need) / unit), unit
 
 
 @pc.hookimpl

@@ -19,7 +19,7 @@ NONE = "is not connected; there are: none"
 WHERE = "bus 1, address 2"
 
 
-def told(listed: list[ListedDevice]) -> list[tuple[str, str, str]]:
+def describe_listed(listed: list[ListedDevice]) -> list[tuple[str, str, str]]:
     return [(one.serial, one.place, one.problem) for one in listed]
 
 
@@ -29,7 +29,7 @@ def test_those_of_the_vendor_and_product_are_seen_by_serial_and_none_stays_open(
     other.product = 0x0003
     bus.plug(other)
     listed = PADS.list_devices(bus)
-    assert told(listed) == [("A", "bus 1, address 3", ""), ("B", WHERE, "")]
+    assert describe_listed(listed) == [("A", "bus 1, address 3", ""), ("B", WHERE, "")]
     assert bus.open == 0
     assert not bus.calls
 
@@ -56,7 +56,7 @@ def test_a_device_whose_descriptors_cannot_be_read_is_none_of_an_interface(
 
     monkeypatch.setattr(bus, "get_configuration_descriptor", descriptor)
     assert [one.serial for one in KIND.list_devices(bus)] == ["B"]
-    whole = told(PADS.list_devices(bus))  # their vendor says enough
+    whole = describe_listed(PADS.list_devices(bus))  # their vendor says enough
     assert whole == [("", WHERE, "[Errno 5] Input/Output Error"), ("B", "bus 1, address 3", "")]
 
 
@@ -87,7 +87,7 @@ def test_one_that_is_listed_and_answers_nothing(trouble: dict[str, Any]) -> None
     bus, (pad,) = plugged("A")
     vars(pad).update(configured=True, **trouble)
     silent = "it does not answer: unplug it and plug it in again"
-    assert told(PADS.list_devices(bus)) == [("", WHERE, silent)]
+    assert describe_listed(PADS.list_devices(bus)) == [("", WHERE, silent)]
 
 
 def test_without_the_right_or_a_driver_the_problem_says_what_to_do() -> None:
@@ -97,7 +97,7 @@ def test_without_the_right_or_a_driver_the_problem_says_what_to_do() -> None:
         "it has no driver that programs may use: give it WinUSB with Zadig (https://zadig.akeo.ie)"
     )
     place = "bus 1, address 3"
-    assert told(PADS.list_devices(bus))[:2] == [("", WHERE, UDEV), ("", place, driver)]
+    assert describe_listed(PADS.list_devices(bus))[:2] == [("", WHERE, UDEV), ("", place, driver)]
     refused(
         lambda: PADS.select(PADS.list_devices(bus), "A"),
         f"pads A: is not connected; there are: C; {WHERE}: {UDEV}; {place}: {driver}",

@@ -11,7 +11,7 @@ import pytest
 import pacinian as pc
 from pacinian import plot
 from pacinian.plot.feeds import watched
-from pacinian.plot.timelines import BINS, MANY
+from pacinian.plot.timelines import BINS, MAX_VALUES
 from pacinian.rendering.report import REMEMBERED
 from pacinian.testing import ManualClock
 from pacinian.viewing.feed_file import FeedWriter
@@ -72,7 +72,7 @@ def test_a_reports_ticks_errors_and_skips_are_shown() -> None:
 
 
 def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
-    made = report(MANY + 1)
+    made = report(MAX_VALUES + 1)
     made.tick(0.5, late=True)
     panel = plot.timeline(made, "ticks").axes[0]
     (band,), (median,) = panel.collections, panel.lines

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.rendering.budget_controller import (
-    FAR,
+    FAR_TOO_LATE,
     HIGH,
     LOW,
     MAX_WAIT,
@@ -20,7 +20,9 @@ from pacinian.rendering.budget_controller import (
 
 bounded = settings(max_examples=60)
 PERIOD = 1e-3  # [s]
-SLOW, VERY, WELL, SHORT = (share * PERIOD for share in (1.1 * HIGH, 1.1 * FAR, 0.7, 0.5 * LOW))
+SLOW, VERY, WELL, SHORT = (
+    share * PERIOD for share in (1.1 * HIGH, 1.1 * FAR_TOO_LATE, 0.7, 0.5 * LOW)
+)
 odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # of a clock that jumps
 ticks = st.lists(
     st.tuples(st.floats(0.0, 0.02) | odd, st.integers(0, 400)), min_size=1, max_size=300

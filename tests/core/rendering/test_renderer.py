@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
-from pacinian.rendering.pipeline import LOOK
+from pacinian.rendering.pipeline import TICKS_PER_LOOK
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
@@ -523,7 +523,7 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
         renderer, _, _ = make(pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows))
         report = renderer.run(0.1)
         steps = min(100 * rows, report.solves)
-        assert report._measured == math.ceil(steps / LOOK)
+        assert report._measured == math.ceil(steps / TICKS_PER_LOOK)
         assert 0.0 < report.error < 0.02
 
 

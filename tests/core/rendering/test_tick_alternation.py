@@ -10,11 +10,11 @@ import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.rendering.tick_alternation import (
     LONG_SHARE,
-    LONGEST,
-    MANY,
-    SEEN,
+    MAX_FITTING,
+    MIN_FITTING,
+    MIN_LONG_TICKS,
     SHORT,
-    WAIT,
+    TICKS_SEEN,
     TickAlternation,
 )
 from pacinian.testing import ManualClock
@@ -26,7 +26,7 @@ ticks = st.lists(st.tuples(st.floats(0.0, 0.01), st.booleans()), max_size=400)
 
 def taking() -> TickAlternation:
     turns = TickAlternation(PERIOD)
-    for _ in range(MANY):
+    for _ in range(MIN_LONG_TICKS):
         turns.tick(1.1 * LONG_SHARE * PERIOD, True)
     assert turns.taking
     return turns
@@ -44,12 +44,14 @@ def pairs(turns: TickAlternation, seconds: float, count: int) -> int:
 
 def test_turns_are_taken_where_many_ticks_are_long_and_not_for_a_few() -> None:
     turns = TickAlternation(PERIOD)
-    for k in range(10 * SEEN):
-        assert not turns.tick((1.1 if k % SEEN < MANY - 1 else 0.5) * LONG_SHARE * PERIOD, True)
-    for _ in range(SEEN):
+    for k in range(10 * TICKS_SEEN):
+        assert not turns.tick(
+            (1.1 if k % TICKS_SEEN < MIN_LONG_TICKS - 1 else 0.5) * LONG_SHARE * PERIOD, True
+        )
+    for _ in range(TICKS_SEEN):
         turns.tick(0.5 * LONG_SHARE * PERIOD, True)
-    began = [turns.tick(1.1 * LONG_SHARE * PERIOD, True) for _ in range(MANY)]
-    assert began == [False] * (MANY - 1) + [True]
+    began = [turns.tick(1.1 * LONG_SHARE * PERIOD, True) for _ in range(MIN_LONG_TICKS)]
+    assert began == [False] * (MIN_LONG_TICKS - 1) + [True]
 
 
 def test_ticks_that_solve_nothing_do_not_count() -> None:
@@ -78,10 +80,10 @@ def test_with_time_for_both_it_goes_back_later_after_each_relapse() -> None:
     turns = taking()
     waits = []
     for _ in range(6):
-        waits.append(pairs(turns, 0.4 * SHORT * PERIOD, 2 * LONGEST))
-        for _ in range(MANY):
+        waits.append(pairs(turns, 0.4 * SHORT * PERIOD, 2 * MAX_FITTING))
+        for _ in range(MIN_LONG_TICKS):
             turns.tick(1.1 * LONG_SHARE * PERIOD, True)
-    assert waits == [min(WAIT << k, LONGEST) for k in range(6)]
+    assert waits == [min(MIN_FITTING << k, MAX_FITTING) for k in range(6)]
     assert pairs(taking(), 0.6 * SHORT * PERIOD, 5000) > 5000  # each fits, but not both
 
 

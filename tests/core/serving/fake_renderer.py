@@ -105,7 +105,7 @@ class FakeRenderer:
                 converted(outbox.scene)
             changes = outbox.next()
             if changes is not None:
-                outbox.taken(self.take(changes))
+                outbox.acknowledge(self.take(changes))
             elif outbox.scene is None or not outbox.scene.pending:
                 return
         raise AssertionError("it never ends")

@@ -43,7 +43,7 @@ from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
-from pacinian.wire.convert_shapes import ALIKE
+from pacinian.wire.convert_shapes import SAME_FIELDS
 from pacinian.wire.convert_time import ENVELOPES, TECHNIQUES
 
 bounded = settings(max_examples=150)
@@ -184,7 +184,7 @@ def test_bulk_numbers_are_rounded_to_single_precision() -> None:
 
 
 def test_kinds_that_are_copied_have_the_same_fields() -> None:
-    kinds: dict[Any, Any] = ALIKE | ENVELOPES | TECHNIQUES
+    kinds: dict[Any, Any] = SAME_FIELDS | ENVELOPES | TECHNIQUES
     for ours, theirs in kinds.items():
         assert [f.name for f in fields(ours)] == [f.name for f in fields(theirs)]
         assert [f.default for f in fields(ours)] == [f.default for f in fields(theirs)]

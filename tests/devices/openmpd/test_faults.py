@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_plugins.backends.openmpd.protocol import PAUSE
+from pacinian_plugins.backends.openmpd.protocol import RESYNC_PAUSE
 
 from .chips import BITMODE, GONE, LATENCY, RESET, TIMEOUT, Setup
 
@@ -19,7 +19,7 @@ def test_it_is_silent_when_it_is_open_sounds_with_frames_and_is_silent_when_it_i
     assert it.sounding()
     it.open()
     assert it.chip.requests == [(RESET, 0), (BITMODE, 0xFF), (LATENCY, 2), (RESET, 1), (RESET, 2)]
-    assert it.clock.now() == PAUSE
+    assert it.clock.now() == RESYNC_PAUSE
     assert not it.sounding()
     assert (it.fpga.divider, it.fpga.colour) == (19, 0x000900)
     it.play()
@@ -74,7 +74,7 @@ def test_a_write_that_fails_is_an_error_at_once_and_not_repeated(fault: Any) -> 
         lambda: it.backend.send(it.frame()),
         "openmpd FT1: a frame was cut: it takes 1.3 s until the board has forgotten it",
     )
-    assert not it.sounding(PAUSE)
+    assert not it.sounding(RESYNC_PAUSE)
     it.play()  # after a reset of the renderer
     assert it.sounding()
     assert it.fpga.waiting == 0

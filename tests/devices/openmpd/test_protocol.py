@@ -133,7 +133,7 @@ def test_what_silences_does_so_wherever_frames_or_a_silence_were_cut(cut: int, s
     clock.advance(12 * 19 / 40_000)
     assert not board.pulses().any()
     assert board.divider == 19
-    clock.advance(protocol.PAUSE)
+    clock.advance(protocol.RESYNC_PAUSE)
     assert board.waiting == 0
     (made,) = Packer([STRAIGHT]).pack(levels({}), levels({"7": 64}))
     board.take(made.tobytes())

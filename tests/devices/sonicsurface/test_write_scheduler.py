@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian_plugins.backends.sonicsurface.protocol import BYTE, SELECT
-from pacinian_plugins.backends.sonicsurface.write_scheduler import AGAIN, WriteScheduler
+from pacinian_plugins.backends.sonicsurface.write_scheduler import REPEAT_INTERVAL, WriteScheduler
 
 from .fpga import Board
 
@@ -54,7 +54,7 @@ def test_what_stays_is_written_again_now_and_then() -> None:
     sizes = [len(feed.next(k * TICK)) for k in range(2000)]
     assert [k for k, size in enumerate(sizes) if size] == [0, 500, 1000, 1500]
     assert set(sizes) == {0, 258}
-    assert feed.due == 1.5 + AGAIN
+    assert feed.due == 1.5 + REPEAT_INTERVAL
 
 
 def test_silence_does_not_wait_for_the_line_and_is_written_in_full() -> None:

@@ -43,8 +43,8 @@ def test_near_by_and_upright_the_pseudo_inverse_is_better(place):
 
 
 def test_the_amplitude_shown_is_the_multiple_nearest_to_the_target():
-    case, target = experiment.case("1a", fourier.FAR), experiment.pattern("disc")
-    size = fourier.amplitude(case, target, fourier.FAR)
+    case, target = experiment.case("1a", fourier.FAR_HEIGHT), experiment.pattern("disc")
+    size = fourier.amplitude(case, target, fourier.FAR_HEIGHT)
     errors = [np.linalg.norm(factor * size - target) for factor in (0.99, 1.0, 1.01)]
     assert min(errors) == errors[1]
 

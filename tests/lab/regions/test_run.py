@@ -313,7 +313,7 @@ def test_pictures_of_a_flat_shape_and_of_an_unrolled_one(
 ) -> None:
     from PIL import Image
 
-    monkeypatch.setattr(shapes, "FINE", 0.001)
+    monkeypatch.setattr(shapes, "PICTURE_SPACING", 0.001)
     monkeypatch.setattr(pictures, "FRONT", ("disc, 8 mm",))
     folder = tmp_path / "new"
     names = ("disc, 8 mm", "shell of a ball, radius 12 mm")
@@ -330,7 +330,7 @@ def test_pictures_of_a_flat_shape_and_of_an_unrolled_one(
 
 
 def test_a_picture_shows_the_field(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shapes, "FINE", 0.002)
+    monkeypatch.setattr(shapes, "PICTURE_SPACING", 0.002)
     picture = pictures.Picture(pc.autd(), DISC)
     row, made = picture.made[OURS]
     assert picture.asked.max() == pytest.approx(picture.pressure)

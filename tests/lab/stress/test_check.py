@@ -9,13 +9,13 @@ import pytest
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL, asked, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, asked, scattered
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import check
 from pacinian_lab.stress.every import breaches
 
 Q = scattered(3)
-CASE = Case("test: plain", SMALL, Q, asked(SMALL, Q, 0.3), 0.0, clock=lambda: 0.0)
+CASE = Case("test: plain", SMALL_ARRAY, Q, asked(SMALL_ARRAY, Q, 0.3), 0.0, clock=lambda: 0.0)
 QUIET = ([[0.0, 0.0, 0.07]], 1e-3)
 
 
@@ -114,7 +114,7 @@ def test_a_limit_that_is_ignored_is_found(limits: Any) -> None:
 def test_refusals_are_right_where_they_are_called_for() -> None:
     limited = dataclasses.replace(CASE, limits=pc.Limits(quiet=QUIET))
     assert not check(limited, pc.solver("single-focus")).broken
-    on = dataclasses.replace(CASE, points=SMALL.positions[:3], refused=pc.PointOnTransducer)
+    on = dataclasses.replace(CASE, points=SMALL_ARRAY.positions[:3], refused=pc.PointOnTransducer)
     assert not check(on, pc.solver("gs-pat")).broken
     here = dataclasses.replace(CASE, refused=pc.PointOnTransducer)
     assert "raises" in check(here, pc.solver("gs-pat")).broken

@@ -9,12 +9,12 @@ import pytest
 from mpmath import mp
 
 import pacinian as pc
-from pacinian_lab.stress.asking import SMALL, row, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, row, scattered
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.reference import Reference
 
 mp.dps = 60
-FEW = SMALL.without(range(9, 36))
+FEW = SMALL_ARRAY.without(range(9, 36))
 AIR = pc.Air()
 
 
@@ -94,5 +94,5 @@ def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precis
 
 def test_the_condition_number_is_the_one_asked_for() -> None:
     for wanted in (1e2, 1e5, 1e9, 1e13):
-        s = np.linalg.svd(pc.matrix(SMALL, row(wanted)), compute_uv=False)
+        s = np.linalg.svd(pc.matrix(SMALL_ARRAY, row(wanted)), compute_uv=False)
         assert s[0] / s[-1] == pytest.approx(wanted, rel=0.02)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import NO_LIMIT, SMALL, asked, half, scattered
+from pacinian_lab.stress.asking import NO_LIMIT, SMALL_ARRAY, asked, half, scattered
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.cases import FAMILIES
 from pacinian_lab.stress.run import run, solvers
@@ -23,10 +23,10 @@ from ...plugins.problems import optimum
 SOLVERS = solvers()
 KEEPING = [name for name in SOLVERS if pc.solver(name).keeps >= {"quiet", "exact"}]
 TURNED = pc.Array(
-    SMALL.positions[::4], np.where(np.arange(9)[:, None] % 3, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
+    SMALL_ARRAY.positions[::4], np.where(np.arange(9)[:, None] % 3, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
     pc.T4010A1,
 )  # fmt: skip
-ARRAYS = {"small": SMALL, "nine": SMALL.without(range(9, 36)), "turned": TURNED}
+ARRAYS = {"small": SMALL_ARRAY, "nine": SMALL_ARRAY.without(range(9, 36)), "turned": TURNED}
 
 
 class Looks(ManualClock):
@@ -125,7 +125,7 @@ def test_the_residual_is_that_of_clarabel(solver: str, spacing: float, level: fl
     q = scattered(4)
     q[2:] = q[:2] + np.array([spacing, 0.0, 0.0])
     phases = np.array([0.0, 1.0, 2.0, 3.0])
-    case = Case("clarabel: pairs", SMALL, q, asked(SMALL, q, level), phases)
+    case = Case("clarabel: pairs", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level), phases)
     best = clarabel(case)
     found = float(np.linalg.norm(case.solve(solver).residual))
     assert found <= 1.05 * best + 3e-3 * np.linalg.norm(case.amplitudes)
@@ -146,8 +146,8 @@ def test_the_residual_is_that_of_clarabel(solver: str, spacing: float, level: fl
 )
 def test_limits_are_kept_at_the_price_of_clarabel(solver: str, limits: Any, level: float) -> None:
     q = scattered(4)
-    t, phases = asked(SMALL, q, level, [1, 2, 3, 4]), np.array([0.0, 1.0, 2.0, 3.0])
-    case = Case("clarabel: limits", SMALL, q, t, phases, pc.Limits(**limits))
+    t, phases = asked(SMALL_ARRAY, q, level, [1, 2, 3, 4]), np.array([0.0, 1.0, 2.0, 3.0])
+    case = Case("clarabel: limits", SMALL_ARRAY, q, t, phases, pc.Limits(**limits))
     require_promises(case, solver)
     best = clarabel(case)
     solution = case.solve(solver)

@@ -10,7 +10,7 @@ import pytest
 
 import pacinian as pc
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL
+from pacinian_lab.stress.asking import SMALL_ARRAY
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import near
 from pacinian_lab.stress.every import breaches
@@ -19,7 +19,9 @@ from pacinian_lab.stress.regions import make_square, regions, shapes
 CASES = {case.name.removeprefix("regions: "): case for case in regions()}
 FINE = CASES["a square"]
 COARSE_Q = make_square(4, spacing=0.02)  # says nothing of the field between
-COARSE = Case("test: coarse", SMALL, COARSE_Q, np.full(16, 20.0), regions=np.zeros(16, np.int64))
+COARSE = Case(
+    "test: coarse", SMALL_ARRAY, COARSE_Q, np.full(16, 20.0), regions=np.zeros(16, np.int64)
+)
 
 
 def broken(case: Case, **changes: Any) -> dict[str, str]:

@@ -150,7 +150,7 @@ def test_a_command_that_is_killed_and_then_interrupted_goes_on_where_it_stopped(
 @pytest.fixture
 def scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], str]]:
     """Starts a scheduler as its own command does; then a worker, when it is called."""
-    monkeypatch.setattr(engine, "PATIENCE", WAIT)
+    monkeypatch.setattr(engine, "MAX_WAIT", WAIT)
     here = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__HTTP__ROUTES": "[]"}
     options: dict[str, Any] = {"cwd": tmp_path, "env": here, "stdout": subprocess.DEVNULL}
     with socket.socket() as free:
@@ -201,7 +201,7 @@ def test_a_scheduler_elsewhere_without_workers_with_one_and_gone(
         return False
 
     with monkeypatch.context() as impatient:
-        impatient.setattr(engine, "PATIENCE", 0.5)
+        impatient.setattr(engine, "MAX_WAIT", 0.5)
         until(refused)
     scheduler()
     table = ps.run(path, tmp_path / "whole", scheduler=scheduler.address)
@@ -223,7 +223,7 @@ def test_a_scheduler_elsewhere_without_workers_with_one_and_gone(
 def test_no_scheduler_is_told(
     write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "PATIENCE", 0.5)
+    monkeypatch.setattr(engine, "MAX_WAIT", 0.5)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"

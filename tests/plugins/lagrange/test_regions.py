@@ -300,7 +300,7 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
     q = at(np.stack(np.meshgrid(*[0.002 * np.arange(side)] * 2), axis=-1).reshape(-1, 2)[:M])
     amplitudes = np.full(M, 20.0)
     helped = pc.solve(ONE, q, amplitudes, regions=whole(q), medium=AIR)
-    monkeypatch.setattr(regions, "FEW", 0)
+    monkeypatch.setattr(regions, "MAX_SAMPLES", 0)
     plain = pc.solve(ONE, q, amplitudes, regions=whole(q), medium=AIR)
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 ON = 1e-10  # a point this near to a surface lies on it [m]
-TINY = 1e-12  # a shorter vector has no direction [m]
+MIN_LENGTH = 1e-12  # a shorter vector has no direction [m]
 
 
 class CapsuleSkin(Skin):
@@ -150,7 +150,7 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
     x /= np.linalg.norm(x)
     sides = local.normals[:, :2] @ np.stack([x, np.cross(z, x)])
     size = np.linalg.norm(sides, axis=1, keepdims=True)
-    sides = np.where(size > 0.0, sides / np.maximum(size, TINY), x)
+    sides = np.where(size > 0.0, sides / np.maximum(size, MIN_LENGTH), x)
     tilted, share = np.empty(len(along)), np.empty(len(along))
     kernels.tilt(axial.copy(), along, radii[0], radii[1], length, tilted, share)
     normals = tilted[:, None] * z + np.sqrt(1.0 - tilted * tilted)[:, None] * sides

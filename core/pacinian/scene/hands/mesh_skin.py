@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 PATCHES = 24  # number of patches, which take the place of bones
-TINY = 1e-300
+MIN_LENGTH = 1e-300
 
 
 class MeshSkin(Skin):
@@ -87,7 +87,7 @@ class MeshSkin(Skin):
         found = igl.signed_distance(points, V, F, igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL)
         distance, face, surface, normals = map(np.asarray, found)
         size = np.linalg.norm(normals, axis=1, keepdims=True)
-        out = self.outward * normals / np.maximum(size, TINY)
+        out = self.outward * normals / np.maximum(size, MIN_LENGTH)
         return Nearest(surface, out, self.outward * distance, self.patch[face])
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 LENGTH = 1 << 16  # number of values in the table
-FINE = 16  # values per period of the highest frequency
+VALUES_PER_PERIOD = 16  # values per period of the highest frequency
 CREST = 2.5  # standard deviations from the middle to low and high
 NARROWEST = 0.01  # smallest bandwidth, as a fraction of the highest frequency
 
@@ -50,7 +50,7 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
     def at(self, t: Floats) -> Floats:
         """Return the factor at times t [s], in the same shape."""
         table = _table(self.low_frequency / self.high_frequency, self.seed)
-        place = (FINE * self.high_frequency * t) % LENGTH
+        place = (VALUES_PER_PERIOD * self.high_frequency * t) % LENGTH
         return self.low + (self.high - self.low) * between(table, place)
 
 
@@ -60,7 +60,9 @@ def _table(lowest: float, seed: int) -> Floats:
 
     lowest: the lowest frequency over the highest one.
     """
-    lines = np.arange(LENGTH // 2 + 1) * FINE / LENGTH  # frequency over the highest one
+    lines = (
+        np.arange(LENGTH // 2 + 1) * VALUES_PER_PERIOD / LENGTH
+    )  # frequency over the highest one
     band = (lines >= lowest) & (lines > 0.0) & (lines <= 1.0)
     turns = np.random.default_rng(seed).random(len(lines))
     x = np.fft.irfft(band * np.exp(2j * np.pi * turns), LENGTH)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MAX_DURATION = 600.0  # longest wave [s]
 MAX_RATE = 1e6  # highest sample rate of a wave [Hz]
 # Lowest sample rate of the table [Hz]. A device at 1, 2, 4 or 8 kHz mostly reads its values without interpolation.
-FINE = 16_000.0
+MIN_TABLE_RATE = 16_000.0
 FELT = 1000.0  # skin feels no higher frequencies [Hz]
 SMOOTH = 0.02  # smoothing time of the mode "loudness" [s]
 
@@ -120,7 +120,7 @@ def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
 
     x = np.clip(x, -1.0, 1.0)
     count, duration = len(x), len(x) / rate
-    up, down = max(1, math.ceil(FINE / rate)), max(1, int(rate // FINE))
+    up, down = max(1, math.ceil(MIN_TABLE_RATE / rate)), max(1, int(rate // MIN_TABLE_RATE))
     if mode == "loudness":
         x, h = np.abs(x), _hann(rate * up, max(SMOOTH, 2.0 / rate))
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.resolution import focal_area, resolution
-from pacinian.checks import FAR
+from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class ArrayResolution:
             except PointOnTransducer:
                 finest = 0.0
             # the resolution is infinite where only one transducer is heard
-            finest = min(max(finest, self.wavelength), FAR)
+            finest = min(max(finest, self.wavelength), MAX_LENGTH)
             steps = math.log(finest / self.wavelength) / math.log(COARSER)
             kept = self._spacings[x, y, z] = self.wavelength * COARSER ** round(steps)
         return kept

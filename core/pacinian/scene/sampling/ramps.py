@@ -19,7 +19,7 @@ JUMP = 0.02  # a sample that moves farther than this in one tick fades out there
 MAX_TICK = 0.02  # longest time that one tick counts for, because time may jump [s]
 QUARTER = math.pi / 2.0  # a quarter turn [rad]
 MIN_PRESSURE = 1e-300  # prevents division by zero [Pa]
-SLACK = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time
+RAMP_TOLERANCE = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time
 
 
 class PressureRamps:
@@ -52,7 +52,9 @@ class PressureRamps:
             self._asked = self._last = asked
             return asked
         self._asked = asked
-        share = seconds / self.ramp * (1.0 + SLACK)  # part of a full ramp that this tick covers
+        share = (
+            seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
+        )  # part of a full ramp that this tick covers
         last = self._last
         was, top, gone, jumped = _matched(asked, last)
         most = np.maximum(asked.most, np.where(was > asked.radiation_pressure, top, was))

@@ -13,7 +13,7 @@ from pacinian.scene.sampling.sources import is_dense, measure_spacing
 if TYPE_CHECKING:
     from pacinian.scene.sampling.sources import Source
 
-ENOUGH = 90  # number of samples up to which a region is refined
+TARGET_SAMPLES = 90  # number of samples up to which a region is refined
 SHARED = 128  # number of samples up to which all regions together are refined
 STEPS = 3  # largest number of refinement steps, each by sqrt(2)
 MARGIN = 1.3  # this many times the estimated samples must fit into the budget
@@ -28,7 +28,7 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
     regions = sum(is_dense(source.item) for source, _ in sources)
     if not 0 < regions <= SHARED:
         return sources
-    few = min(ENOUGH, SHARED // regions)
+    few = min(TARGET_SAMPLES, SHARED // regions)
     finer = [(source, _finer(source, spacing, few)) for source, spacing in sources]
     count = sum(
         1.0 if measure_spacing(source.item) else estimate_samples(source.item, spacing)

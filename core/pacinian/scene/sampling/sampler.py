@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import FAR, check_integer, check_length, check_number
+from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
@@ -56,10 +56,10 @@ OFF = Constant(0.0)
 DENSE = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
 NARROW, WIDE = 0.2, 0.3
-ENOUGH = 128  # intended number of samples of a contact
+CONTACT_SAMPLES = 128  # intended number of samples of a contact
 STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
 MERGED = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
-SAME = 1e-6  # samples of different regions merge if they are nearer than this [m]
+MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
@@ -241,7 +241,7 @@ class Sampler:
         room = np.array([-np.inf] * 3 + [np.inf] * 3)
         if self._resolving is not None:
             centre = self._resolving.centre
-            room = np.concatenate([centre - FAR, centre + FAR])
+            room = np.concatenate([centre - MAX_LENGTH, centre + MAX_LENGTH])
         if workspace is not None:
             low, high = workspace.lower, workspace.upper
             room = np.concatenate([np.maximum(room[:3], low), np.minimum(room[3:], high)])
@@ -343,7 +343,7 @@ class Sampler:
         radius = np.full(
             len(whole), MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
         )
-        radius[whole.regions != ISOLATED] = SAME
+        radius[whole.regions != ISOLATED] = MERGE_DISTANCE
         gone = merge(
             whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
             P, area, kept,
@@ -360,7 +360,7 @@ def _fitting(extent: float, resolved: float, last: float | None) -> float:
     extent: of the contact [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m], which is
     kept if the new one is similar.
     """
-    wanted = min(max(math.sqrt(extent / ENOUGH), NARROW * resolved), WIDE * resolved)
+    wanted = min(max(math.sqrt(extent / CONTACT_SAMPLES), NARROW * resolved), WIDE * resolved)
     steady = last is not None and wanted / STEADY < last < wanted * STEADY
     return last if last is not None and steady else wanted
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 # Limits of the distance from a silent sample to its region, over the resolution.
 INNER, OUTER = 0.25, 0.9
-APART = 0.45  # spacing of silent samples, over the resolution
-SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
+SURROUND_SPACING = 0.45  # spacing of silent samples, over the resolution
+MAX_SILENT_SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
 MOST_OF_SMALL = 24  # maximum number of silent samples where that ratio allows fewer
 
 
@@ -35,18 +35,18 @@ def add_surround(
     number of silent samples.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, max(MOST_OF_SMALL, int(SHARE * len(of))))
+    most = min(most, max(MOST_OF_SMALL, int(MAX_SILENT_SHARE * len(of))))
     if most <= 0 or not len(of):
         return samples
     q, every = samples.positions[of], [samples]
     for hand in hands:
         nodes, nearest = hand.around(
-            q, APART * resolved, INNER * resolved, OUTER * resolved, centre
+            q, SURROUND_SPACING * resolved, INNER * resolved, OUTER * resolved, centre
         )  # fmt: skip
         nodes, nearest = nodes[:most], nearest[:most]
         if len(nodes):
             silent = _silent(samples, of[nearest], hand.points[nodes], hand.normals[nodes])
-            silent.keys[:] = make_keys(hand.salt % (1 << 31), APART * resolved, nodes)
+            silent.keys[:] = make_keys(hand.salt % (1 << 31), SURROUND_SPACING * resolved, nodes)
             every.append(silent)
             most -= len(nodes)
     return join_samples(every)

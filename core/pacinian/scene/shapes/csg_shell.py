@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.scene.shapes.function_solid import scale_shell
 from pacinian.scene.shapes.local_samples import LocalSamples
-from pacinian.scene.shapes.poisson_disk import APART, thin_out
+from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Sides = Sequence[tuple[Solid, float]]
 
-FINE = 4096  # approximate number of samples of the parts for measuring an area
+MEASURE_SAMPLES = 4096  # approximate number of samples of the parts for measuring an area
 ON = 1e-9  # a point this near to a shell lies on it [m]
 ACROSS = 1e-3  # distance to the two test points on either side of a sample, over the spacing
 
@@ -38,12 +38,14 @@ def sample_shell(whole: Solid, sides: Sides, spacing: float) -> LocalSamples:
     samples = _shell(whole, sides, spacing)
     if not len(samples.points):  # the shell is smaller than the spacing
         samples = _shell(whole, sides, _fine(sides))
-        samples = _only(samples, thin_out(samples.points, APART * spacing))
+        samples = _only(samples, thin_out(samples.points, MIN_DISTANCE * spacing))
     return samples._replace(area=scale_shell(samples.area, whole.area))
 
 
 def _fine(sides: Sides) -> float:
-    return math.sqrt(sum(part.area for part, _ in sides) / FINE) or 1.0  # any, if there is no area
+    return (
+        math.sqrt(sum(part.area for part, _ in sides) / MEASURE_SAMPLES) or 1.0
+    )  # any, if there is no area
 
 
 def _only(samples: LocalSamples, kept: Flags | Indices) -> LocalSamples:

@@ -12,7 +12,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector
 from pacinian.checks import (
-    FAR,
+    MAX_LENGTH,
     check_count,
     check_integer,
     check_length,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 MAX_POINTS = 100_000  # largest number of points of a polyline
 MIN_LENGTH = 1e-6  # smallest length of a polyline [m]
 TURNS = 100  # largest frequency a or b of a Lissajous figure
-FINE = 512  # points per turn for measuring a Lissajous figure
+POINTS_PER_TURN = 512  # points per turn for measuring a Lissajous figure
 
 
 class Line(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="line"):
@@ -153,7 +153,7 @@ class Lissajous(
     @functools.cached_property
     def _arc(self) -> tuple[Floats, Floats]:
         """The parameter s, and the arc length up to it [m], (L,) each."""
-        s = np.linspace(0.0, 2.0 * np.pi, FINE * max(self.a, self.b) + 1)
+        s = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_TURN * max(self.a, self.b) + 1)
         x = self.a * self.width / 2.0 * np.cos(self.a * s + math.radians(self.phase))
         y = self.b * self.height / 2.0 * np.cos(self.b * s)
         speed = np.hypot(x, y)
@@ -180,7 +180,7 @@ class Polyline(
         points = check_numbers("points", self.points, (None, 3))
         if not 2 <= len(points) <= MAX_POINTS:
             raise ArgumentError("points", f"must be 2 to {MAX_POINTS}, not {len(points)}")
-        if np.abs(points).max() > FAR:
+        if np.abs(points).max() > MAX_LENGTH:
             raise ArgumentError("points", "must be in metres (millimetres given?)")
         force_setattr(self, "points", tuple(map(tuple, points.tolist())))
         if not self.length >= MIN_LENGTH:

@@ -15,7 +15,7 @@ from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.local_samples import LocalSamples, sample_grid
-from pacinian.scene.shapes.poisson_disk import APART, thin_out
+from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
 from pacinian.types import Floats
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
     held = (np.abs(points) <= extent + ON * spacing).all(axis=1)
     on = held & (np.abs(solid.distance(points)) < ON * spacing)
     points, area = points[on], area[on]
-    kept = thin_out(points, APART * spacing)
+    kept = thin_out(points, MIN_DISTANCE * spacing)
     area = share_area(points, area, kept)
     return LocalSamples(
         points[kept], normalise(gradient(solid, points[kept])), scale_shell(area, solid.area)

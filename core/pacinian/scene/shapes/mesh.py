@@ -17,7 +17,7 @@ from pacinian.checks import check_count, check_length, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.function_solid import scale_shell, share_area
 from pacinian.scene.shapes.local_samples import LocalSamples
-from pacinian.scene.shapes.poisson_disk import APART, thin_out
+from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
 from pacinian.scene.shapes.triangles import Triangles, read_mesh
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ class Mesh(
         rim, of = t.rim(spacing / RIM)
         every = np.concatenate([rim, np.asarray(points, dtype=np.float64)])
         face = np.concatenate([of, np.asarray(face, dtype=np.int64)])
-        kept = thin_out(every, APART * spacing, len(rim))
+        kept = thin_out(every, MIN_DISTANCE * spacing, len(rim))
         whole = np.repeat([0.0, t.area / tries], [len(rim), tries])
         area = scale_shell(share_area(every, whole, kept), t.area)
         return LocalSamples(every[kept], t.normals[face[kept]], area)

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
-APART = 0.8  # smallest distance of neighbours, over the spacing; this gives about one sample per spacing^2
+MIN_DISTANCE = 0.8  # smallest distance of neighbours, over the spacing; this gives about one sample per spacing^2
 
 
 def thin_out(points: Floats, radius: float, first: int = 0) -> Indices:

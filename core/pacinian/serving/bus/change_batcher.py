@@ -45,7 +45,7 @@ class ChangeBatcher:
             self.scene = room
             self._begin()
 
-    def taken(self, taken: ChangesAck) -> None:
+    def acknowledge(self, taken: ChangesAck) -> None:
         """Note the last batch that the renderer took. A new renderer needs the whole scene."""
         known, self._renderer = self._renderer, taken.run
         mine = taken.bus == self.run and taken.number == self._number

@@ -47,10 +47,10 @@ FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
 MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # maximum messages and bytes received in one round
 MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
 # Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
-APART = 3e-4
+MIN_ROUND_INTERVAL = 3e-4
 # Time to wait for messages [ms]: while the renderer or the converter has work pending, and
 # otherwise.
-SOON, LATER = 1, 5
+SOON_MS, LATER_MS = 1, 5
 SWITCH = 2e-4  # thread switch interval [s]: limits how long a conversion blocks the loop
 TELL = 0.05  # interval between two status reports [s]
 QUEUE = 256  # messages of one client that may wait here
@@ -88,12 +88,16 @@ class Bus:
     def round(self) -> None:
         """Receive messages, send changes to the renderer, reply."""
         begin = self._clock()
-        if begin < self._begun + APART:
-            time.sleep(self._begun + APART - begin)
+        if begin < self._begun + MIN_ROUND_INTERVAL:
+            time.sleep(self._begun + MIN_ROUND_INTERVAL - begin)
         self._begun = self._clock()
         outbox = self.dispatcher.batcher
         wait = (
-            0 if self._busy else SOON if outbox.waits or len(self.dispatcher.converter) else LATER
+            0
+            if self._busy
+            else SOON_MS
+            if outbox.waits or len(self.dispatcher.converter)
+            else LATER_MS
         )
         if self._poller.poll(wait):
             self._take()
@@ -131,7 +135,7 @@ class Bus:
 
     def _publish(self) -> None:
         outbox = self.dispatcher.batcher
-        self._new("taken", ChangesAck, outbox.taken)
+        self._new("taken", ChangesAck, outbox.acknowledge)
         if (changes := outbox.next()) is not None:
             try:
                 self._memory["changes"].write(pack(changes))

@@ -40,12 +40,12 @@ if TYPE_CHECKING:
 
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
-ROUND = 0.005  # longest wait for requests in one round [s]
+MAX_WAIT = 0.005  # longest wait for requests in one round [s]
 OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
 MIN_WAIT = 0.001  # wait for requests if a frame is due sooner [s]
 # Step of the times at which frames are published, in periods.
 GOLDEN = (5.0**0.5 - 1.0) / 2.0
-LOOK = 0.02  # interval between two checks of the other processes [s]
+CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]
 # Time after a reset during which a process may still report the fault that was reset, unless it has
 # answered the reset [s].
 MENDS = 10.0
@@ -109,7 +109,7 @@ class ControlLoop:
 
     def round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        self._doors.wait(min(ROUND, max(self._due["frame"] - self._clock(), MIN_WAIT)))
+        self._doors.wait(min(MAX_WAIT, max(self._due["frame"] - self._clock(), MIN_WAIT)))
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
@@ -118,7 +118,7 @@ class ControlLoop:
         now = self._clock()
         self.sessions.pass_time(now)
         self._settle()
-        if self._is_due("look", LOOK, now) or self._supervisor.ended:
+        if self._is_due("look", CHECK_INTERVAL, now) or self._supervisor.ended:
             self._look(now)
         if self._is_due("owner", OWNER, now):
             self._probe(now, owner=True)
@@ -140,7 +140,7 @@ class ControlLoop:
         # Requests are not answered here, because a game that arms again would keep this loop
         # running.
         while ownership.permit.armed:
-            self._doors.wait(ROUND)
+            self._doors.wait(MAX_WAIT)
             self.sessions.pass_time(self._clock())
             self._settle()
         self.sessions.end_all("the server ends", self._clock())

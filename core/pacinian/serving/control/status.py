@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=Struct)
 
 # Number of faults shown.
-SHOWN = 8
+MAX_FAULTS = 8
 MAX_TEXT, LONGEST_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
 INPUT = 32  # size of one hand update in `State.inputs` [bytes]
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
@@ -104,7 +104,7 @@ class StatusPublisher:
 
     def fault(self, fault: str) -> None:
         """Record a fault of the server."""
-        self.faults = [*self.faults[1 - SHOWN :], fault[:MAX_TEXT]]
+        self.faults = [*self.faults[1 - MAX_FAULTS :], fault[:MAX_TEXT]]
         self.fault_count += 1
 
     def output(self) -> Output:
@@ -149,7 +149,7 @@ class StatusPublisher:
         }
         try:
             theirs = [fault[:MAX_TEXT] for fault in told.pop("faults", ())]
-            told["faults"] = tuple([*theirs, *self.faults][-SHOWN:])
+            told["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
             told["fault_count"] = told.get("fault_count", 0) + self.fault_count
             return msgspec.convert({**nothing, **told, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid

@@ -24,7 +24,7 @@ ENDED = "render", "bus", "guard"
 # Time limit to the first heartbeat [s]. It is long because other processes may occupy the CPUs.
 STARTING = 120.0
 # Delay from an end to the restart, doubled each time [s].
-FIRST, LONGEST = 0.05, 5.0
+MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
 WELL = 10.0
 MAX_END_TIME = 3.0  # time limit to end after a request [s]
@@ -74,7 +74,7 @@ class Child:
     started: float
     patience: float = STARTING
     due: float | None = None
-    wait: float = FIRST
+    wait: float = MIN_RESTART_DELAY
     restarts: int = 0
     beat: float = 0.0
     heard: float = 0.0
@@ -152,9 +152,9 @@ class Supervisor:
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
                 if now - child.started > WELL:
-                    child.wait = FIRST
+                    child.wait = MIN_RESTART_DELAY
             if why:
-                child.due, child.wait = now + child.wait, min(LONGEST, 2.0 * child.wait)
+                child.due, child.wait = now + child.wait, min(MAX_RESTART_DELAY, 2.0 * child.wait)
                 ended.append((name, why))
                 self._again(child, now)  # the spare takes over at once
         if self.trusted and (why := self._look_after_spare(beats)):
@@ -176,7 +176,7 @@ class Supervisor:
         elif not (why := self._ended(self._spare, now, math.inf, now)):
             return ""
         self._spare, self._spare_due = None, now + guard.wait
-        guard.wait = min(LONGEST, 2.0 * guard.wait)
+        guard.wait = min(MAX_RESTART_DELAY, 2.0 * guard.wait)
         return why
 
     def _again(self, child: Child, now: float) -> str:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Plugin
 
 # Polling interval while there may be sound, and otherwise [s].
-ROUND, IDLE = 0.25e-3, 1e-3
+POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
 TELL = 0.01  # interval between two status reports [s]
 # Thread switch interval [s]: a thread that opens a device yields to the sounding one after this
 # time.
@@ -123,7 +123,7 @@ class GuardLoop:
             self._told = now
         if switched:
             return 0.0
-        return ROUND if self._permit.value.armed or guard.loud else IDLE
+        return POLL_INTERVAL if self._permit.value.armed or guard.loud else IDLE_INTERVAL
 
     def tell(self) -> None:
         """Publish the device status."""
@@ -142,7 +142,7 @@ class GuardLoop:
         with self._stack:
             guard.silence("end")
             while guard.loud and time.perf_counter() < due:
-                time.sleep(IDLE)
+                time.sleep(IDLE_INTERVAL)
                 guard.silence("end")
             with contextlib.suppress(Exception):
                 self.tell()
@@ -183,7 +183,7 @@ def main() -> None:
     with rounds:
         while not (ended.is_set() or rounds.guard.backend or rounds.guard.fault):
             rounds.turn()  # opening a device may take long
-            time.sleep(IDLE)
+            time.sleep(IDLE_INTERVAL)
         if rounds.backends is None:
             # Listing the backends takes long, but an open device is still silent here.
             rounds.backends = list_offers("backend")

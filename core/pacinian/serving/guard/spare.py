@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.child_process import Parent
 
 # Interval between two checks of the guard, while there may be sound and otherwise [s].
-LOOK, IDLE = 0.02, 0.1
+CHECK_INTERVAL, IDLE_INTERVAL = 0.02, 0.1
 
 
 class HangDetector:
@@ -60,7 +60,7 @@ def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]
     poll.register(guard, select.POLLIN)
     poll.register(parent.pipe, select.POLLIN)
     sound = False
-    while not (ready := poll.poll(1e3 * (LOOK if sound else IDLE))):
+    while not (ready := poll.poll(1e3 * (CHECK_INTERVAL if sound else IDLE_INTERVAL))):
         beat, sound = look()
         if pulse.missed(beat, sound, time.perf_counter()):
             with contextlib.suppress(OSError):

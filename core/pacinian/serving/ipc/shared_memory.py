@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 # Prefix of the folders' names; suffix of their lock files.
 PREFIX, LOCK = "pacinian-memory-", ".lock"
-LOOK = 0.005  # interval between two tries to remove a folder [s]
+RETRY_INTERVAL = 0.005  # interval between two tries to remove a folder [s]
 
 MAGIC = 0x504143494E49414E
 SLOTS = 4
@@ -69,7 +69,7 @@ def remove(left: Path, patience: float = 0.0) -> None:
             return
         if time.monotonic() >= due:
             return
-        time.sleep(LOOK)
+        time.sleep(RETRY_INTERVAL)
 
 
 def _is_ours(path: Path) -> bool:

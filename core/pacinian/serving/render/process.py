@@ -26,7 +26,7 @@ from pacinian.serving.render.warmup import warm_up
 
 # Thread switch interval [s]: background threads must not delay a tick.
 SWITCH = 1e-4
-LOOK = 0.002  # interval between two checks for a device [s]
+CHECK_INTERVAL = 0.002  # interval between two checks for a device [s]
 
 
 def main() -> None:
@@ -50,7 +50,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         chosen = make_solver(settings.solver)
         warm_up(array, medium, chosen, Capability(rate=settings.rate), settings.rate)
         while (newest := files["device"].read()) is None:
-            time.sleep(LOOK)
+            time.sleep(CHECK_INTERVAL)
         device = Decoder(DeviceStatus).decode(newest[1])
         loop = BetweenTicks(
             files,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)
-ROOM = 0.02  # margin by which the prepared ball is larger than a zone that may move [m]
+MARGIN = 0.02  # margin by which the prepared ball is larger than a zone that may move [m]
 
 
 class ZonePlacement:
@@ -67,7 +67,7 @@ class ZonePlacement:
             self.limits, self._next, self._seen = replace(self.limits, zones=self._next), None, None
 
     def _wider(self, k: int, zone: Zone) -> Zone:
-        return zone if k < self._fixed else replace(zone, radius=zone.radius + ROOM)
+        return zone if k < self._fixed else replace(zone, radius=zone.radius + MARGIN)
 
     def _is_tight(self, zones: tuple[Zone, ...]) -> bool:
         """Whether new zones should be prepared, because half of the margin is used up."""
@@ -75,7 +75,7 @@ class ZonePlacement:
         return (
             len(kept) != len(zones)
             or _room(kept[:n], zones[:n]) < 0.0
-            or _room(kept[n:], zones[n:]) < 0.5 * ROOM
+            or _room(kept[n:], zones[n:]) < 0.5 * MARGIN
         )
 
 

@@ -24,7 +24,7 @@ UNPLUGGED = "unplugged"  # while this file exists, all devices are unplugged
 BLOCKED = "blocked"  # if this file exists, a device removes it and blocks in its next frame
 BLOCK = 8.0  # [s] length of the block
 EVENT = np.dtype([("time", "<f8"), ("sounds", "<i8")])
-ROOM = 1 << 20  # capacity in events; the newest are kept
+MAX_EVENTS = 1 << 20  # capacity in events; the newest are kept
 HEAD = 8  # [bytes] number of events
 
 
@@ -33,7 +33,7 @@ class Log:
 
     def __init__(self, path: Path) -> None:
         with path.open("a+b") as file:
-            size = HEAD + ROOM * EVENT.itemsize
+            size = HEAD + MAX_EVENTS * EVENT.itemsize
             if file.seek(0, os.SEEK_END) < size:
                 file.truncate(size)
             self._map = mmap.mmap(file.fileno(), size)
@@ -46,17 +46,17 @@ class Log:
     def write(self, sounds: bool, at: float | None = None) -> None:
         """Log one event, now or at a time [s]."""
         count = self.count
-        place = HEAD + count % ROOM * EVENT.itemsize
+        place = HEAD + count % MAX_EVENTS * EVENT.itemsize
         _EVENT.pack_into(self._map, place, time.perf_counter() if at is None else at, sounds)
         _COUNT.pack_into(self._map, 0, count + 1)
 
     def read(self, after: int = 0) -> NDArray[np.void]:
         """Return the events from number `after` on, as far as they are kept: fields `time` [s], `sounds`."""
         count = self.count
-        first = max(after, count - ROOM + 1, 0)
-        ring = np.frombuffer(self._map[HEAD:], EVENT) if count - first > ROOM // 8 else None
+        first = max(after, count - MAX_EVENTS + 1, 0)
+        ring = np.frombuffer(self._map[HEAD:], EVENT) if count - first > MAX_EVENTS // 8 else None
         if ring is not None:
-            return ring[np.arange(first, count) % ROOM]
+            return ring[np.arange(first, count) % MAX_EVENTS]
         parts = [self._map[at : at + EVENT.itemsize] for at in _places(first, count)]
         return np.frombuffer(b"".join(parts), EVENT)
 
@@ -77,7 +77,7 @@ class Log:
 
 
 def _places(first: int, count: int) -> Iterable[int]:
-    return (HEAD + n % ROOM * EVENT.itemsize for n in range(first, count))
+    return (HEAD + n % MAX_EVENTS * EVENT.itemsize for n in range(first, count))
 
 
 _COUNT, _EVENT = struct.Struct("<q"), struct.Struct("<dq")

@@ -20,7 +20,7 @@ from pacinian.wire.binary_arrays import pack
 from pacinian_lab.server.faults.raw_client import Message, Peer, Silent
 
 RATE = 90.0  # [Hz]
-AGAIN = 0.05  # [s] between attempts to arm
+ARM_INTERVAL = 0.05  # [s] between attempts to arm
 LOST = 0.5  # [s] without an answer until the game reconnects
 RADIUS, HEIGHT, TURN = 0.02, 0.2, 6.0  # [m], [m], [rad/s] circle of the point
 POINT: Message = {"type": "point", "position": [0.0, 0.0, HEIGHT], "radiation_pressure": 20.0}
@@ -78,7 +78,7 @@ class Game:
         for reply in told:
             if reply["type"] == "renewed":
                 self._heard = now
-                if not reply["armed"] and reply["id"] and now - self._tried > AGAIN:
+                if not reply["armed"] and reply["id"] and now - self._tried > ARM_INTERVAL:
                     self._tried = now
                     peer.say("arm")
             elif reply.get("code") == "session":

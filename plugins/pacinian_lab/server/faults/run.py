@@ -27,9 +27,12 @@ if TYPE_CHECKING:
 STATED = Safety()
 SWAP = "gap at most a tick longer than undisturbed"
 LED = "the same, plus the time that frames wait in the device"
-TICK, ROUND = 1e-3, 2 * guard_process.ROUND  # [s]; a guard's round is its pause plus its work
+TICK, GUARD_ROUND = (
+    1e-3,
+    2 * guard_process.POLL_INTERVAL,
+)  # [s]; a guard's round is its pause plus its work
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
-LEASE, STALE = STATED.lease + ROUND, STATED.stale + 2 * ROUND
+LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.stale + 2 * GUARD_ROUND
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
 # [s]; a hang is detected in steps of 20 ms
 HUNG = STATED.hung / child_process.HASTE + 0.05 + OPENED
@@ -72,13 +75,17 @@ FAULTS = (
     Fault(
         "all processes suspended and resumed",
         parts.all_stopped,
-        ROUND,
+        GUARD_ROUND,
         "a round, after they resume",
     ),
     Fault("server killed and restarted", clients.restarted, LEASE, "lease"),
-    Fault("device unplugged", parts.unplugged, TICK + ROUND, "the next frame"),
-    Fault("... while swapping solvers", parts.unplugged_swapping, TICK + ROUND, "the next frame"),
-    Fault("... while swapping devices", parts.unplugged_both, TICK + 2 * ROUND, "a round later"),
+    Fault("device unplugged", parts.unplugged, TICK + GUARD_ROUND, "the next frame"),
+    Fault(
+        "... while swapping solvers", parts.unplugged_swapping, TICK + GUARD_ROUND, "the next frame"
+    ),
+    Fault(
+        "... while swapping devices", parts.unplugged_both, TICK + 2 * GUARD_ROUND, "a round later"
+    ),
     Fault("solvers swapped", parts.solvers_swapped, TICK, SWAP),
     Fault("devices swapped", parts.devices_swapped, TICK, SWAP),
     Fault("simulated to USB models", parts.to_models, LEAD + TICK, LED),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 FAREWELL = 5  # [ms] for the server to close a connection that sent too much
-PATIENCE = 5.0  # [s] longest wait for an answer
+MAX_WAIT = 5.0  # [s] longest wait for an answer
 HELLO, KNOWN = 0.02, 0.2  # share of hellos in control messages; of handshakes in connections
 BATCH = 200  # messages between two valid ones, which show that the server has read them all
 
@@ -67,10 +67,10 @@ class Flood:
         """Return whether the server has read all messages and still takes a valid one."""
         try:
             if kind == "control":
-                return bool(peer.ask("status", PATIENCE)["type"] == "state")
+                return bool(peer.ask("status", MAX_WAIT)["type"] == "state")
             peer.sequence = spoiler.sequence
             spoiler.sequence += 1
-            reply = peer.tell("remove", PATIENCE, names=[])
+            reply = peer.tell("remove", MAX_WAIT, names=[])
         except Silent:
             return False
         return bool(reply and reply["type"] == "ok")

@@ -30,7 +30,7 @@ TYPES = (
 )  # fmt: skip
 LENGTHS = b"\xdc", b"\xdd", b"\xde", b"\xdf", b"\xd9", b"\xda", b"\xdb", b"\xc5", b"\xc6", b"\xc9"
 DEEP = 5000
-LONG = 200_000  # [bytes] maximum of the long ones, which are rare
+MAX_LONG_BYTES = 200_000  # [bytes] maximum of the long ones, which are rare
 
 encode: Callable[[Any], bytes] = msgspec.msgpack.Encoder().encode
 
@@ -192,7 +192,9 @@ class Spoiler:
         return self.random.randbytes(self.random.choice([0, 1, 2, 16, 100, 1000]))
 
     def _long(self, message: Message) -> bytes:
-        return self.random.choice([b"\x90", b"\x80", b"\xc0"]) * self.random.randrange(LONG)
+        return self.random.choice([b"\x90", b"\x80", b"\xc0"]) * self.random.randrange(
+            MAX_LONG_BYTES
+        )
 
 
 def _get(message: Any, at: tuple[Any, ...]) -> Any:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
     from pacinian_lab.server.faults.stage import Stage
 
-LOOK = 0.05  # [s] between two requests
+REQUEST_INTERVAL = 0.05  # [s] between two requests
 ANSWER = 5.0  # [s] longest wait for an answer
 TICK = 1e-3  # [s]
 
@@ -97,7 +97,7 @@ class Watch:
                 except Silent:
                     phase.lost += 1
                 self._look()
-                time.sleep(LOOK)
+                time.sleep(REQUEST_INTERVAL)
             events = self.stage.server.log.read(mark)
             phase.seconds += time.perf_counter() - start
             for flood in floods:

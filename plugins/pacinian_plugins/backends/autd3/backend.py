@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian_plugins.backends.autd3.transport import Transport
 
-ROOM = 6  # maximum number of rows in a tick; the units buffer 7 messages
+MAX_ROWS = 6  # maximum number of rows in a tick; the units buffer 7 messages
 
 
 @dataclass
@@ -89,10 +89,10 @@ class Autd3(pc.Backend):
     def send(self, frame: pc.Frame) -> None:
         """Send the changes of a frame. Raises BackendError if the units are lost or refuse them."""
         line, rows = self._line(), frame.phase.shape
-        if rows[0] > ROOM:
+        if rows[0] > MAX_ROWS:
             raise pc.BackendError(
-                f"{NAME}: a tick has {rows[0]} rows, and the units room for {ROOM}: "
-                f"run the loop at {self.rate / ROOM:.0f} Hz or more, or lower `rate`"
+                f"{NAME}: a tick has {rows[0]} rows, and the units room for {MAX_ROWS}: "
+                f"run the loop at {self.rate / MAX_ROWS:.0f} Hz or more, or lower `rate`"
             )
         line.check()
         if line.waits or line.failures != self._failures:

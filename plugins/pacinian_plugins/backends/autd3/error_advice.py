@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pacinian_plugins.backends.autd3.packages import NAME
 
-AGAIN = "reset the server, or open the backend again"
+RESET_ADVICE = "reset the server, or open the backend again"
 LOST = (
     "the units have stopped answering: a cable, the power, or another program that opened them. Their failsafe "
-    f"silences them. Mend that, then {AGAIN}"
+    f"silences them. Mend that, then {RESET_ADVICE}"
 )
 ADVICE = {  # by a part of the packages' error message
     "no interface has an AUTD3": "switch the units on, connect the first to this machine, allow UDP from port 44336 "
@@ -18,7 +18,7 @@ ADVICE = {  # by a part of the packages' error message
     "are attached": "make the array of as many units as are connected, in the order of their cables",
     "were enumerated": "look at the cables and the power of the others",
     "runs firmware": "update it with autd3-console: docs/autd3.md",
-    "did not reply": f"look at the cable and the power, then {AGAIN}",
+    "did not reply": f"look at the cable and the power, then {RESET_ADVICE}",
 }
 
 
@@ -27,5 +27,5 @@ def explain(error: Exception, gone: bool = False) -> str:
     if gone:
         return f"{NAME}: {LOST}"
     said = str(error)
-    advice = next((advice for part, advice in ADVICE.items() if part in said), AGAIN)
+    advice = next((advice for part, advice in ADVICE.items() if part in said), RESET_ADVICE)
     return f"{NAME}: {said}: {advice}"

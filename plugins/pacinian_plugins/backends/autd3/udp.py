@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pacinian_plugins.backends.autd3.transport import Due
 
 OPENING = 60.0  # timeout of opening [s]; the packages give up earlier
-LOOK = 1.0  # interval at which the units' failsafe is checked [s]
+CHECK_INTERVAL = 1.0  # interval at which the units' failsafe is checked [s]
 TRIES = 3  # attempts to release the failsafe
-MORE = 1.0  # time that a call may take beyond the timeout of the units [s]
+EXTRA_TIME = 1.0  # time that a call may take beyond the timeout of the units [s]
 
 
 class UdpTransport:
@@ -101,17 +101,17 @@ class UdpTransport:
         """
         gone = self._problem and self._clock() - self._sent > self._watchdog
         if not (gone and self._failsafe):
-            self._ask(self._silenced(), self._timeout + MORE)
+            self._ask(self._silenced(), self._timeout + EXTRA_TIME)
 
     def close(self) -> None:
         """Silence the units and disconnect. Never raises."""
         if self._loop.is_closed():
             return
         with suppress(Exception):
-            self._ask(self._closed(), self._timeout + MORE)
+            self._ask(self._closed(), self._timeout + EXTRA_TIME)
         self._client = self.units = None
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(MORE)
+        self._thread.join(EXTRA_TIME)
         if not self._thread.is_alive():
             self._loop.close()
 
@@ -167,7 +167,7 @@ class UdpTransport:
                 response = await self._client.send_frame_at(frame, at)
                 self._sent = self._clock()
                 self._begin(self._settled(response))
-        if self._sent - before > 0.5 * self._watchdog or self._sent - self._looked > LOOK:
+        if self._sent - before > 0.5 * self._watchdog or self._sent - self._looked > CHECK_INTERVAL:
             await self._released()
 
     async def _settled(self, response: Any) -> None:

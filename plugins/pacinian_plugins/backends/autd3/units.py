@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
 UNIT = 249  # transducers
-NEAR = 1e-4  # position tolerance of a transducer [m]
+POSITION_TOLERANCE = 1e-4  # position tolerance of a transducer [m]
 ACROSS, UP = 17, 231  # last transducer of the first row, and of the first column
 PLACES = pc.autd().positions - pc.autd().positions[0]  # positions in a unit [m], (249, 3)
 
@@ -49,7 +49,7 @@ class Layout:
             ]
         )
         for theirs, unit in zip(made, self.units, strict=True):
-            if np.abs(1e-3 * theirs.positions() - unit.positions()).max() > NEAR:
+            if np.abs(1e-3 * theirs.positions() - unit.positions()).max() > POSITION_TOLERANCE:
                 raise pc.BackendError(
                     f"{NAME}: its packages place transducers elsewhere: report this"
                 )
@@ -74,13 +74,16 @@ def layout_of_description(description: pc.DeviceDescription, array: pc.Array) ->
     """Return the units of a description, which must describe this array. Raises BackendError."""
     described = description.array()
     same = len(described) == len(array)
-    if not same or np.abs(described.positions - array.positions).max() > NEAR:
+    if not same or np.abs(described.positions - array.positions).max() > POSITION_TOLERANCE:
         raise pc.BackendError(f"{NAME}: the array is not that of the `description`")
     units: list[Unit] = []
     places = np.zeros(len(array), np.intp)
     for k, (board, wiring) in enumerate(zip(description.boards, description.wiring, strict=True)):
         local = board.layout.positions()
-        if board.layout.count != UNIT or np.abs(local - local[0] - PLACES).max() > NEAR:
+        if (
+            board.layout.count != UNIT
+            or np.abs(local - local[0] - PLACES).max() > POSITION_TOLERANCE
+        ):
             raise pc.BackendError(f'{NAME}: board {k} must have the layout {{ type = "autd" }}')
         if (board.drives != np.arange(UNIT)).any():
             raise pc.BackendError(
@@ -97,14 +100,14 @@ def _unit(k: int, positions: Floats, normals: Floats) -> Unit:
     x, y = (_direction(positions[end] - positions[0]) for end in (ACROSS, UP))
     z = np.cross(x, y)
     problem = f"{NAME}: transducers {UNIT * k} to {UNIT * (k + 1) - 1} are not those of a unit"
-    if abs(x @ y) > NEAR or np.abs(normals - z).max() > 1e-3:
+    if abs(x @ y) > POSITION_TOLERANCE or np.abs(normals - z).max() > 1e-3:
         raise pc.BackendError(problem)
     from scipy.spatial.transform import Rotation
 
     x, y, z, w = Rotation.from_matrix(np.stack([x, y, z], axis=1)).as_quat().tolist()
     unit = Unit(_triple(positions[0]), (w, x, y, z))
     off = float(np.abs(unit.positions() - positions).max())
-    if off > NEAR:
+    if off > POSITION_TOLERANCE:
         raise pc.BackendError(f"{problem}: one is {1e3 * off:.2g} mm from its place")
     return unit
 

@@ -16,8 +16,8 @@ from pacinian_plugins.backends.openmpd.link import CHIPS, open_port
 from pacinian_plugins.backends.openmpd.protocol import (
     BOARD,
     DUTY,
-    PAUSE,
     PHASES,
+    RESYNC_PAUSE,
     SIZES,
     Packer,
     encode_divider,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
 NAME = CHIPS.name
-ROOM = 16  # maximum number of frames in a tick; the FPGA stops reading at 28
+MAX_FRAMES = 16  # maximum number of frames in a tick; the FPGA stops reading at 28
 
 
 @dataclass
@@ -92,7 +92,7 @@ class OpenMpd(pc.Backend):
                 link = open_port(one)
                 self.boards.append(Board(link, self._divide, self.led, self.timeout, self.clock))
                 self.boards[-1].silence()
-            self.wait(PAUSE)
+            self.wait(RESYNC_PAUSE)
         except BaseException:
             self.close()
             raise
@@ -111,10 +111,10 @@ class OpenMpd(pc.Backend):
         if not self.boards:
             raise pc.BackendError(f"{NAME} is not open")
         phase, amplitude = frame.phase, frame.amplitude
-        if len(phase) > ROOM:
+        if len(phase) > MAX_FRAMES:
             raise pc.BackendError(
-                f"{NAME}: a tick has {len(phase)} frames, and the boards room for {ROOM}: "
-                f"run the loop at {self.rate / ROOM:.0f} Hz or more, or lower `rate`"
+                f"{NAME}: a tick has {len(phase)} frames, and the boards room for {MAX_FRAMES}: "
+                f"run the loop at {self.rate / MAX_FRAMES:.0f} Hz or more, or lower `rate`"
             )
         if phase.shape[1] != self._columns or phase.max() >= PHASES or amplitude.max() > DUTY:
             raise pc.BackendError(f"{NAME}: a frame has levels that the boards do not have")

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import pacinian as pc
-from pacinian_plugins.backends.openmpd.protocol import CARRIER, FRAME, PAUSE, encode_off
+from pacinian_plugins.backends.openmpd.protocol import CARRIER, FRAME, RESYNC_PAUSE, encode_off
 
 if TYPE_CHECKING:
     from array import array
@@ -58,7 +58,7 @@ class Board:
 
     def settle(self) -> None:
         """Reject frames until the board has discarded an incomplete one."""
-        self._ready = self._clock() + PAUSE
+        self._ready = self._clock() + RESYNC_PAUSE
 
     def close(self) -> None:
         """Silence the board, switch its light off, and release it. Never raises."""

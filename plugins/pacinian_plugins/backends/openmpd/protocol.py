@@ -21,8 +21,8 @@ BOARD, FRAME = 256, 512  # transducers per board; bytes per frame
 PHASES, DUTY = 128, 64  # phase levels per turn; longest pulse, half a period
 SIZES = tuple(math.sin(0.5 * math.pi * n / DUTY) for n in range(DUTY + 1))
 """Sound pressure of each pulse length, relative to the strongest."""
-CARRIER, SLOWEST = 40_000.0, 255  # carrier frequency [Hz]; its largest divider
-PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0
+CARRIER, MAX_DIVIDER = 40_000.0, 255  # carrier frequency [Hz]; its largest divider
+RESYNC_PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0
 
 FLAG = 0x80  # bit 7 of a phase
 COLOUR, DIVIDER = (
@@ -35,7 +35,7 @@ CENTRE = ((DUTY - np.arange(DUTY + 1)) // 2).astype(np.uint16)
 
 def encode_divider(rate: float) -> int:
     """Return the divider of 40 kHz that plays slightly faster than `rate` [Hz], so that frames do not pile up."""
-    return min(max(math.ceil(CARRIER / rate) - 1, 1), SLOWEST)
+    return min(max(math.ceil(CARRIER / rate) - 1, 1), MAX_DIVIDER)
 
 
 def encode_off(divide: int, led: Sequence[int]) -> array[int]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from pacinian_plugins.backends.sonicsurface.write_scheduler import WriteScheduler
 
-LOOK = 1e-3  # interval at which the system's output buffer is polled [s]
+POLL_INTERVAL = 1e-3  # interval at which the system's output buffer is polled [s]
 
 
 class SerialWriter:
@@ -97,7 +97,7 @@ class SerialWriter:
                     return data
                 if self._closing and now >= feed.free:
                     return b""
-                due = now + LOOK if held else feed.free if self._closing else feed.due
+                due = now + POLL_INTERVAL if held else feed.free if self._closing else feed.due
                 self._changed.wait(min(max(due - now, 0.0), threading.TIMEOUT_MAX))
 
     def _held(self) -> int:

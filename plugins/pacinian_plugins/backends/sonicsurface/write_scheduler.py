@@ -10,7 +10,7 @@ from pacinian_plugins.backends.sonicsurface.protocol import BOARD, BYTE, OFF, SW
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-AGAIN = 0.5  # interval at which an unchanged pattern is repeated [s], because there is no acknowledgement
+REPEAT_INTERVAL = 0.5  # interval at which an unchanged pattern is repeated [s], because there is no acknowledgement
 
 
 class WriteScheduler:
@@ -51,7 +51,7 @@ class WriteScheduler:
             self.back = b"" if self.urgent else self.front
         self.front, self.urgent = newest, False
         self.free = max(self.free, now) + len(data) * BYTE
-        self._again = now + AGAIN
+        self._again = now + REPEAT_INTERVAL
         return data
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd import protocol
-from pacinian_plugins.backends.usb_autd.link import AGAIN, DEVICES
+from pacinian_plugins.backends.usb_autd.link import DEVICES, RESET_ADVICE
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 
@@ -115,7 +115,7 @@ class Board:
         if status.session != self._session:
             raise pc.BackendError(
                 f"{self.name}: is disarmed: it was reset, is too hot, or another program has it: "
-                f"{AGAIN}"
+                f"{RESET_ADVICE}"
             )
         if status.accepted == self._accepted and self._sequence != self._checked:
             known = status.refusal in Verdict.__members__.values()

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 IN, OUT = 0xC1, 0x41  # bmRequestType of vendor requests to the interface
 REPORT = 255  # maximum length of a report [bytes]
-AGAIN = "reset the server, or open the backend again"
+RESET_ADVICE = "reset the server, or open the backend again"
 DEVICES = UsbKind(
     name="usb-autd",
     usb=(INTERFACE,),
     gone=(
         "it is gone: unplugged, reset or without power. It is silent until it is armed: plug it in, "
-        f"then {AGAIN}"
+        f"then {RESET_ADVICE}"
     ),
     anonymous="it has no serial number: its firmware must give it one",
 )

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.types import Levels
     from pacinian_plugins.backends.usb_autd.protocol import Frame
 
-NEAR = 1e-6  # tolerance for a time to count as on a row boundary [rows]
+ROW_TOLERANCE = 1e-6  # tolerance for a time to count as on a row boundary [rows]
 HOT = 850  # temperature at which it falls silent [0.1 °C]
 
 
@@ -206,7 +206,7 @@ class Device:
             self._disarm()
 
     def _row(self, t: float) -> int:
-        return math.floor((t - self._begun) * self.can.rate + NEAR)
+        return math.floor((t - self._begun) * self.can.rate + ROW_TOLERANCE)
 
     @property
     def _hot(self) -> bool:

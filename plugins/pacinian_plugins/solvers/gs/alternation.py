@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 MIN_ABS = 1e-18  # least |x| whose square does not underflow in single precision
 # limits between two checks of the clock: number of steps; steps times elements of B
-BLOCK, MANY = 10, 1_000_000
+BLOCK, MAX_WORK = 10, 1_000_000
 # largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
-ROOM, FAR = 10.0, 1000.0
+MAX_DRIVE, MAX_TARGET = 10.0, 1000.0
 AT_LIMIT = 0.999  # share of the limit from which a transducer counts as at its limit
 EVEN = 1e-4  # relative error of the amplitudes at which the weights have converged
 
@@ -54,7 +54,7 @@ class Run:
         u = np.exp(1j * np.where(free, start, self.targets.phases))
         w = np.where(asked, 1.0 / np.where(asked, d, 1.0), 0.0)
         h, p = np.zeros((2, N), np.float32), np.zeros(M, np.complex128)
-        block = min(BLOCK, max(1, MANY // B.size))
+        block = min(BLOCK, max(1, MAX_WORK // B.size))
         done, late = 0, False
         while done < steps and not late:
             if done == hold > 0:
@@ -85,8 +85,8 @@ def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
         return t / need, limit or 1.0
-    unit = ROOM * need if limit is None else min(limit, ROOM * need)
-    return t * (min(1.0, FAR * unit / need) / unit), unit
+    unit = MAX_DRIVE * need if limit is None else min(limit, MAX_DRIVE * need)
+    return t * (min(1.0, MAX_TARGET * unit / need) / unit), unit
 
 
 def _spread(p: Floats, t: Floats) -> float:

@@ -19,7 +19,7 @@ from pacinian.solving.phases import choose_phases_into, initial_phases
 from pacinian_plugins.native.lagrange import begin, within
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.workspace import SMALL, Workspace
+from pacinian_plugins.solvers.lagrange.workspace import MAX_BEGIN_SAMPLES, Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as at its limit
 NEARLY = 0.98  # share of full drive below which the proportions count as hard to make
-WHOLE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
+POWER_TOLERANCE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Lagrange(pc.Solver):
             if targets.scale == "max" and targets.regions is None:
                 return True  # the strongest under the gain limit is not the strongest under power
             power = float(np.vdot(out, out).real)
-            if not power <= WHOLE * limits.power:
+            if not power <= POWER_TOLERANCE * limits.power:
                 return True
         if not limits.solver_limits:
             return False
@@ -176,7 +176,7 @@ class Lagrange(pc.Solver):
         """
         M, N = len(targets.amplitudes), len(propagator.array)
         start = None if warm is None else warm.phases
-        if M <= SMALL and limits.gain is not None:
+        if M <= MAX_BEGIN_SAMPLES and limits.gain is not None:
             first, steps = initial_phases(M, start)
             begin(
                 propagator.gram, targets.amplitudes, targets.phases, first, steps, mu, self.mu,

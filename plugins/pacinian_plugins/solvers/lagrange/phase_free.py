@@ -41,21 +41,23 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
 FRESH = np.array([np.inf, -1.0])  # `found[3:5]` before the first step
-ENOUGH = 2e-6  # ||F|| / ||p|| to stop at: single precision
+STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MET = 1e-4  # relative error that always suffices
 NEARLY = 1e-3  # relative error that suffices once the steps have converged
 STEPS, EQUAL, LAST = 16, 24, 80  # maximum number of steps in stages 2, 3 and 4
 ROUGH, FINISHED = 3e-4, 1e-5  # least relative saving of a step in stage 4: when probing, at the end
 # samples up to which other starts are tried; full-drive probes for each; their phase increment [turns]
 FEW_SAMPLES, LOOKS, GOLDEN = 16, 3, 0.6180339887
-FAR = 0.2  # relative error from which continuing with the current phases is not worthwhile
+MAX_PHASE_ERROR = (
+    0.2  # relative error from which continuing with the current phases is not worthwhile
+)
 # regularisation relative to trace(G) / M, in descending order; Newton steps with each
-SOFT, FEW = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), 3
+SOFT, STEPS_EACH = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), 3
 LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
 TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two starting points
 QUICK = 5_000_000  # M M N of the steps between two checks of the clock
 # search for the strongest: steps of `equalise`; resolution and least share of full drive
-MOST_EQUAL, FINE, WEAKEST = 80, 0.004, 0.5
+MOST_EQUAL, SCALE_RESOLUTION, MIN_SCALE = 80, 0.004, 0.5
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
 BEYOND = 0.999  # multiple of the targets at full drive below which they cannot be met
 
@@ -129,9 +131,9 @@ class PhaseFreeSolve:
         start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
         best: PhaseFreeResult | None = None
         y = start
-        while top > 0.0 and strong - weak > FINE and not (best and self.budget.spent):
-            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + FINE)
-            if share < WEAKEST:
+        while top > 0.0 and strong - weak > SCALE_RESOLUTION and not (best and self.budget.spent):
+            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SCALE_RESOLUTION)
+            if share < MIN_SCALE:
                 break
             self.p[:], room.y[:] = (share * top) * p, start
             error, _ = self._newton()
@@ -174,7 +176,7 @@ class PhaseFreeSolve:
         room.found[3:5] = FRESH
         for _ in range(0, max(1, steps), chunk):
             taken = attempt(
-                self.B, self.G, self.p, self.free, mu or self.mu, min(chunk, steps), ENOUGH, room.y, room.h,
+                self.B, self.G, self.p, self.free, mu or self.mu, min(chunk, steps), STOP_RESIDUAL, room.y, room.h,
                 room.made, room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
             )  # fmt: skip
             self.steps += abs(taken)
@@ -195,7 +197,7 @@ class PhaseFreeSolve:
         first = second = error
         np.copyto(room.other, room.h)
         if self.free.all():
-            if error > FAR or work > LARGE:  # the array cannot resolve the samples
+            if error > MAX_PHASE_ERROR or work > LARGE:  # the array cannot resolve the samples
                 first = self._softened(error)
             if not self.budget.spent:
                 second = self._full_drive()
@@ -282,7 +284,7 @@ class PhaseFreeSolve:
             else:
                 room.y[:] *= soft / last
             last = soft
-            found, _ = self._newton(FEW, soft)
+            found, _ = self._newton(STEPS_EACH, soft)
             if found < error:
                 error = found
                 np.copyto(room.spare, room.h)
@@ -324,7 +326,7 @@ class PhaseFreeSolve:
         chunk = LAST if self.budget.endless else max(1, QUICK // (8 * len(self.p) * self.B.size))
         for _ in range(0, max(1, most), chunk):
             steps = nearest(
-                self.B, self.p, self.free, self.mu, min(chunk, most), ENOUGH,
+                self.B, self.p, self.free, self.mu, min(chunk, most), STOP_RESIDUAL,
                 room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
                 finished,
             )  # fmt: skip

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
 
-ENOUGH = 1e-12  # ||F|| / ||p|| to stop at
+STOP_RESIDUAL = 1e-12  # ||F|| / ||p|| to stop at
 
 
 def saturate(x: Complexes, mu: float) -> tuple[Complexes, Floats, float]:
@@ -74,7 +74,7 @@ def solve_newton(
         if not short < last:
             break
         last, best = short, y
-        if short <= ENOUGH * np.linalg.norm(p) or (budget is not None and budget.spent):
+        if short <= STOP_RESIDUAL * np.linalg.norm(p) or (budget is not None and budget.spent):
             break
         held = size > mu
         A = (u.conj()[:, None] * G[np.ix_(sample, sample)] * u).real / mu

@@ -33,12 +33,15 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
 
 QUIET = 0.02  # weight of points beside regions
-ENOUGH = 5e-3  # ||F|| / ||p|| to stop at: a smaller error cannot be felt
+STOP_RESIDUAL = 5e-3  # ||F|| / ||p|| to stop at: a smaller error cannot be felt
 INEXACT = 0.1  # residual of a Newton system, relative to ||F||
-SOME, FEW = 4, 400  # preconditioner: stride over transducers, and maximum number of samples
+STRIDE, MAX_SAMPLES = (
+    4,
+    400,
+)  # preconditioner: stride over transducers, and maximum number of samples
 STEPS, PASSES = 15, 300  # maximum number of Newton steps, and of conjugate gradients for each
 MIN_STEPS = 4  # conjugate gradients taken even without time, so that the next call starts closer
-ARMIJO, SHORTEST = 1e-4, 1e-6  # least share of the expected increase; shortest step
+ARMIJO, MIN_STEP = 1e-4, 1e-6  # least share of the expected increase; shortest step
 REFINED = 16  # Newton steps in double precision
 
 
@@ -66,10 +69,10 @@ class Nearly:
     """Preconditioner: approximate inverse of D + B W B^H at gains h, from one in four transducers, each weighted 4."""
 
     def __init__(self, B: Gains, D: Floats, h: Singles, mu: float) -> None:
-        size = h[2, ::SOME]
+        size = h[2, ::STRIDE]
         # a gain at its limit can turn but not grow: one of two directions
         weight = np.where(size > mu, 0.5 / np.maximum(size, mu), f4(1.0 / mu))
-        some = B[:, ::SOME] * np.sqrt(weight * f4(B.shape[1] / len(size)))
+        some = B[:, ::STRIDE] * np.sqrt(weight * f4(B.shape[1] / len(size)))
         gram = blas.cherk(1.0, some.T, trans=2)  # upper triangle of the conjugate
         gram.ravel("K")[:: len(gram) + 1] += D.astype(f4)
         self._factor, failed = lapack.cpotrf(gram, overwrite_a=True)
@@ -106,13 +109,13 @@ class Descent:
         """Take steps until F is small or nothing improves; the gains are in the workspace."""
         size, last = float(np.linalg.norm(self.p)), self.steps + STEPS
         F, value = self._look(self.y)
-        while (missed := float(np.linalg.norm(F))) > ENOUGH * size:
+        while (missed := float(np.linalg.norm(F))) > STOP_RESIDUAL * size:
             if self.steps == last or (self.steps > last - STEPS and self.budget.spent):
                 break
-            d = self._direction(F, max(INEXACT * missed, ENOUGH * size / 2.0))
+            d = self._direction(F, max(INEXACT * missed, STOP_RESIDUAL * size / 2.0))
             slope, step = float(np.vdot(F, d).real), 1.0
             at, before = self.y, value
-            while step > SHORTEST:
+            while step > MIN_STEP:
                 F, value = self._look(at + step * d)
                 if value >= before + ARMIJO * step * slope:
                     break
@@ -121,7 +124,7 @@ class Descent:
                 self._look(at)
                 break
             self.steps += 1
-        self.met = missed <= ENOUGH * size
+        self.met = missed <= STOP_RESIDUAL * size
 
     def turn_to(self, p: Complexes) -> Complexes:
         """Continue with other targets, (M,), of the same phases; return the pressures made, (M,)."""
@@ -148,7 +151,7 @@ class Descent:
     def _direction(self, F: Complexes, enough: float) -> Complexes:
         """Solve (D + B W B^H) d = F for d, with a residual of at most `enough`."""
         space = self.space
-        if self._nearly is None and len(F) <= FEW:
+        if self._nearly is None and len(F) <= MAX_SAMPLES:
             self._nearly = Nearly(self.B, self.D, space.h, self.mu)
         nearly = self._nearly.times if self._nearly else np.copy
         d, r = np.zeros_like(F), F.copy()

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Indices, Singles
 
 # approximate speed of Newton steps [M M N / s]; duration up to which steps are always started [s]
-PACE, LONG = 5e9, 1e-3
-SMALL = 16  # samples up to which the kernel `begin` computes the start
+PACE, MIN_TIME = 5e9, 1e-3
+MAX_BEGIN_SAMPLES = 16  # samples up to which the kernel `begin` computes the start
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Workspace:
             np.zeros(M, np.complex128),
             np.zeros(M, np.bool_),
             np.zeros(M, np.complex128),
-            np.zeros((min(M, SMALL), min(M, SMALL)), np.complex128),
+            np.zeros((min(M, MAX_BEGIN_SAMPLES), min(M, MAX_BEGIN_SAMPLES)), np.complex128),
             np.zeros((3, N), np.float32),
             np.zeros((3, N), np.float32),
             np.zeros((3, N), np.float32),
@@ -63,4 +63,4 @@ class Workspace:
 
 def in_time(budget: pc.Budget, work: int) -> bool:
     """Return whether a Newton step of `work` M M N is short or fits in the budget; if not, do not start it."""
-    return work <= LONG * PACE or budget.affords(work / PACE)
+    return work <= MIN_TIME * PACE or budget.affords(work / PACE)

@@ -104,7 +104,7 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
                 renderer.last.bus,
             ):
                 renderer.take(file)
-            outbox.taken(renderer.last)
+            outbox.acknowledge(renderer.last)
         elif step[0] == "convert":
             converted(room)
         elif step[0] == "leave":
@@ -121,7 +121,7 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
         assert len(room.pending) <= 2 * len(NAMES) + 3
     if file is not None and renderer.last.number != file.number:
         renderer.take(file)
-    outbox.taken(renderer.last)
+    outbox.acknowledge(renderer.last)
     renderer.drain(outbox)
     assert renderer.scene == model.scene
     assert [n for n in renderer.scene if n not in slow] == [n for n in model.scene if n not in slow]
@@ -142,15 +142,15 @@ def test_nothing_more_is_sent_before_the_last_was_taken() -> None:
     done(room, who, put({"a": point()}))
     assert outbox.waits
     assert outbox.next() is None
-    outbox.taken(ChangesAck(1, 5, 7))
+    outbox.acknowledge(ChangesAck(1, 5, 7))
     second = outbox.next()
     assert second is not None
     assert [type(c) for c in second.changes] == [PutObject]
     done(room, who, move(("a",), 0.5))
     for not_it in (ChangesAck(1, 5, 7), ChangesAck(2, 5, 99)):  # the last but one; of another bus
-        outbox.taken(not_it)
+        outbox.acknowledge(not_it)
         assert outbox.next() is None
-    outbox.taken(ChangesAck(2, 5, 7))
+    outbox.acknowledge(ChangesAck(2, 5, 7))
     assert outbox.next() is not None
 
 
@@ -158,7 +158,9 @@ def test_a_renderer_that_says_nothing_of_the_first_batch_gets_it_again() -> None
     room = room_of()
     outbox = felt(room)
     assert outbox.next() is not None
-    outbox.taken(ChangesAck(0, 5, 0))  # the one that took it, if any, was not seen and is gone
+    outbox.acknowledge(
+        ChangesAck(0, 5, 0)
+    )  # the one that took it, if any, was not seen and is gone
     again = outbox.next()
     assert again is not None
     assert isinstance(again.changes[0], ResetScene)
@@ -180,7 +182,7 @@ def test_many_updates_while_nothing_is_taken_take_no_room_and_the_newest_is_sent
     batch = outbox.next()
     assert batch is not None
     assert len(batch.changes) == 41
-    outbox.taken(renderer.take(batch))
+    outbox.acknowledge(renderer.take(batch))
     assert renderer.scene["o7"][1] == 1999 / 2048
     assert set(renderer.scene) == {*chosen, "p"}
 
@@ -197,7 +199,7 @@ def test_batches_are_bounded_moves_do_not_wait_for_puts_and_puts_not_for_moves()
     while (batch := outbox.next()) is not None:
         assert len(batch.changes) <= MAX_BATCH_OBJECTS
         kinds.append({type(c) for c in batch.changes})
-        outbox.taken(renderer.take(batch))
+        outbox.acknowledge(renderer.take(batch))
         done(room, who, move(old, 0.25)) if len(kinds) < 5 else None
     assert kinds[0] == {MoveObject, PutObject}
     assert list(renderer.scene) == [*old, *(f"n{i}" for i in range(200))]
@@ -226,7 +228,7 @@ def test_an_object_that_takes_long_holds_up_nothing() -> None:
     batch = outbox.next()
     assert batch is not None
     assert [type(c) for c in batch.changes] == [SetHands, MoveObject, PutObject]
-    outbox.taken(renderer.take(batch))
+    outbox.acknowledge(renderer.take(batch))
     assert renderer.scene["mesh"] == before  # what it replaces is felt until then
     assert outbox.next() is None
     assert converted(room) == []
@@ -252,7 +254,7 @@ def test_batches_have_no_more_bytes_than_they_may_but_for_one_object() -> None:
         converted(room)
         if (batch := outbox.next()) is not None:
             batches.append([len(c.item) for c in batch.changes if isinstance(c, PutObject)])
-            outbox.taken(renderer.take(batch))
+            outbox.acknowledge(renderer.take(batch))
     assert all(sum(sizes) <= BYTES or len(sizes) == 1 for sizes in batches)
     assert list(renderer.scene) == [f"t{i}" for i in range(4)]
 
@@ -267,7 +269,7 @@ def test_another_renderer_and_another_scene_begin_anew() -> None:
     done(rooms[0], client(), put({"late": point()}))
     assert outbox.next() is not None  # taken by nobody: the renderer is killed
     renderer = FakeRenderer(run=2)
-    outbox.taken(renderer.last)
+    outbox.acknowledge(renderer.last)
     renderer.drain(outbox)
     assert list(renderer.scene) == ["o0", "late"]
     outbox.feel(rooms[1])
@@ -330,14 +332,14 @@ def test_a_bus_that_begins_with_no_changes_goes_on_as_any(
     renderer.scene["old"] = [b"of the bus before", None, None]
     renderer.last = ChangesAck(3, renderer.run, 7)
     if known:
-        outbox.taken(renderer.last)
+        outbox.acknowledge(renderer.last)
     done(room, who, put({"a": point()}))
     batch = outbox.next() if early else None
     if seen:
         renderer.take(Changes(0, outbox.run, (ResetScene(),)))  # as the loop takes it
-        outbox.taken(renderer.last)
+        outbox.acknowledge(renderer.last)
     if batch is not None:
-        outbox.taken(renderer.take(batch))
+        outbox.acknowledge(renderer.take(batch))
     renderer.drain(outbox)
     assert set(renderer.scene) == {"a"}
     assert outbox.next() is None

@@ -18,8 +18,8 @@ import pytest
 
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import (
-    FIRST,
-    LONGEST,
+    MAX_RESTART_DELAY,
+    MIN_RESTART_DELAY,
     STARTING,
     WELL,
     Supervisor,
@@ -159,7 +159,7 @@ def test_one_that_ended_is_told_once_and_started_again_after_a_while() -> None:
     assert watch.check() == [("bus", "ended with exit code 3")]
     assert watch.check() == []
     assert not watch.supervisor.alive("bus", watch.clock.time)
-    watch.clock.advance(FIRST)
+    watch.clock.advance(MIN_RESTART_DELAY)
     assert watch.check() == []
     assert watch.newest("bus").code is None
     assert watch.supervisor.restarts == {"guard": 0, "bus": 1, "render": 0}
@@ -182,9 +182,9 @@ def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
 
     waits = [waited() for _ in range(10)]
     for a, b in itertools.pairwise(waits):
-        assert b == pytest.approx(min(LONGEST, 2.0 * a), abs=0.003)
+        assert b == pytest.approx(min(MAX_RESTART_DELAY, 2.0 * a), abs=0.003)
     watch.clock.advance(2.0 * WELL)
-    assert waited() == pytest.approx(FIRST, abs=0.003)
+    assert waited() == pytest.approx(MIN_RESTART_DELAY, abs=0.003)
 
 
 def test_one_without_a_sign_of_life_is_killed() -> None:
@@ -234,7 +234,7 @@ def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_
     old.held = True
     beat = watch.clock.time
     assert watch.look(1.1, bus=beat) == [("bus", "hung, and was killed")]
-    watch.clock.advance(LONGEST)
+    watch.clock.advance(MAX_RESTART_DELAY)
     assert watch.check(bus=beat) == []
     assert watch.newest("bus") is old, "its port is not free"
     old.code = -9
@@ -280,7 +280,7 @@ def test_the_spare_takes_over_in_the_same_look() -> None:
     assert watch.supervisor.restarts["guard"] == 1
     assert not watch.supervisor.ended
     old = watch.clock.time - LOOK
-    assert watch.look(10 * FIRST, guard=old) == []
+    assert watch.look(10 * MIN_RESTART_DELAY, guard=old) == []
     assert len(watch.started) == 4, "first it must live"
     watch.look(LOOK)
     assert watch.newest("spare") is not spare
@@ -300,14 +300,14 @@ def test_spares_of_a_guard_that_ends_again_and_again_are_started_later_and_later
             watch.clock.advance(0.001)
             assert watch.check() == []
         waits.append(watch.clock.time - began)
-    assert waits == pytest.approx([2**k * FIRST for k in range(5)], abs=0.003)
+    assert waits == pytest.approx([2**k * MIN_RESTART_DELAY for k in range(5)], abs=0.003)
 
 
 def test_a_spare_that_ends_is_told_and_replaced_and_the_guard_goes_on() -> None:
     watch, guard, spare = with_spare()
     spare.code = -9
     assert watch.check() == [("spare", "was killed by signal 9")]
-    assert watch.look(FIRST + LOOK) == []
+    assert watch.look(MIN_RESTART_DELAY + LOOK) == []
     assert watch.newest("spare") is not spare
     assert watch.supervisor.children["guard"].process is guard
     assert watch.supervisor.restarts["guard"] == 0
@@ -318,7 +318,7 @@ def test_without_a_spare_the_guard_is_started_as_the_others_are() -> None:
     spare.code = guard.code = -9
     assert [name for name, _ in watch.check()] == ["guard", "spare"]
     assert not watch.log, "one that has ended is not called"
-    assert watch.look(FIRST + LOOK) == []
+    assert watch.look(MIN_RESTART_DELAY + LOOK) == []
     assert watch.newest("guard") is not guard
     assert watch.supervisor.restarts["guard"] == 1
 
@@ -364,7 +364,7 @@ def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_sta
     watch.check()
     beat = watch.clock.time - LOOK
     assert watch.look(1.1, guard=beat) == [("guard", "did not start, and was killed")]
-    assert watch.look(2 * FIRST + LOOK) == []
+    assert watch.look(2 * MIN_RESTART_DELAY + LOOK) == []
     assert watch.newest("guard") is not guard
     watch, guard, spare = with_spare()
     guard.code = -9
@@ -386,9 +386,9 @@ def test_a_spare_that_cannot_be_started_is_told(error: Exception) -> None:
     watch = Watch()
     watch.error = error
     assert watch.check() == [("spare", f"could not be started: {error}")]
-    assert watch.look(FIRST - LOOK) == []
+    assert watch.look(MIN_RESTART_DELAY - LOOK) == []
     watch.error = None
-    assert watch.look(4 * FIRST) == []
+    assert watch.look(4 * MIN_RESTART_DELAY) == []
     assert watch.newest("spare").code is None
 
 
@@ -407,9 +407,11 @@ def test_one_that_cannot_be_started_again_is_tried_again_less_and_less_often(
             assert ended == [("bus", f"could not be started: {error}")]
             tries.append(watch.clock.time)
     waits = [b - a for a, b in itertools.pairwise(tries)]
-    assert waits == pytest.approx([2 * FIRST, 4 * FIRST, 8 * FIRST], abs=0.003)
+    assert waits == pytest.approx(
+        [2 * MIN_RESTART_DELAY, 4 * MIN_RESTART_DELAY, 8 * MIN_RESTART_DELAY], abs=0.003
+    )
     watch.error = None
-    watch.clock.advance(LONGEST)
+    watch.clock.advance(MAX_RESTART_DELAY)
     assert watch.check() == []
     assert watch.newest("bus").code is None
     assert watch.supervisor.restarts["bus"] == 1
@@ -421,7 +423,7 @@ def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() 
     assert watch.look(STARTING - 1.0, render=old) == []
     assert not watch.supervisor.alive("render", old)
     assert watch.look(1.1, render=old) == [("render", "did not start, and was killed")]
-    assert watch.look(FIRST + LOOK) == []
+    assert watch.look(MIN_RESTART_DELAY + LOOK) == []
     new = watch.clock.time
     assert watch.look(2.0, render=old) == [], "nor that of one before it"
     watch.look(LOOK, render=new)

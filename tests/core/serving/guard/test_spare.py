@@ -13,7 +13,7 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.scene.file import Choice
-from pacinian.serving.guard.spare import LOOK, HangDetector
+from pacinian.serving.guard.spare import CHECK_INTERVAL, HangDetector
 from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
 from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
 from pacinian.wire.control import Choice as Selected
@@ -38,7 +38,7 @@ LIMIT = 0.25  # [s]
 # a clock that is told
 
 
-def looked(seconds: float, sound: bool, every: float = LOOK) -> float:
+def looked(seconds: float, sound: bool, every: float = CHECK_INTERVAL) -> float:
     """How long it takes until a guard that gives no sign of life is missed, looked at for so long [s]."""
     pulse, now = HangDetector(LIMIT), 100.0
     assert not pulse.missed(now, sound, now)
@@ -51,13 +51,13 @@ def looked(seconds: float, sound: bool, every: float = LOOK) -> float:
 
 
 def test_a_guard_without_a_sign_of_life_is_missed_while_there_may_be_sound() -> None:
-    assert LIMIT < looked(10.0, sound=True) <= LIMIT + 2 * LOOK
+    assert LIMIT < looked(10.0, sound=True) <= LIMIT + 2 * CHECK_INTERVAL
     assert looked(10.0, sound=False) == 10.0
 
 
 def test_one_that_lives_is_not_missed() -> None:
     pulse = HangDetector(LIMIT)
-    assert not any(pulse.missed(0.2 * (k // 10), True, LOOK * k) for k in range(1000))
+    assert not any(pulse.missed(0.2 * (k // 10), True, CHECK_INTERVAL * k) for k in range(1000))
 
 
 def test_what_was_not_looked_at_proves_nothing() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pacinian as pc
-from pacinian.serving.render.quiet_zones import ROOM, ZonePlacement
+from pacinian.serving.render.quiet_zones import MARGIN, ZonePlacement
 
 from ....waiting import eventually
 
@@ -47,14 +47,14 @@ def test_a_zone_may_move_a_little_without_a_pause(quieting: ZonePlacement) -> No
     eventually(lambda: quieting.keeps((FIXED, head())))
     at = 0.0
     for _ in range(8):
-        at += 0.4 * ROOM
+        at += 0.4 * MARGIN
         assert quieting.keeps((FIXED, head(at)))
         covered(quieting, FIXED, head(at))
 
         def goes_on(x: float = at) -> bool:
             zones = FIXED, head(x)
             assert quieting.keeps(zones)  # while others are prepared
-            return quieting.limits.zones[1].position[0] > x - 0.5 * ROOM
+            return quieting.limits.zones[1].position[0] > x - 0.5 * MARGIN
 
         eventually(goes_on)
 

@@ -42,7 +42,7 @@ def test_the_log_keeps_frames_that_sound_and_ends_of_sound(probe: Probe, tmp_pat
 
 
 def test_the_newest_events_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(device, "ROOM", 8)
+    monkeypatch.setattr(device, "MAX_EVENTS", 8)
     with Log(tmp_path / "log") as log:
         for n in range(20):
             log.write(n % 3 == 0)

@@ -29,7 +29,7 @@ MOSTLY = 1.5  # twice the share of gains at their limit up to which they are sub
 SINGLE = 1e-7  # mu, relative to the mean square of the rows, from which single precision suffices
 ARMIJO = 1e-4  # least share of the promised ascent that a step must achieve
 ROUNDING = 1e-14  # rounding error of D relative to its terms
-SHORTEST = 1e-4  # least length of a step, relative to a full step
+MIN_STEP = 1e-4  # least length of a step, relative to a full step
 SHORT = 0.1  # length of a step below which it has overshot and the doubt grows
 CAREFUL, CALMER = 100.0, 10.0  # factors by which the doubt grows then, and decays in other steps
 
@@ -173,7 +173,7 @@ def _search(
     """Backtrack from a full step by halving; return the first point that is high enough, else the same point."""
     noise = ROUNDING * (abs(float(np.vdot(point.y, dual.rows.p).real)) + abs(point.value))
     length = 1.0
-    while length > SHORTEST:
+    while length > MIN_STEP:
         new = dual.at(point.y + length * d, point.x + length * dx)
         if new.value >= point.value + ARMIJO * length * promise - noise:
             return new, length

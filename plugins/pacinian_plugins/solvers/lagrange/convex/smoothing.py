@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 FIRST = 0.1  # cost of the smoothing at first, as a share of D
-SHARE = 0.01  # its cost later, as a share of the ascent that the last step promised
+COST_SHARE = 0.01  # its cost later, as a share of the ascent that the last step promised
 LAST = 0.1  # its least cost, as a share of the tolerance
 PACE = 0.1  # least factor by which the smoothing of the gains decreases in one step
 
@@ -18,7 +18,7 @@ class Smoothing(NamedTuple):
 
     def next(self, promised: float, tolerance: float) -> Smoothing:
         """Return the smoothing of the next step. promised: ascent promised by the last step, as a share of D."""
-        least, share = LAST * tolerance, SHARE * promised
+        least, share = LAST * tolerance, COST_SHARE * promised
         return Smoothing(
             max(min(self.rows, share), least),
             max(min(self.gains, max(share, PACE * self.gains)), least),

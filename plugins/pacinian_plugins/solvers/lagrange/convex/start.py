@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 ENDLESS = pc.Budget()
 RIDGE = 1e-13  # ridge relative to the mean square of the rows plus mu
-SHARE = 0.25  # share of transducers at their limit from which other starts are tried
-MORE = (1e1, 1e2, 1e3, 1e4, 1e5)  # factors on mu for other starts
+LIMITED_SHARE = 0.25  # share of transducers at their limit from which other starts are tried
+MU_FACTORS = (1e1, 1e2, 1e3, 1e4, 1e5)  # factors on mu for other starts
 # values of mu, relative to the mean square of the rows, for problems that have none
 PLAIN = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0)
 
@@ -38,9 +38,9 @@ def begin(
             best, mu, promise = warm, dual.mu + warm.nu, 0.0  # start with the least smoothing
     made = dual.make(best.h)
     loud = dual.rows.quiet & (np.abs(made) > dual.rows.limit)
-    if y is None and (best.nu > 0.0 or _held(dual, best) > SHARE or loud.any()):
+    if y is None and (best.nu > 0.0 or _held(dual, best) > LIMITED_SHARE or loud.any()):
         for near in (none, loud) if loud.any() else (none,):
-            for more in MORE:
+            for more in MU_FACTORS:
                 if not in_time(budget, len(gram) ** 3):
                     break
                 point = dual.at(unlimited(dual, gram, more * dual.mu, near))
