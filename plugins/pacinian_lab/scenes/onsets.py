@@ -1,13 +1,13 @@
 """Measure the audible noise and the largest step of objects that appear, vanish, hop and vibrate.
 
-Run: `python -m pacinian_lab.scenes.onsets [--rows 1 --rows 40]`. Gains are taken before they are quantised to a
-device's levels.
+Run: `python -m pacinian_lab.scenes.onsets [--rows 1 --rows 40]`. The device has so many levels that they
+add no noise.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -15,9 +15,10 @@ import numpy as np
 from pacinian import gallery
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
-from pacinian.plugins.registry import backend
+from pacinian.plugins.backend import MAX_LEVELS, Capability
 from pacinian.rendering.audibility import compute_envelope, measure_audible
 from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.rerender import CaptureBackend
 from pacinian.scene.modulation.envelope import STEADY
 from pacinian.scene.modulation.waves import Constant, Square
 from pacinian.scene.objects import Point
@@ -126,22 +127,16 @@ def collect_gains(
     array: Array, scene: Callable[[float], Scene], rows: int, ticks: int = TICKS
 ) -> Gains:
     """Return the rows of gains, (ticks * rows, N)."""
-    clock, device = ManualClock(), backend("simulated", rate=1000.0 * rows, keep=1)
-    renderer = Renderer(array, scene, backend=device, clock=clock, governed=False)
+    device = CaptureBackend(Capability(MAX_LEVELS, MAX_LEVELS, rate=1000.0 * rows))
     made: list[Gains] = []
-    with renderer:
-        kept = renderer.player.rows
-
-        def record(*args: Any) -> Gains:
-            made.append(kept(*args).copy())
-            return made[-1]
-
-        renderer.player.rows = record  # type: ignore[method-assign, assignment]
+    with Renderer(array, scene, backend=device, clock=ManualClock(), governed=False) as renderer:
         for k in range(ticks):
-            count = len(made)
+            device.frame = None
             renderer.tick(k * renderer.period)
-            if len(made) == count:  # the tick repeated the last frame
+            if device.frame is None:  # the tick repeated the last frame
                 made.append(np.repeat(made[-1][-1:], rows, axis=0))
+            else:
+                made.append(device.frame.gains(device.capability))
     for fault in renderer.report.faults:
         raise fault.cause
     return np.concatenate(made)
