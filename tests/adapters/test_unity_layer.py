@@ -28,11 +28,11 @@ from .game import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.deep("mono", "mcs")
 
-STATES = 60  # in which the hand has been to and fro
+TOUCHES = 60  # states in which the ball is touched, in which the hand has been to and fro
 SKIN = 0.01  # [m]: samples are on the hand's skin, at most so deep in the ball
 
 
@@ -67,6 +67,17 @@ def felt(status: dict[str, Any]) -> bool:
 
 def sounds(game: Game) -> None:
     game.until(felt)
+
+
+def flash(game: Game, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
+    """How it stands when the point sounds, as wanted; it is played again where a machine takes longer than it lasts."""
+
+    def flashes(status: dict[str, Any]) -> bool:
+        if not status["playing"]:
+            game.do("point")
+        return bool(status["playing"] and status["flash"] > 0.0 and wanted(status))
+
+    return game.until(flashes)
 
 
 def test_the_packages_own_tests(built: unity.Built) -> None:
@@ -104,8 +115,7 @@ def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
 
     assert eventually(draws)["apart"] < SKIN
     game.until(lambda s: s["force"] > 0.5)
-    game.do("point")
-    assert not game.until(lambda s: s["playing"] and s["flash"] > 0.0)["pointed"]
+    assert not flash(game)["pointed"]
     game.until(lambda s: not s["playing"] and s["flash"] == 0.0)  # its duration is over
     game.do("hand off")
     game.until(lambda s: s["output"] == "silent")
@@ -137,12 +147,16 @@ def test_what_is_changed_while_it_runs(game: Game) -> None:
     game.do("strength 8")
     game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 3.0)  # by where the hand is
     game.do("strength 2")
-    weak = [False] * STATES
+    weak = [False] * TOUCHES
 
     def is_weak(status: dict[str, Any]) -> bool:
-        """Wherever the hand is."""
-        weak.append(0.0 < status["emitted"] < 3.0)  # at the rim it may be a third more than asked
-        return all(weak[-STATES:])
+        """Wherever the hand is.
+
+        For 0.2 s of each second it is beside the ball, and nothing is felt. A slow machine sees few states in between.
+        """
+        if status["emitted"] > 0.0:
+            weak.append(status["emitted"] < 3.0)  # at the rim it may be a third more than asked
+        return all(weak[-TOUCHES:])
 
     game.until(is_weak)
     game.do("strength 8")
@@ -162,7 +176,7 @@ def test_what_is_changed_while_it_runs(game: Game) -> None:
     game.until(lambda s: s["solver"] == "auto")
     game.do("both 100000")  # more than the server allows, in one message with what it does
     assert "radiation_pressure" in game.event("refused")["code"]
-    assert game.until(lambda s: s["flash"] > 0.0 and s["objects"] == 1)["wrong"]
+    assert flash(game, lambda s: s["objects"] == 1)["wrong"]
     game.do("strength 8")
     sounds(game)
     assert game.status()["wrong"] == ""
