@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import inspect
+import os
+import time
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+import zmq
+from msgspec.structs import replace
 
-from pacinian.wire import replies
+from pacinian.wire import control, replies
 
+from ..core.client.fake import Fake
 from ..waiting import eventually
 from . import test_csharp_client, test_csharp_connecting, test_csharp_server, tools
 from .game import Game, begin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
-    from ..core.client.fake import Fake
+    Start = Callable[..., Game]
 
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
@@ -44,7 +49,7 @@ def programs() -> Path:
 
 
 @pytest.fixture
-def start(programs: Path) -> Callable[..., Game]:
+def start(programs: Path) -> Start:
     """Starts a game, in C++."""
     return partial(begin, [programs / "client_answers"], **tools.WATCHED)
 
@@ -77,3 +82,82 @@ def test_its_threads_do_not_race(server: Fake, game: Game) -> None:
         game.event("connected")
     game.do("dispose")
     assert game.end() == 0, game.told[-50:]
+
+
+@pytest.fixture(scope="module")
+def with_libzmq() -> Path:
+    """A game that was built with libzmq."""
+    settings = "-DPACINIAN_LIBZMQ=ON", *tools.RACES, tools.JOINED
+    return tools.cmake("libzmq", ["client_answers"], *settings) / "client_answers"
+
+
+def write_keys(server: Fake, path: Path, **other: str) -> dict[str, str]:
+    """A connection file with keys in place of a token."""
+    public, secret = zmq.curve_keypair()
+    keys = {"public_key": public.decode(), "secret_key": secret.decode(), **other}
+    replace(server.connection, token="", **keys).write(path)
+    return keys
+
+
+def test_keys_in_place_of_a_token(with_libzmq: Path, tmp_path: Path) -> None:
+    path = tmp_path / "connection.json"
+    with Fake(keys=zmq.curve_keypair()) as server:
+        keys = write_keys(server, path)
+        with begin([with_libzmq], path, **tools.WATCHED_LIBZMQ) as game:
+            game.do("start")
+            game.event("connected")
+            game.do("put ball 0 0 0.2 5")
+            server.until(lambda: len(server.seen) > 2)
+            game.until(lambda s: s["latency"] > 0.0)
+            game.do("stop")
+            server.until(lambda: bool(server.of(control.Stop)))
+            write_keys(server, path, server_key=keys["public_key"])
+            server.say(replies.Error(code="session", message="again"))
+            assert game.until(lambda s: s["status"] == "Refused")["problem"]
+            write_keys(server, path, secret_key="short")
+            game.until(lambda s: "no keys of a client" in s["problem"])
+            assert game.end() == 0, game.told[-50:]
+
+
+def test_a_game_with_libzmq_needs_it_only_for_keys(
+    with_libzmq: Path, server: Fake, file: Path
+) -> None:
+    with begin([with_libzmq], file, **tools.WATCHED_LIBZMQ) as game:
+        game.do("start")
+        game.event("connected")
+        assert game.end() == 0, game.told[-50:]
+
+
+def test_libzmq_is_needed_only_for_keys(server: Fake, start: Start, tmp_path: Path) -> None:
+    path = tmp_path / "connection.json"
+    write_keys(server, path, server_key="k" * 40)
+    with start(path, timeout=2.0) as game:
+        game.do("start")
+        problem = game.until(lambda s: s["status"] == "Refused")["problem"]
+        assert "built without" in problem
+        assert "PACINIAN_LIBZMQ" in problem  # says what to do
+        game.do("stop")
+        assert "libzmq" in game.event("refused", "stop")["message"]
+        server.connection.write(path)
+        game.event("connected")
+        game.do("stop")
+        server.until(lambda: bool(server.of(control.Stop)))
+        assert game.end() == 0, game.told[-50:]
+
+
+def test_it_is_not_linked_with_libzmq(programs: Path) -> None:
+    assert "libzmq" not in tools.run("ldd", programs / "client_answers")
+
+
+def test_it_waits_without_working(server: Fake, game: Game) -> None:
+    """A thread that went round and round would take all of a core."""
+    game.until(lambda s: s["latency"] > 0.0)
+    before, begin = read_processor_time(game), time.monotonic()
+    time.sleep(1.0)
+    assert read_processor_time(game) - before < 0.5 * (time.monotonic() - begin)
+
+
+def read_processor_time(game: Game) -> float:
+    """What its process took [s]."""
+    fields = Path(f"/proc/{game.process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,24 +1,12 @@
 #pragma once
 
-#include <cstdio>
 #include <vector>
 
 #include "client/outlet.h"
+#include "expect.h"
 #include "pacinian/wire/codec.h"
 
 namespace check {
-
-inline int passed = 0, failed = 0;
-
-inline void expect(bool good, const char* what, int line) {
-  ++(good ? passed : failed);
-  if (!good) std::printf("line %d: not so: %s\n", line, what);
-}
-
-inline int result() {
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 && passed > 0 ? 0 : 1;
-}
 
 /// Keeps what is sent, as long as there is room.
 class Sink : public pacinian::client::Outlet {
@@ -55,5 +43,3 @@ class Sink : public pacinian::client::Outlet {
 };
 
 }  // namespace check
-
-#define EXPECT(what) check::expect((what), #what, __LINE__)

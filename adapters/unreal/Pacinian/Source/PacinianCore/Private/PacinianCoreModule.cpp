@@ -11,7 +11,7 @@
 class FPacinianCoreModule : public IModuleInterface {
  public:
   virtual void StartupModule() override {
-#if PLATFORM_WINDOWS  // elsewhere the loader finds it
+#if PLATFORM_WINDOWS && defined(PACINIAN_LIBZMQ)  // elsewhere the loader finds it
     const TSharedPtr<IPlugin> Plugin = IPluginManager::Get().FindPlugin(TEXT("Pacinian"));
     if (Plugin)
       Library = FPlatformProcess::GetDllHandle(

@@ -41,7 +41,7 @@ void Client::stop() {
 
 void Client::Inside::stopped(const std::string& problem) {
   const std::lock_guard<std::mutex> guard(lock);
-  if (worker) worker->mailbox().wake.signal();
+  if (worker) worker->mailbox().bell.ring();
   stop_problem = problem;
 }
 

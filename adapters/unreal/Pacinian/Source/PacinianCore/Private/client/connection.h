@@ -1,9 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
 namespace pacinian::client {
+
+/// The server's three sockets: requests and their answers, commands, the published state.
+enum class Channel : std::uint8_t { control, command, state };
+
+inline constexpr std::array channels = {Channel::control, Channel::command, Channel::state};
 
 /// What a connection file holds: where the server is, and the secrets that let us in.
 struct Connection {
@@ -11,6 +17,10 @@ struct Connection {
   std::string control, command, state;
   std::string token;  ///< on loopback
   std::string server_key, public_key, secret_key;  ///< CURVE keys (Z85), elsewhere
+
+  const std::string& at(Channel channel) const {
+    return channel == Channel::control ? control : channel == Channel::command ? command : state;
+  }
 
   /// Reads the file of a running server. False, with the problem and the fix, if there is none.
   bool read(const std::string& path, std::string& problem);

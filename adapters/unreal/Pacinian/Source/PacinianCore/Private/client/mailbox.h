@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "bell.h"
 #include "outbox.h"
-#include "socket.h"
 #include "told.h"
 
 namespace pacinian::client {
@@ -16,9 +16,8 @@ namespace pacinian::client {
 /// sent, read or written.
 class Mailbox {
  public:
-  explicit Mailbox(Context& context) : wake(context) {}
-
-  Wake wake;
+  /// Ends the worker's wait.
+  Bell bell;
 
   // The game's side.
 
@@ -30,14 +29,14 @@ class Mailbox {
       if (session == 0 || session != session_) return false;
       act(*filling_, requests_);
     }
-    wake.signal();
+    bell.ring();
     return true;
   }
 
   /// The game is alive at `time` [s].
   void tick(double time) {
     ticked_.store(time);
-    if (wants_tick_.exchange(false)) wake.signal();
+    if (wants_tick_.exchange(false)) bell.ring();
   }
 
   /// Takes what has been told since. True if there is a newer state.

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <memory>
 
-#include "link.h"
 #include "pacinian/wire/codec.h"
+#include "transport.h"
 
 namespace pacinian::client {
 
@@ -72,32 +72,29 @@ std::string Stopper::send() {
 }
 
 std::string Stopper::attempt(double end) {
-  Context context;
-  Link link;
   Connection connection;
   Loss loss;
-  if (!find(connection, loss.why) ||
-      !link.open(context, connection, connection.control, true, loss))
-    return loss.why;
+  std::unique_ptr<Transport> transport;
+  if (find(connection, loss.why)) transport = connect(connection, false, loss);
+  if (!transport) return loss.why;
   wire::Stop stop;
   stop.id = 1;
   wire::Writer writer;
   writer.put(stop);
   wire::AnyReply reply;
   wire::WireError wrong;
-  Message message;
+  wire::Bytes message;
   bool sent = false;
   for (double left = end - options_.clock(); left > 0.0; left = end - options_.clock()) {
-    const short events = sent ? ZMQ_POLLIN : ZMQ_POLLIN | ZMQ_POLLOUT;
-    zmq_pollitem_t items[] = {{link.socket(), 0, events, 0}, {link.monitor(), 0, ZMQ_POLLIN, 0}};
-    zmq_poll(items, 2, static_cast<long>(std::ceil(1e3 * std::min(left, pause))));
-    sent = sent || link.send(writer.data(), writer.size());
-    while (link.receive(message)) {
+    sent = sent || transport->send(Channel::control, writer.data(), writer.size());
+    transport->wait(std::min(left, pause), nullptr);
+    while (transport->receive(Channel::control, message)) {
       if (!wire::decode_reply(message.data(), message.size(), reply, wrong)) continue;
       if (const auto* done = std::get_if<wire::Ok>(&reply); done && done->id == stop.id) return "";
       if (const auto* error = std::get_if<wire::Error>(&reply)) return error->message;
     }
-    if (link.lost(loss, false)) return loss.why;
+    const End ended = transport->ended();
+    if (ended.how != Ending::none) return explain(ended.how, connection.at(ended.where), false).why;
     if (hurries_.load()) end = std::min(end, options_.clock() + hurry);
   }
   return "the server at " + connection.control + " has not confirmed the stop in time";

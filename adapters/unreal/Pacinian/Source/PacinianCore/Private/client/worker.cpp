@@ -1,7 +1,6 @@
 #include "worker.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pacinian::client {
 
@@ -11,44 +10,37 @@ constexpr double longest = 1.0;   // [s] between two looks at the clock
 constexpr double fresh = 0.05;    // [s] of a state's age, beyond which newer ones are looked for
 constexpr double settle = 0.005;  // [s] in which more would come
 
-constexpr short both = ZMQ_POLLIN | ZMQ_POLLOUT;
-
-zmq_pollitem_t item(void* socket, short events = ZMQ_POLLIN) { return {socket, 0, events, 0}; }
-
 }  // namespace
 
 Worker::Worker(const Options& options, Stopper& stopper)
     : options_(options),
       stopper_(stopper),
-      mailbox_(context_),
       dialogue_(introduce(options), options.timeout),
       outbox_(mailbox_.first()),
       thread_([this] { run(); }) {}
 
 Worker::~Worker() {
   quits_.store(true);
-  mailbox_.wake.signal();
+  mailbox_.bell.ring();
   thread_.join();
 }
 
 bool Worker::control(const wire::Writer& message) {
-  control_full_ = !control_.send(message.data(), message.size());
-  return !control_full_;
+  return transport_->send(Channel::control, message.data(), message.size());
 }
 
 bool Worker::command(const wire::Writer& message) {
-  command_full_ = !command_.send(message.data(), message.size());
-  return !command_full_;
+  return transport_->send(Channel::command, message.data(), message.size());
 }
 
 void Worker::run() {
   while (!quits_.load()) {
     const double now = options_.clock();
-    if (!open_ && now >= attempts_.due()) connect(now);
-    if (open_) speak(now);
+    if (!transport_ && now >= attempts_.due()) connect(now);
+    if (transport_) speak(now);
     tell(now);
     wait(now);
-    if (open_) hear();
+    if (transport_) hear();
   }
   leave();
 }
@@ -59,34 +51,33 @@ void Worker::speak(double now) {
   dialogue_.hold_resets(stopper_.busy());  // after take: a stop called before a reset that it took is busy
   for (Request& request : requests_) dialogue_.ask(std::move(request), now);
   requests_.clear();
-  control_full_ = command_full_ = false;
   dialogue_.speak(now, *this);
   dialogue_.flush(*outbox_, now, *this);
 }
 
 void Worker::hear() {
-  Message message;
-  for (Link* link : {&control_, &command_})
-    while (link->receive(message)) dialogue_.hear(message.data(), message.size(), options_.clock());
-  for (Link* link : {&control_, &command_}) notice(*link);
+  for (const Channel channel : {Channel::control, Channel::command})
+    while (transport_->receive(channel, message_))
+      dialogue_.hear(message_.data(), message_.size(), options_.clock());
+  notice();
   look();
   dialogue_.pass_time(options_.clock());
 }
 
-void Worker::notice(Link& link) {
-  Loss loss;
-  if (link.lost(loss, dialogue_.begun())) dialogue_.lose(loss);
+void Worker::notice() {
+  const End end = transport_->ended();
+  if (end.how != Ending::none)
+    dialogue_.lose(explain(end.how, connection_.at(end.where), dialogue_.begun()));
 }
 
 /// Of the states that have come only the newest is read. A reader that was slow finds old ones in the kernel's
 /// buffers, more of which come only as it reads: an old one is held until no more come.
 void Worker::look() {
-  Message newest, next;
   bool some = false;
-  while (states_.receive(next)) some = zmq_msg_move(newest.get(), next.get()) == 0;
+  while (transport_->receive(Channel::state, message_)) some = true;
   const double now = options_.clock();
   wire::WireError wrong;
-  if (some && wire::decode_state(newest.data(), newest.size(), incoming_, wrong))
+  if (some && wire::decode_state(message_.data(), message_.size(), incoming_, wrong))
     held_ = now;
   else if (some)
     dialogue_.unreadable(wrong.problem);
@@ -106,7 +97,7 @@ void Worker::tell(double now) {
       event.session = ++sessions_;
       mailbox_.begin(sessions_);
     }
-  if (open_ && dialogue_.loss()) {
+  if (transport_ && dialogue_.loss()) {
     mailbox_.begin(0);
     disconnect();
     attempts_.failed(*dialogue_.loss(), now);
@@ -132,25 +123,21 @@ void Worker::show() {
 
 void Worker::wait(double now) {
   double due = now + longest;
-  zmq_pollitem_t items[6] = {item(mailbox_.wake.socket())};
-  int count = 1;
-  if (open_) {
+  if (transport_) {
     due = std::min({due, dialogue_.due(now), held_ + settle});
     if (dialogue_.wants_tick(now)) {
       mailbox_.want_tick();
       if (mailbox_.ticked() != dialogue_.ticked()) return;
     }
-    items[count++] = item(control_.socket(), control_full_ ? both : ZMQ_POLLIN);
-    items[count++] = item(control_.monitor());
-    items[count++] = item(command_.socket(), command_full_ ? both : ZMQ_POLLIN);
-    items[count++] = item(command_.monitor());
-    items[count++] = item(states_.get());
   } else {
     due = std::min(due, attempts_.due());
   }
   const double left = std::max(0.0, due - options_.clock());
-  zmq_poll(items, count, static_cast<long>(std::ceil(1e3 * left)));
-  mailbox_.wake.clear();
+  if (transport_)
+    transport_->wait(left, &mailbox_.bell);
+  else
+    mailbox_.bell.wait(left);
+  mailbox_.bell.clear();
 }
 
 }  // namespace pacinian::client

@@ -3,16 +3,17 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <thread>
 #include <vector>
 
 #include "attempts.h"
 #include "connection.h"
 #include "dialogue.h"
-#include "link.h"
 #include "mailbox.h"
 #include "pacinian/client/options.h"
 #include "stopper.h"
+#include "transport.h"
 
 namespace pacinian::client {
 
@@ -34,12 +35,11 @@ class Worker final : private Outlet {
   static wire::Hello introduce(const Options& options);
   void run();
   void connect(double now);
-  bool open(Loss& loss);
   void disconnect();
   void speak(double now);
   void hear();
   void look();
-  void notice(Link& link);
+  void notice();
   void tell(double now);
   void show();
   void wait(double now);
@@ -47,7 +47,6 @@ class Worker final : private Outlet {
 
   const Options options_;
   Stopper& stopper_;
-  Context context_;
   Mailbox mailbox_;
   std::atomic<bool> quits_{false};
 
@@ -55,9 +54,8 @@ class Worker final : private Outlet {
   Attempts attempts_;
   Dialogue dialogue_;
   Connection connection_;
-  Link control_, command_;
-  Socket states_;
-  bool open_ = false, control_full_ = false, command_full_ = false;
+  std::unique_ptr<Transport> transport_;  ///< null: not connected
+  wire::Bytes message_;
   double held_ = never;  ///< when the state in `incoming_` came
   Outbox* outbox_;
   std::vector<Request> requests_;

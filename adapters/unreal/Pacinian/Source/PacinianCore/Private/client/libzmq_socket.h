@@ -4,9 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <string_view>
+
+#include "pacinian/wire/types.h"
 
 namespace pacinian::client {
 
@@ -42,41 +43,25 @@ class Message {
 class Socket {
  public:
   Socket() = default;
-  Socket(Context& context, int kind);
   ~Socket() { close(); }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
   void open(Context& context, int kind);
   void close();
-  bool is_open() const { return socket_ != nullptr; }
   void* get() const { return socket_; }
   bool set(int option, int value);
   bool set(int option, std::string_view value);
-  bool bind(const std::string& at) { return zmq_bind(socket_, at.c_str()) == 0; }
   bool connect(const std::string& at) { return zmq_connect(socket_, at.c_str()) == 0; }
 
   /// False if there was no room.
   bool send(const std::uint8_t* data, std::size_t size);
 
   /// The last part of the next message. False if there is none.
-  bool receive(Message& out);
+  bool receive(wire::Bytes& into);
 
  private:
   void* socket_ = nullptr;
-};
-
-/// Ends the wait of a thread that polls `socket`. `signal` may be called from any thread.
-class Wake {
- public:
-  explicit Wake(Context& context);
-  void signal();
-  void clear();
-  void* socket() const { return inside_.get(); }
-
- private:
-  std::mutex lock_;
-  Socket inside_, outside_;
 };
 
 }  // namespace pacinian::client

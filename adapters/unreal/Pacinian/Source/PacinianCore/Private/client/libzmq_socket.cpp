@@ -1,6 +1,9 @@
-#include "socket.h"
+#ifdef PACINIAN_LIBZMQ
+
+#include "libzmq_socket.h"
 
 #include <cerrno>
+#include <mutex>
 
 namespace pacinian::client {
 
@@ -25,8 +28,6 @@ Context::~Context() {
   while (zmq_ctx_term(context_) != 0 && zmq_errno() == EINTR) {
   }
 }
-
-Socket::Socket(Context& context, int kind) { open(context, kind); }
 
 void Socket::open(Context& context, int kind) {
   close();
@@ -54,32 +55,20 @@ bool Socket::send(const std::uint8_t* data, std::size_t size) {
   return sent >= 0;
 }
 
-bool Socket::receive(Message& out) {
+bool Socket::receive(wire::Bytes& into) {
+  Message message;
   int more = 1;
   for (bool first = true; more; first = false) {
     int got = -1;
-    do got = zmq_msg_recv(out.get(), socket_, first ? ZMQ_DONTWAIT : 0);
+    do got = zmq_msg_recv(message.get(), socket_, first ? ZMQ_DONTWAIT : 0);
     while (got < 0 && zmq_errno() == EINTR);
     if (got < 0) return false;
-    more = zmq_msg_more(out.get());
+    more = zmq_msg_more(message.get());
   }
+  into.assign(message.data(), message.data() + message.size());
   return true;
 }
 
-Wake::Wake(Context& context) : inside_(context, ZMQ_PAIR), outside_(context, ZMQ_PAIR) {
-  inside_.bind("inproc://wake");
-  outside_.connect("inproc://wake");
-}
-
-void Wake::signal() {
-  const std::lock_guard<std::mutex> guard(lock_);
-  outside_.send(nullptr, 0);
-}
-
-void Wake::clear() {
-  Message message;
-  while (inside_.receive(message)) {
-  }
-}
-
 }  // namespace pacinian::client
+
+#endif

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "zmtp/zmtp_connection.h"
+
+/// Stands for TCP between a connection and a test.
+namespace feed {
+
+using pacinian::zmtp::ZmtpConnection;
+
+/// Reads all messages that have come.
+inline void read_all(ZmtpConnection& from, std::deque<std::string>& messages) {
+  std::vector<std::uint8_t> message;
+  while (from.read(message)) messages.emplace_back(message.begin(), message.end());
+}
+
+/// Gives some bytes; how many there was room for.
+inline std::size_t give_some(ZmtpConnection& to, const char* bytes, std::size_t count, double now) {
+  const auto room = to.input().reserve();
+  count = std::min(count, room.size);
+  if (count > 0) std::memcpy(room.data, bytes, count);
+  to.input().add(count);
+  to.note_arrival(now);
+  return count;
+}
+
+/// Gives bytes, at most so many at once, until it has ended; and reads the messages that come of it.
+inline void give(ZmtpConnection& to, const std::string& bytes, double now, std::size_t at_once,
+                 std::deque<std::string>& messages) {
+  for (std::size_t at = 0; at < bytes.size() && to.ending() == pacinian::zmtp::Ending::none;) {
+    at += give_some(to, bytes.data() + at, std::min(at_once, bytes.size() - at), now);
+    read_all(to, messages);
+  }
+}
+
+/// Takes what is to be sent.
+inline std::string take(ZmtpConnection& from) {
+  const std::string found(reinterpret_cast<const char*>(from.output().data()), from.output().size());
+  from.output().mark_sent(found.size());
+  return found;
+}
+
+}  // namespace feed

@@ -1,0 +1,10 @@
+#include "bell.h"
+
+namespace pacinian::client {
+
+void Bell::wait(double seconds) const {
+  zmtp::native::Watch watch = {inside_, true, false, false};
+  zmtp::native::wait(&watch, 1, seconds);
+}
+
+}  // namespace pacinian::client

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "transport.h"
+
+namespace pacinian::client {
+
+/// By the sockets of the system alone, over TCP: for a server on this machine, whose connection file has a token.
+std::unique_ptr<Transport> connect_by_token(const Connection& connection, bool to_all, Loss& loss);
+
+}  // namespace pacinian::client
