@@ -51,6 +51,20 @@ namespace Pacinian.Tests
             }
         }
 
+        public static void Raises<T>(Action what)
+            where T : Exception
+        {
+            try
+            {
+                what();
+            }
+            catch (T)
+            {
+                return;
+            }
+            throw new Exception("wanted " + typeof(T));
+        }
+
         public static void Holds(bool what)
         {
             Equal(true, what);

@@ -1,4 +1,5 @@
 using System;
+using System.Collections.Generic;
 using System.Net;
 using System.Net.Sockets;
 using System.Text;
@@ -183,11 +184,85 @@ namespace Pacinian.Tests
             Reads(made);
             made.CheckTime(5.99);
             ClientUnit.Equal(Ending.None, made.Ending);
-            Gives(made, "00 00", 5.99);
-            made.CheckTime(6.9);
-            ClientUnit.Equal(Ending.None, made.Ending);
-            made.CheckTime(7.1);
+            made.CheckTime(6.01);
             ClientUnit.Equal(Ending.Gone, made.Ending);
+        }
+
+        public void AMessageFulfilsATimeToLive()
+        {
+            ZmtpConnection made = Connected(SocketKind.Dealer);
+            Gives(made, "04 07 04'PING' 000a 04 07 04'PING' 0000 04 07 04'PING' 000a", 5.0);
+            Reads(made);
+            Gives(made, "00 00", 5.99);
+            Reads(made, "");
+            made.CheckTime(1e6);
+            ClientUnit.Equal(Ending.None, made.Ending);
+        }
+
+        public void AMessageBehindAHeartbeatFulfilsItsTimeToLive()
+        {
+            ZmtpConnection made = Connected(SocketKind.Dealer);
+            Gives(made, "04 07 04'PING' 000a 00 00", 5.0);
+            Reads(made, "");
+            made.CheckTime(1e6);
+            ClientUnit.Equal(Ending.None, made.Ending);
+        }
+
+        public void APeerOf30IsSentNoHeartbeats()
+        {
+            ZmtpConnection made = new ZmtpConnection(new ZmtpSettings { PingInterval = 0.05, PingTimeout = 1.5 }, 0.0);
+            Gives(made, "ff 0000000000000000 7f 0300" + Null + Filler + RouterReady);
+            ClientUnit.Holds(made.Established);
+            made.Output.MarkSent(made.Output.Count);
+            made.CheckTime(0.1);
+            Sends(made, "");
+            made.CheckTime(10.0);
+            ClientUnit.Equal(Ending.None, made.Ending);
+        }
+
+        public void AfterAnErrorNothingIsRead()
+        {
+            foreach (string fatal in new[] { "04 0b 05'ERROR' 04'over'", "04 18 04'PING' 0000 '0123456789abcdefg'" })
+            {
+                ZmtpConnection made = Connected(SocketKind.Dealer);
+                Gives(made, "00 01 'a'" + fatal + "00 01 'b'");
+                made.NoteClosed();
+                Reads(made, "'a'");
+                Reads(made);
+                ClientUnit.Equal(Ending.Gone, made.Ending);
+            }
+        }
+
+        public void AProgramThatStoodStillWhileItConnectedIsConnected()
+        {
+            const int patience = 100000; // [us] in which a connection is made if the listener's queue has room for it
+            TcpListener listener = new TcpListener(IPAddress.Loopback, 0);
+            listener.Start(1);
+            List<Socket> opened = new List<Socket>();
+            Socket last;
+            do
+            {
+                last = new Socket(AddressFamily.InterNetwork, SocketType.Stream, ProtocolType.Tcp) { Blocking = false };
+                opened.Add(last);
+                ClientUnit.Raises<SocketException>(() => last.Connect(listener.LocalEndpoint));
+            }
+            while (last.Poll(patience, SelectMode.SelectWrite));
+            last.Close();
+            using (AutoResetEvent bell = new AutoResetEvent(false))
+            {
+                double now = 0.0;
+                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, bell, () => now);
+                for (int i = opened.Count; i > 0; i--) // those that have come, and then the one that waited
+                {
+                    opened.Add(listener.AcceptSocket());
+                }
+                now = 1000.0;
+                socket.Work();
+                ClientUnit.Equal(Ending.None, socket.Ended);
+                socket.Close();
+            }
+            opened.ForEach(each => each.Close());
+            listener.Stop();
         }
 
         public void OurHeartbeats()

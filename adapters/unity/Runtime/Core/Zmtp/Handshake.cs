@@ -107,7 +107,7 @@ namespace Pacinian.Zmtp
             }
             else if (count > VersionAt && input.Peek(VersionAt) < 3)
             {
-                Problem = "the peer speaks ZMTP " + input.Peek(VersionAt) + ", older than 3.0";
+                Problem = "the peer speaks a ZMTP older than 3.0";
             }
             for (int i = 0; i < MechanismBytes && MechanismAt + i < count && Problem.Length == 0; i++)
             {

@@ -11,6 +11,7 @@ namespace Pacinian.Zmtp
     {
         private const int MaxFrames = 64; // that wait to be sent before heartbeats are not answered any more
         private const int MaxContext = 16; // [bytes] of a heartbeat
+        private const int MinorOfCommands = 1; // from ZMTP 3.1 on, subscriptions and heartbeats are commands
         private const double TtlUnit = 0.1; // [s]
 
         private readonly ZmtpSettings _settings;
@@ -18,7 +19,7 @@ namespace Pacinian.Zmtp
         private readonly byte[] _ping = new byte[2], _context = new byte[MaxContext];
         private readonly double _begun;
         private double _heard, _pinged, _unanswered = double.NaN, _peerTimeout;
-        private bool _inMessage, _wanted;
+        private bool _inMessage, _wanted, _failed;
 
         /// <summary>Begins with the greeting.</summary>
         public ZmtpConnection(ZmtpSettings settings, double now)
@@ -61,6 +62,7 @@ namespace Pacinian.Zmtp
         {
             _heard = now;
             _unanswered = double.NaN;
+            _peerTimeout = 0.0;
         }
 
         /// <summary>Goes on with the handshake; to be called when bytes have come.</summary>
@@ -92,8 +94,9 @@ namespace Pacinian.Zmtp
         public int Read(byte[] into)
         {
             Advance();
-            while (Established && Input.Read())
+            while (Established && !_failed && Input.Read())
             {
+                _peerTimeout = 0.0; // a heartbeat limits only the silence that follows it
                 if (Input.IsCommand)
                 {
                     HandleCommand();
@@ -110,7 +113,7 @@ namespace Pacinian.Zmtp
             }
             if (Input.Problem.Length > 0)
             {
-                End(Ending.Foreign, Input.Problem);
+                Fail(Ending.Foreign, Input.Problem);
             }
             return -1;
         }
@@ -132,7 +135,7 @@ namespace Pacinian.Zmtp
         /// </summary>
         public void Subscribe(byte[] topic, bool wanted)
         {
-            if (_handshake.Minor >= 1)
+            if (_handshake.Minor >= MinorOfCommands)
             {
                 Output.WriteCommand(wanted ? Command.Subscribe : Command.Cancel, topic, topic.Length);
                 return;
@@ -143,7 +146,10 @@ namespace Pacinian.Zmtp
             Output.WriteMessage(message, message.Length);
         }
 
-        /// <summary>Sends a heartbeat that is due, and ends what was silent for too long (RFC 37, "Connection Heartbeating").</summary>
+        /// <summary>
+        /// Sends a heartbeat that is due, and ends what was silent for too long (RFC 37, "Connection Heartbeating"). ZMTP 3.0 has no
+        /// heartbeats: its peers are sent none.
+        /// </summary>
         public void CheckTime(double now)
         {
             if (!Established)
@@ -154,7 +160,7 @@ namespace Pacinian.Zmtp
                 }
                 return;
             }
-            if (_settings.PingInterval > 0.0 && now - _pinged >= _settings.PingInterval)
+            if (_settings.PingInterval > 0.0 && _handshake.Minor >= MinorOfCommands && now - _pinged >= _settings.PingInterval)
             {
                 _pinged = now;
                 _unanswered = double.IsNaN(_unanswered) ? now : _unanswered;
@@ -183,7 +189,7 @@ namespace Pacinian.Zmtp
                 int context = count - _ping.Length;
                 if (context < 0 || context > MaxContext)
                 {
-                    End(Ending.Foreign, "a heartbeat of " + count + " bytes");
+                    Fail(Ending.Foreign, "a heartbeat of " + count + " bytes");
                     return;
                 }
                 _peerTimeout = TtlUnit * (Input.Data[offset] << 8 | Input.Data[offset + 1]);
@@ -195,8 +201,15 @@ namespace Pacinian.Zmtp
             }
             else if (Command.Is(Input, Command.Error, out offset, out count))
             {
-                End(Ending.Gone, "the peer ends it: " + Command.ReadText(Input.Data, offset, count));
+                Fail(Ending.Gone, "the peer ends it: " + Command.ReadText(Input.Data, offset, count));
             }
+        }
+
+        /// <summary>What comes after it is not read (RFC 37, "Error Handling").</summary>
+        private void Fail(Ending ending, string problem)
+        {
+            _failed = true;
+            End(ending, problem);
         }
 
         private void End(Ending ending, string problem)

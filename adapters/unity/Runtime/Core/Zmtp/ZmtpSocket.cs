@@ -91,7 +91,7 @@ namespace Pacinian.Zmtp
             if (_connection == null)
             {
                 _link.TryConnect();
-                if (_link.Closed || now - _begun > _settings.ConnectTimeout)
+                if (_link.Closed || !_link.Connected && now - _begun > _settings.ConnectTimeout)
                 {
                     End(Ending.Nobody, now);
                     return;
